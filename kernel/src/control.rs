@@ -1,0 +1,116 @@
+//! The hand on a running job: cancel, live progress, and the test hook that disturbs scheduling.
+
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
+
+/// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
+#[derive(Default)]
+pub struct Control {
+    cancel: AtomicBool,
+    /// One entry per channel in ascending channel number.
+    progress: Box<[Progress]>,
+    jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
+}
+
+impl Control {
+    /// For a job of `channels` channels.
+    #[must_use]
+    pub fn new(channels: usize) -> Self {
+        Self { progress: (0..channels).map(|_| Progress::default()).collect(), ..Self::default() }
+    }
+
+    /// Calls `jitter(channel)` around every shared operation, so that tests can delay kernels at will.
+    #[must_use]
+    pub fn with_jitter(mut self, jitter: impl Fn(u16) + Send + Sync + 'static) -> Self {
+        self.jitter = Some(Box::new(jitter));
+        self
+    }
+
+    /// Asks the job to stop; it ends soon after with its channels `STOPPED`.
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`cancel`](Self::cancel) was called.
+    #[must_use]
+    pub fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Live progress by channel, ascending channel number.
+    #[must_use]
+    pub fn progress(&self) -> &[Progress] {
+        &self.progress
+    }
+
+    pub(crate) fn disturb(&self, channel: u16) {
+        if let Some(jitter) = &self.jitter {
+            jitter(channel);
+        }
+    }
+}
+
+impl std::fmt::Debug for Control {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Control").field("cancelled", &self.cancelled()).finish_non_exhaustive()
+    }
+}
+
+/// Where one channel stands, as far as its kernel has run (which may be ahead of the ordered log).
+#[derive(Debug, Default)]
+#[repr(align(64))]
+pub struct Progress {
+    /// Blocks processed.
+    pub blocks: AtomicU64,
+    /// Simulated time, ns.
+    pub t_ns: AtomicI64,
+    /// Line in the file being executed.
+    pub line: AtomicU32,
+    /// File being executed.
+    pub file: AtomicU32,
+    /// [`State`] as a number.
+    pub state: AtomicU8,
+}
+
+/// What a channel does right now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum State {
+    /// Not yet started.
+    #[default]
+    Ready = 0,
+    /// Executing blocks.
+    Running = 1,
+    /// Standing at a meeting point.
+    Waiting = 2,
+    /// Program ended.
+    Ended = 3,
+    /// Alarm.
+    Alarmed = 4,
+    /// No program.
+    NotStarted = 5,
+    /// Stopped by a limit or cancel.
+    Stopped = 6,
+    /// Can never go on.
+    Blocked = 7,
+}
+
+impl Progress {
+    /// Current state.
+    #[must_use]
+    pub fn state(&self) -> State {
+        match self.state.load(Ordering::Relaxed) {
+            1 => State::Running,
+            2 => State::Waiting,
+            3 => State::Ended,
+            4 => State::Alarmed,
+            5 => State::NotStarted,
+            6 => State::Stopped,
+            7 => State::Blocked,
+            _ => State::Ready,
+        }
+    }
+
+    pub(crate) fn set_state(&self, state: State) {
+        self.state.store(state as u8, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,52 @@
+//! The files a job may read. The kernel knows no file system: whoever runs a job hands in this view of it.
+
+use std::sync::Arc;
+
+/// Why a file could not be had.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// No such file in the job.
+    #[error("no file '{0}' in the job")]
+    Missing(String),
+    /// It exists but cannot be read.
+    #[error("cannot read '{name}': {reason}")]
+    Unreadable {
+        /// Path.
+        name: String,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// Read-only view of a job's files by relative path with `/` between parts.
+pub trait Files: Send + Sync {
+    /// Whole content of a file.
+    ///
+    /// # Errors
+    /// [`Error`] when there is no such file or it cannot be read.
+    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error>;
+
+    /// All paths, sorted.
+    fn list(&self) -> Vec<String>;
+}
+
+/// Files held in memory.
+#[derive(Debug, Clone, Default)]
+pub struct Memory(pub std::collections::BTreeMap<String, Arc<[u8]>>);
+
+impl Memory {
+    /// Adds or replaces a file.
+    pub fn insert(&mut self, path: impl Into<String>, content: impl AsRef<[u8]>) {
+        self.0.insert(path.into(), content.as_ref().into());
+    }
+}
+
+impl Files for Memory {
+    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error> {
+        self.0.get(path).cloned().ok_or_else(|| Error::Missing(path.to_owned()))
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.0.keys().cloned().collect()
+    }
+}

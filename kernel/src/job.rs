@@ -1,0 +1,95 @@
+//! The one public entry: prepare a job, run it, receive ordered events.
+
+use std::sync::Arc;
+
+use crate::control::Control;
+use crate::files::Files;
+use crate::log::event::Event;
+use crate::log::info::Info;
+use crate::machine::Machine;
+use crate::machine::finding::Finding;
+use crate::options::Options;
+
+/// A program given to a channel.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Program {
+    /// File in the job's files.
+    pub file: String,
+    /// O-number inside the file; none = the file's first (or next free) main program.
+    pub number: Option<u32>,
+    /// Channel number; none = left to right.
+    pub channel: Option<u16>,
+}
+
+/// Everything a job consists of.
+#[derive(Debug, Clone)]
+pub struct Spec {
+    /// The checked machine.
+    pub machine: Arc<Machine>,
+    /// Programs, left to right.
+    pub programs: Vec<Program>,
+    /// Options.
+    pub options: Options,
+}
+
+/// A prepared job: programs are loaded and assigned to channels.
+#[derive(Debug)]
+pub struct Job {
+    spec: Spec,
+    info: Arc<Info>,
+}
+
+/// Why a job cannot be run at all.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("the job cannot be run: {}", .findings.first().map_or("", |f| f.text.as_str()))]
+pub struct PrepareError {
+    /// All reasons.
+    pub findings: Vec<Finding>,
+}
+
+/// Receives the ordered log.
+pub trait Sink {
+    /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
+    /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
+    fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;
+}
+
+/// How the run ended, apart from what the log says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Outcome {
+    /// Events in the log.
+    pub events: u64,
+    /// It was cancelled.
+    pub cancelled: bool,
+    /// The sink refused events.
+    pub sink_failed: bool,
+}
+
+impl Job {
+    /// Loads the programs and assigns them to channels.
+    ///
+    /// # Errors
+    /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
+    pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+        let info = crate::mcd::layout::assign(&spec, files).map_err(|findings| PrepareError { findings })?;
+        Ok(Self { spec, info: Arc::new(info) })
+    }
+
+    /// What is fixed about the job.
+    #[must_use]
+    pub fn info(&self) -> &Arc<Info> {
+        &self.info
+    }
+
+    /// What it was made of.
+    #[must_use]
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
+    /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen
+    /// the whole log.
+    pub fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+        crate::multi::run(self, files, control, sink)
+    }
+}

@@ -1,0 +1,15 @@
+//! Counterpoint's control emulator: runs NC programs block by block, one kernel per channel, kernels meeting at
+//! the sync codes of the programs.
+//!
+//! Knows no gRPC, no wall clock, no environment and no real file system (see [`files::Files`]). Public entry:
+//! [`job::Job::prepare`] and [`job::Job::run`]; everything a user sees is read off the events it emits
+//! ([`log`]).
+
+pub mod control;
+pub mod files;
+pub mod job;
+pub mod log;
+pub mod machine;
+pub mod mcd;
+mod multi;
+pub mod options;

@@ -1,0 +1,98 @@
+//! What is fixed about a job before it runs: names, channels, axes and source files.
+//!
+//! Results need it to turn numbers in events into names and text. Invariant: the same job gives the same `Info`,
+//! so results can be made again at any time from the stored log and the stored job.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::log::event::FileId;
+use crate::mcd::source::Source;
+
+/// Description of a prepared job.
+#[derive(Debug)]
+pub struct Info {
+    /// Machine name as in its definition.
+    pub machine: String,
+    /// Machine number and revision, for the listing header.
+    pub machine_number: u32,
+    /// Revision.
+    pub machine_revision: u32,
+    /// `mm` or `inch`: the unit of lengths in events.
+    pub unit: Unit,
+    /// Channels in ascending number, master not included.
+    pub channels: Vec<Channel>,
+    /// All files the job may read: programs first, in order, then the others by name.
+    pub files: Vec<File>,
+}
+
+/// Unit of length of a machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// Millimetres.
+    Mm,
+    /// Inches.
+    Inch,
+}
+
+/// A channel as results need it.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    /// Channel number, from 1.
+    pub number: u16,
+    /// Name in the machine definition (`UPPER`).
+    pub name: String,
+    /// Program given to it (`file` or `file#2102`), empty when it has none.
+    pub program: String,
+    /// First line and last line of that program in its file (1-based, inclusive), for progress in percent.
+    pub lines: (u32, u32),
+    /// File of that program.
+    pub file: FileId,
+    /// Axes in channel order.
+    pub axes: Vec<Axis>,
+}
+
+/// An axis as results need it.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// Name, mostly one letter.
+    pub name: String,
+    /// `true`: degrees; `false`: machine length unit.
+    pub rotary: bool,
+    /// Values are diameters.
+    pub diameter: bool,
+}
+
+/// A file of the job; its text is loaded when first needed.
+#[derive(Debug)]
+pub struct File {
+    /// Path as the job names it.
+    pub name: String,
+    /// Text and line index once loaded.
+    pub source: OnceLock<Option<Arc<Source>>>,
+}
+
+impl Info {
+    /// Text of a line without its end of line; empty when the file or line does not exist.
+    #[must_use]
+    pub fn line_text(&self, file: FileId, line: u32) -> std::borrow::Cow<'_, str> {
+        self.source(file).map_or(std::borrow::Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
+    }
+
+    /// The loaded source of a file.
+    #[must_use]
+    pub fn source(&self, file: FileId) -> Option<&Source> {
+        self.files.get(usize::from(file)).and_then(|f| f.source.get()).and_then(|s| s.as_deref())
+    }
+
+    /// Name of a file, `-` when unknown.
+    #[must_use]
+    pub fn file_name(&self, file: FileId) -> &str {
+        self.files.get(usize::from(file)).map_or("-", |f| f.name.as_str())
+    }
+
+    /// Channel by number.
+    #[must_use]
+    pub fn channel(&self, number: u16) -> Option<&Channel> {
+        self.channels.iter().find(|c| c.number == number)
+    }
+}

@@ -1,0 +1,98 @@
+//! Identifiers of codes and data: the names by which tables, macros and listings speak of what a word means.
+//!
+//! Invariant: an identifier is a small number everywhere but at the borders; custom names of a machine follow the
+//! built-in ones.
+
+pub mod codes;
+pub mod data;
+
+/// A code identifier: what fires an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct CodeId(pub u16);
+
+/// A data identifier: what supplies a value to an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct DataId(pub u16);
+
+/// Facts of a code identifier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CodeFacts {
+    /// Full name, `CODE_…`.
+    pub name: &'static str,
+    /// Default modal group, 0 = none.
+    pub group: u16,
+    /// Default order, 1–999.
+    pub order: u16,
+    /// A built-in action is documented.
+    pub built_in: bool,
+    /// Added by this project.
+    pub own: bool,
+}
+
+/// Facts of a data identifier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DataFacts {
+    /// Full name, `REG_…`.
+    pub name: &'static str,
+    /// A built-in action takes it.
+    pub built_in: bool,
+    /// Added by this project.
+    pub own: bool,
+}
+
+/// Other spellings that the pages of the emulated system use for the same identifier (reference README, conflicts).
+fn canonical_code(name: &str) -> String {
+    let name = name.to_ascii_uppercase();
+    match name.as_str() {
+        "CODE_TPRINT" => return "CODE_COMMENT".into(),
+        "CODE_LINEAR" => return "CODE_INTERP_LINEAR".into(),
+        "CODE_POSITION_INCREMENTAL" => return "CODE_POSITION_RELATIVE".into(),
+        _ => {}
+    }
+    match name.strip_prefix("CODE_SPINDL_") {
+        Some(rest) => format!("CODE_SPINDLE_{rest}"),
+        None => name,
+    }
+}
+
+/// Built-in code identifier by name; letter case and the documented other spellings are accepted.
+#[must_use]
+pub fn code(name: &str) -> Option<CodeId> {
+    let name = canonical_code(name);
+    codes::TABLE.iter().position(|facts| facts.name == name).map(|index| CodeId(index as u16))
+}
+
+/// Built-in data identifier by name; letter case and the prefix `DATA_` are accepted.
+#[must_use]
+pub fn data(name: &str) -> Option<DataId> {
+    let name = name.to_ascii_uppercase();
+    let name = name.strip_prefix("DATA_").map_or(name.clone(), |rest| format!("REG_{rest}"));
+    data::TABLE.iter().position(|facts| facts.name == name).map(|index| DataId(index as u16))
+}
+
+/// Facts of a built-in code identifier; `None` for a custom one.
+#[must_use]
+pub fn code_facts(id: CodeId) -> Option<&'static CodeFacts> {
+    codes::TABLE.get(usize::from(id.0))
+}
+
+/// Facts of a built-in data identifier; `None` for a custom one.
+#[must_use]
+pub fn data_facts(id: DataId) -> Option<&'static DataFacts> {
+    data::TABLE.get(usize::from(id.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_stand_where_their_names_stand() {
+        assert_eq!(code("CODE_RAPID"), Some(codes::RAPID));
+        assert_eq!(code("code_spindl_clw"), Some(codes::SPINDLE_CLW));
+        assert_eq!(code("CODE_TPRINT"), Some(codes::COMMENT));
+        assert_eq!(data("DATA_AXIS_X"), Some(data::AXIS_X));
+        assert_eq!(code("CODE_NO_SUCH"), None);
+        assert_eq!(code_facts(codes::TOOL_LOAD).map(|f| (f.group, f.order)), Some((0, 700)));
+    }
+}

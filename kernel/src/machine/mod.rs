@@ -1,0 +1,11 @@
+//! Machine definitions: what a control does, as data.
+//!
+//! Facts: reference control-emulator.md 1 and channel-synchronisation.md 1; the file form is this project's own
+//! and documented in docs/machine-definition.md. Invariant: a [`Machine`] that exists has been checked; the block
+//! loop never meets a contradiction in it.
+
+pub mod finding;
+pub mod ident;
+pub mod model;
+
+pub use model::Machine;

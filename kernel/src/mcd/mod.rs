@@ -1,0 +1,4 @@
+//! NC program text (machine control data): sources, layouts, words, the reader.
+
+pub(crate) mod layout;
+pub mod source;

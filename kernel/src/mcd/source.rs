@@ -1,0 +1,93 @@
+//! A source file: its bytes and the index of its lines.
+//!
+//! Invariant: bytes are kept as they are; a line ends at LF, CR LF or a lone CR, and the line's text excludes
+//! its end. Lines count from 1.
+
+use std::sync::Arc;
+
+/// A file of the job.
+#[derive(Debug)]
+pub struct Source {
+    /// Name as the job knows it.
+    pub name: String,
+    bytes: Arc<[u8]>,
+    /// Start of each line, and one past the end as last entry.
+    starts: Vec<u32>,
+}
+
+impl Source {
+    /// Indexes the lines of `bytes`. Files of 4 GiB or more are cut at 4 GiB − 1.
+    #[must_use]
+    pub fn new(name: impl Into<String>, bytes: Arc<[u8]>) -> Self {
+        let limit = bytes.len().min(u32::MAX as usize - 1);
+        let text = bytes.get(..limit).unwrap_or_default();
+        let mut starts = Vec::with_capacity(text.len() / 16 + 2);
+        starts.push(0);
+        for at in memchr::memchr2_iter(b'\n', b'\r', text) {
+            if text.get(at) == Some(&b'\r') && text.get(at + 1) == Some(&b'\n') {
+                continue;
+            }
+            starts.push(at as u32 + 1);
+        }
+        if starts.last().is_some_and(|&last| (last as usize) < limit) {
+            starts.push(limit as u32);
+        }
+        starts.shrink_to_fit();
+        Self { name: name.into(), bytes, starts }
+    }
+
+    /// Number of lines.
+    #[must_use]
+    pub fn lines(&self) -> u32 {
+        self.starts.len() as u32 - 1
+    }
+
+    /// Text of line `number` (from 1) without its end; empty beyond the file.
+    #[must_use]
+    pub fn line(&self, number: u32) -> &[u8] {
+        let index = (number as usize).wrapping_sub(1);
+        let (Some(&start), Some(&end)) = (self.starts.get(index), self.starts.get(index.wrapping_add(1))) else {
+            return &[];
+        };
+        let mut line = self.bytes.get(start as usize..end as usize).unwrap_or_default();
+        if let [head @ .., b'\n'] = line {
+            line = head;
+        }
+        if let [head @ .., b'\r'] = line {
+            line = head;
+        }
+        line
+    }
+
+    /// Size in bytes.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str) -> Vec<String> {
+        let source = Source::new("t", text.as_bytes().into());
+        (1..=source.lines()).map(|n| String::from_utf8_lossy(source.line(n)).into_owned()).collect()
+    }
+
+    #[test]
+    fn every_kind_of_line_end_ends_a_line() {
+        assert_eq!(lines("a\nb\r\nc\rd"), ["a", "b", "c", "d"]);
+        assert_eq!(lines("a\n\nb\n"), ["a", "", "b"]);
+        assert_eq!(lines("\r\r\n\r"), ["", "", ""]);
+        assert!(lines("").is_empty());
+    }
+
+    #[test]
+    fn beyond_the_file_is_empty() {
+        let source = Source::new("t", b"G1".as_slice().into());
+        assert_eq!(source.line(0), b"");
+        assert_eq!(source.line(1), b"G1");
+        assert_eq!(source.line(2), b"");
+    }
+}

@@ -1,0 +1,60 @@
+//! What a job may choose: switches of the operator's panel and the limits it runs under.
+
+use serde::{Deserialize, Serialize};
+
+/// Options of one job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Optional-skip levels (1–9) that are switched on.
+    pub opskip: Vec<u8>,
+    /// Optional stop (M1) acts as a stop.
+    pub opstop: bool,
+    /// Channels that pass every meeting point without waiting.
+    pub ignore_waits: Vec<u16>,
+    /// How many kernels may run at the same time; 0 = one per channel. 1 is the sequential mode. The log is the
+    /// same for every value.
+    pub threads: u16,
+    /// Limits.
+    pub limits: Limits,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { opskip: Vec::new(), opstop: false, ignore_waits: Vec::new(), threads: 0, limits: Limits::default() }
+    }
+}
+
+/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Simulated time, ns.
+    pub simulated_ns: i64,
+    /// Blocks per channel.
+    pub blocks: u64,
+    /// Consecutive blocks of one channel that take no time.
+    pub zero_time_blocks: u64,
+    /// Events of the whole job.
+    pub events: u64,
+    /// Length of one block in bytes.
+    pub block_length: usize,
+    /// Subprogram nesting.
+    pub nesting: u16,
+    /// Diagnostics kept per channel; more are counted, not logged.
+    pub diagnostics: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            simulated_ns: 24 * 3600 * 1_000_000_000,
+            blocks: 10_000_000,
+            zero_time_blocks: 1_000_000,
+            events: 40_000_000,
+            block_length: 8192,
+            nesting: 32,
+            diagnostics: 1000,
+        }
+    }
+}
