@@ -72,8 +72,12 @@ fn written(machine: &Machine, form: &super::model::CodeForm) -> String {
 
 /// A name of an enumeration in the notation of the machine file (`SlowestAxis` as `slowest-axis`).
 fn word(value: impl std::fmt::Debug) -> String {
+    let name = format!("{value:?}");
+    if name.len() == 1 {
+        return name;
+    }
     let mut word = String::new();
-    for c in format!("{value:?}").chars() {
+    for c in name.chars() {
         if c.is_ascii_uppercase() && !word.is_empty() {
             word.push('-');
         }
@@ -95,11 +99,11 @@ mod tests {
     fn axes_are_an_aligned_table() {
         let expected = "\
 axis  letter  data         role    diameter  rapid  acceleration  home  limits
-X1    X       REG_AXIS_X   x       yes       20000  -             300   -
-Z1    Z       REG_AXIS_Z   z       -         24000  -             500   -
+X1    X       REG_AXIS_X   X       yes       20000  -             300   -
+Z1    Z       REG_AXIS_Z   Z       -         24000  -             500   -
 C1    C       REG_AXIS_CT  rotary  -         36000  -             0     -
-X2    X       REG_AXIS_X   x       yes       20000  -             300   -
-Z2    Z       REG_AXIS_Z   z       -         24000  -             500   -
+X2    X       REG_AXIS_X   X       yes       20000  -             300   -
+Z2    Z       REG_AXIS_Z   Z       -         24000  -             500   -
 ";
         assert_eq!(show(&lathe(), Show::Axes), expected);
     }

@@ -5,20 +5,25 @@
 use super::defaults;
 use super::names::Names;
 use crate::machine::ident::{self, DataId};
-use crate::machine::model::{Axis, AxisRole};
+use crate::machine::model::{Axis, AxisRole, DataRow};
 use crate::machine::toml::section::Section;
 
 /// Most axes of a machine.
 const MOST: usize = 99;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>) -> Vec<Axis> {
+pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Vec<Axis> {
     top.require("axes", "the axes of the machine");
     let mut axes: Vec<Axis> = Vec::new();
     for mut row in top.rows("axes", "[[axes]]", MOST) {
         if let Some(axis) = read_row(&mut row, names) {
             if axes.iter().any(|other| other.name == axis.name) {
                 row.error("name", format!("there is already an axis with the name \"{}\"", axis.name));
+            }
+            if !data.iter().any(|row| row.enable && row.id == axis.data) {
+                let id = ident::data_facts(axis.data).map_or("", |facts| facts.name);
+                let text = format!("no word can move axis {}: no row of [[data]] has {id}", axis.name);
+                names.check.warning(row.place(), text);
             }
             axes.push(axis);
         }

@@ -24,10 +24,10 @@ pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
     let format = format::read(&mut top, check);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
-    let axes = axes::read(&mut top, &names);
+    let data = data::read(&mut top, &mut names);
+    let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
-    let data = data::read(&mut top, &mut names);
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
     overlap::check_codes(&codes, &names.registers, check);

@@ -112,7 +112,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     match path {
         "registers" | "axes" => row.text("name").map(str::to_owned),
         "codes" => {
-            let form = row.text("word").map(|word| format!("word {}", word.to_ascii_uppercase()));
+            let form = row.text("word").map(|word| format!("word {word}"));
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
             Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
         }

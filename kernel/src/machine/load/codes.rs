@@ -81,7 +81,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
 }
 
 fn modality(section: &mut Section<'_>) -> Option<Modality> {
-    let words = [("nonmodal", Modality::NonModal), ("modal", Modality::Modal), ("persistent", Modality::Persistent)];
+    let words = [("non-modal", Modality::NonModal), ("modal", Modality::Modal), ("persistent", Modality::Persistent)];
     section.choice("modality", &words)
 }
 

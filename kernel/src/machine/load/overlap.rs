@@ -30,6 +30,9 @@ pub(super) fn check_codes(codes: &[CodeRow], registers: &[Register], check: &Che
 
 /// Whether the earlier row is taken whenever the later one could be.
 fn hides(earlier: &CodeRow, later: &CodeRow) -> bool {
+    if earlier.id == later.id && earlier.form == later.form {
+        return false; // the same row twice is an error of its own
+    }
     let always = earlier.with.is_empty() && earlier.without.is_empty();
     always || (earlier.with == later.with && earlier.without == later.without)
 }
