@@ -2,6 +2,7 @@
 
 mod chains;
 mod mistakes;
+mod mistakes_in_rows;
 mod nonsense;
 mod shipped;
 
