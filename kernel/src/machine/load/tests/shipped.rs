@@ -201,3 +201,14 @@ fn a_user_may_extend_a_shipped_machine_and_replace_a_family() {
     let files = package::Overlay::over_shipped(user);
     assert_eq!(load(&files, "mine").machine.unwrap().channels.len(), 1);
 }
+
+#[test]
+fn the_example_of_the_documentation_is_complete() {
+    let text = include_str!("../../../../../docs/machine-definition.md");
+    let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let mut user = Memory::default();
+    user.insert("small/machine.toml", example);
+    let loaded = load(&package::Overlay::over_shipped(user), "small");
+    assert_eq!(loaded.findings, []);
+    assert_eq!(loaded.machine.map(|machine| machine.name).as_deref(), Some("small lathe"));
+}
