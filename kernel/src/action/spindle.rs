@@ -128,6 +128,7 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
     };
     kernel.flow.pass.effects = true;
     let before = kernel.turning_speed()?;
+    let old = kernel.spindle.command;
     let rank = kernel.rank;
     let mut conflict = 0;
     if kernel.spindle.shared {
@@ -154,7 +155,9 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
         );
         kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
     }
-    announce(kernel, index, before)?;
+    if kernel.spindle.command != old {
+        announce(kernel, index, before)?;
+    }
     kernel.follow_radius()
 }
 

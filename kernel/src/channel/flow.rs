@@ -58,6 +58,8 @@ pub(crate) struct Pass {
     pub(crate) effects: bool,
     /// A shared variable was read in this pass.
     pub(crate) polled: bool,
+    /// Nobody else was left to change a variable when this pass began.
+    pub(crate) alone: bool,
 }
 
 /// Program flow of a channel.
@@ -201,15 +203,19 @@ impl Kernel<'_> {
         let count = if pass.key == key { pass.count + 1 } else { 1 };
         let timeless = pass.key == key && pass.clock == self.clock;
         let idle = self.idle_blocks;
+        let mut alone = false;
         if timeless {
             self.advance(self.machine.sync.poll_ns);
             // A tick is not progress, unless the loop looks at what others may change.
             self.idle_blocks = if pass.polled { 0 } else { idle };
             if pass.polled && !pass.effects {
-                self.check_spinning(target)?;
+                alone = self.is_alone()?;
+                if alone && pass.alone {
+                    return Err(self.spinning(target));
+                }
             }
         }
-        self.flow.pass = Pass { key, count, clock: self.clock, effects: false, polled: false };
+        self.flow.pass = Pass { key, count, clock: self.clock, effects: false, polled: false, alone };
         Ok(())
     }
 

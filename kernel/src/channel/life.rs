@@ -154,18 +154,17 @@ impl Kernel<'_> {
         }
     }
 
-    /// A loop that only reads shared variables is hopeless when nobody is left to change them.
-    pub(crate) fn check_spinning(&mut self, line: u32) -> Acted {
+    /// No other channel is left to change what a polling loop reads.
+    pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
         let rank = self.rank;
-        let alone = self.shared(|inner, _| inner.alone(rank))?;
-        if !alone {
-            return Ok(());
-        }
+        self.shared(|inner, _| inner.alone(rank))
+    }
+
+    /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
+    pub(crate) fn spinning(&mut self, line: u32) -> Halt {
         let place = verdict::place(self.info, self.file, line);
-        Err(self.limit(
-            &format!("polls at {place} for a variable that nobody is left to change"),
-            VerdictKind::PartnerSpinning,
-        ))
+        let reason = format!("polls at {place} for a variable that nobody is left to change");
+        self.limit(&reason, VerdictKind::PartnerSpinning)
     }
 
     /// End codes: where the program stops.

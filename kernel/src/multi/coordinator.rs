@@ -208,20 +208,27 @@ impl Coordinator {
         drop(self.acquire_permit(rank, inner));
     }
 
-    /// Waits for the merger to give chunks back. Meanwhile the kernel counts as parked at `tag`: it will do nothing
-    /// before that, and whoever stands before it may go, which is what lets the merger move on.
+    /// Waits for the merger to give chunks back. Meanwhile a running kernel counts as parked at `tag`: it will do
+    /// nothing before that, and whoever stands before it may go, which is what lets the merger move on. A kernel
+    /// that is already blocked at a meeting holds nobody back and keeps its status.
     pub(crate) fn wait_credit<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
-        {
+        let running = {
             let mut inner = self.lock();
-            inner.set(tag.rank, Status::Parked(tag));
+            let running = inner.status(tag.rank) == Status::Running;
+            if running {
+                inner.set(tag.rank, Status::Parked(tag));
+            }
             if self.limited {
                 self.release_permit(&mut inner);
             }
             self.wake_parked(&inner);
-        }
+            running
+        };
         let result = wait();
         let mut inner = self.acquire_permit(tag.rank, self.lock());
-        inner.set(tag.rank, Status::Running);
+        if running {
+            inner.set(tag.rank, Status::Running);
+        }
         self.wake_parked(&inner);
         result
     }

@@ -48,7 +48,7 @@ struct Parser<'a> {
 
 /// Key words of statements; two letters are enough.
 const STATEMENTS: &[&str] =
-    &["IF", "WHILE", "GOTO", "DO", "ENDIF", "END", "ELSE", "THEN", "POPEN", "PCLOS", "BPRNT", "DPRNT"];
+    &["IF", "WHILE", "GOTO", "DO", "END", "ENDIF", "ELSE", "THEN", "POPEN", "PCLOS", "BPRNT", "DPRNT"];
 
 /// Functions of one argument in brackets.
 const FUNCTIONS: &[(&str, Op)] = &[
@@ -291,7 +291,7 @@ impl Parser<'_> {
 
     /// Lowest binding: comparisons.
     fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        self.logic(ops)?;
+        self.expression(ops)?;
         loop {
             let op = match self.letters().get(..2) {
                 Some("EQ") => Op::Eq,
@@ -303,14 +303,9 @@ impl Parser<'_> {
                 _ => return Ok(()),
             };
             self.at += 2;
-            self.logic(ops)?;
+            self.expression(ops)?;
             ops.push(op);
         }
-    }
-
-    /// `AND`, `OR`, `XOR`, `&&`, `||` between comparisons in brackets or numbers.
-    fn logic(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        self.expression(ops)
     }
 
     fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
@@ -567,6 +562,8 @@ mod tests {
         assert!(matches!(kind("WHILE[#1LT200000]DO1"), Ok(Statement::While(_, 1))));
         assert!(matches!(kind("WH[#1LT3]DO2"), Ok(Statement::While(_, 2))));
         assert!(matches!(kind("END1"), Ok(Statement::End(1))));
+        assert!(matches!(kind("EN2"), Ok(Statement::End(2))));
+        assert!(matches!(kind("ENDIF"), Ok(Statement::EndIf)));
         assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
         assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Ignored)));
         assert_eq!(compile(b"N20 G1 X#4 Y-#5 Z[#6+1]").unwrap().sequence, Some(20));
