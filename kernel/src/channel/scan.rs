@@ -253,12 +253,13 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let value = if number.point {
-            number.value
-        } else {
-            let (primary, second) = self.formats.get(usize::from(register))?;
-            implied(number, if secondary { second } else { primary })
-        };
+        let (primary, second) = self.formats.get(usize::from(register))?;
+        let format = if secondary { second } else { primary };
+        let value = if number.point { number.value } else { implied(number, format) };
+        let room = POW10.get(usize::from(whole_room(number, format))).copied().unwrap_or(f64::INFINITY);
+        if number.value.abs() >= room {
+            block.too_many_digits = true;
+        }
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -352,6 +353,11 @@ fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
     };
     let value = if negative { -magnitude } else { magnitude };
     Some((Number { value, point, digits: digits.min(255) as u8 }, cursor))
+}
+
+/// Digits that may stand before the point: without a written point, an implied one leaves room for the fraction too.
+fn whole_room(number: Number, format: &NumberFormat) -> u8 {
+    if number.point || format.point != Point::Omit { format.whole } else { format.whole.saturating_add(format.frac) }
 }
 
 /// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
