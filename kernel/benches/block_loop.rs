@@ -2,6 +2,8 @@
 //!
 //! The programs are made here, so the bench needs nothing else. Figures and their meaning: docs/performance.md.
 
+#![allow(clippy::expect_used, missing_docs, reason = "a bench stops on what cannot happen")]
+
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -69,7 +71,11 @@ fn lathe(blocks: usize, path: usize, waits: bool) -> String {
     let mut text = format!("O{path}\nG18 G21 G97 G98 G40\nF200.\n");
     for k in 0..blocks {
         let (z, x) = ((k % 50) as f64 * 0.5, 40.0 - (k % 20) as f64 * 0.2 + path as f64);
-        let _ = if k % 3 == 0 { writeln!(text, "G0 X{:.1} Z-{z:.1}", x + 5.0) } else { writeln!(text, "G1 X{x:.1} Z-{z:.1}") };
+        let _ = if k % 3 == 0 {
+            writeln!(text, "G0 X{:.1} Z-{z:.1}", x + 5.0)
+        } else {
+            writeln!(text, "G1 X{x:.1} Z-{z:.1}")
+        };
         if waits && k % 20 == 19 {
             let _ = writeln!(text, "M{} P12", 101 + k / 20 % 90);
         }
@@ -92,7 +98,10 @@ fn block_loop(c: &mut Criterion) {
     group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
     let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
     group.bench_function("two_channels_1000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
-    let text = format!("#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n", blocks / 5);
+    let text = format!(
+        "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
+        blocks / 5
+    );
     let (statements, files) = job(&machine("fanuc-mill"), &[text]);
     group.bench_function("statements", |b| b.iter(|| statements.run(&files, &Control::new(1), &mut Count(0))));
     group.finish();

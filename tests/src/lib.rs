@@ -71,7 +71,8 @@ impl Work {
     /// # Errors
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
-        let spec = Spec { machine: self.machine.clone(), programs: self.programs.clone(), options: self.options.clone() };
+        let spec =
+            Spec { machine: self.machine.clone(), programs: self.programs.clone(), options: self.options.clone() };
         let job = Job::prepare(spec, &self.files)?;
         let control = Control::new(self.machine.channels.len());
         let control = match jitter {

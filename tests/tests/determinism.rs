@@ -36,7 +36,13 @@ fn busy() -> Work {
     let path = |own: u16| {
         let mut text = format!("O{own}\nG98 F200.\n#1=0\nG97 S{}00 M3\n", own + 4);
         for round in 0..12_u16 {
-            text.push_str(&format!("G0 X{}. Z{}.\nG1 Z-{}. F{}\n", 40 + own, 5 + round, 10 + own * 3 + round, 150 + round));
+            text.push_str(&format!(
+                "G0 X{}. Z{}.\nG1 Z-{}. F{}\n",
+                40 + own,
+                5 + round,
+                10 + own * 3 + round,
+                150 + round
+            ));
             text.push_str(&format!("#{}=#{}+{}\n", 500 + round % 3, 500 + (round + 1) % 3, own));
             text.push_str(&format!("IF[#{}GT40]THEN #500=0\n", 500 + round % 3));
             match round % 4 {
@@ -54,7 +60,9 @@ fn busy() -> Work {
         text
     };
     let preset = "#500=1\n#501=2\n#502=3\n#520=0\n";
-    let texts: Vec<String> = (1..=3).map(|own| if own == 1 { format!("{preset}M110P123\n{}", path(1)) } else { format!("M110P123\n{}", path(own)) }).collect();
+    let texts: Vec<String> = (1..=3)
+        .map(|own| if own == 1 { format!("{preset}M110P123\n{}", path(1)) } else { format!("M110P123\n{}", path(own)) })
+        .collect();
     Work::texts(machine("fanuc-3path-lathe", ""), &texts, Options::default())
 }
 
@@ -65,7 +73,12 @@ fn two_hundred_runs_give_one_log() {
     let oracle = work.run(None).unwrap();
     let waits = oracle.summary.waits.len();
     assert!(waits >= 9, "the job must meet often, it met {waits} times: {:#?}", oracle.summary);
-    assert_eq!(oracle.summary.diagnostics.iter().filter(|d| d.severity >= 8).count(), 0, "{:#?}", oracle.summary.diagnostics);
+    assert_eq!(
+        oracle.summary.diagnostics.iter().filter(|d| d.severity >= 8).count(),
+        0,
+        "{:#?}",
+        oracle.summary.diagnostics
+    );
     for run in 0..200 {
         work.options.threads = [1, 2, 8, 0][run % 4];
         let done = work.run((run % 3 != 0).then_some(disturb as fn(u16))).unwrap();
@@ -82,6 +95,19 @@ fn a_job_that_is_stopped_by_a_limit_gives_one_log() {
     let oracle = work.run(None).unwrap();
     assert!(oracle.summary.verdict.is_some());
     for run in 0..40 {
+        work.options.threads = [0, 2, 1][run % 3];
+        let done = work.run(Some(disturb)).unwrap();
+        assert_eq!(done.events, oracle.events, "run {run}");
+    }
+}
+
+#[test]
+fn a_full_log_is_cut_at_the_same_event() {
+    let mut work = busy();
+    work.options.limits.events = 300;
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    for run in 0..60 {
         work.options.threads = [0, 2, 1][run % 3];
         let done = work.run(Some(disturb)).unwrap();
         assert_eq!(done.events, oracle.events, "run {run}");

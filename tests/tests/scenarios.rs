@@ -79,8 +79,13 @@ fn check(name: &str, scenario: &Scenario, done: &Done) {
     }
     if let Some(meetings) = &expect.meetings {
         let found: Vec<(String, i64)> =
-            summary.waits.iter().filter_map(|w| Some((w.key.clone(), w.release_ns?))).collect();
-        assert_eq!(found, meetings.iter().map(|(k, t)| (k.clone(), ns(*t))).collect::<Vec<_>>(), "meetings of {}", story());
+            summary.waits.iter().filter_map(|w| Some((w.key.to_string(), w.release_ns?))).collect();
+        assert_eq!(
+            found,
+            meetings.iter().map(|(k, t)| (k.clone(), ns(*t))).collect::<Vec<_>>(),
+            "meetings of {}",
+            story()
+        );
     }
     let numbers: Vec<u32> = summary.diagnostics.iter().filter(|d| d.severity >= 8).map(|d| d.number).collect();
     assert_eq!(numbers, expect.diagnostics, "diagnostics of {}", story());
@@ -110,13 +115,18 @@ fn every_scenario_ends_as_the_control_would() {
     let mut count = 0;
     for path in names.iter().filter(|p| p.extension().is_some_and(|e| e == "toml")) {
         let name = path.file_stem().unwrap().to_string_lossy();
-        let scenario: Scenario = toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut work = Work::texts(machine(&scenario.machine, &scenario.overlay), &scenario.programs, scenario.options.clone());
+        let scenario: Scenario =
+            toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mut work =
+            Work::texts(machine(&scenario.machine, &scenario.overlay), &scenario.programs, scenario.options.clone());
         let parallel = work.run(None).unwrap();
         check(&name, &scenario, &parallel);
         work.options.threads = 1;
         let sequential = work.run(None).unwrap();
-        assert_eq!(parallel.summary.log_digest, sequential.summary.log_digest, "{name}: parallel and sequential logs differ");
+        assert_eq!(
+            parallel.summary.log_digest, sequential.summary.log_digest,
+            "{name}: parallel and sequential logs differ"
+        );
         count += 1;
     }
     assert!(count >= 20, "only {count} scenarios were found");

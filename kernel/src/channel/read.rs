@@ -47,7 +47,10 @@ impl Kernel<'_> {
         if !self.flow.opened {
             self.flow.opened = true;
             if self.machine.format.rws_at == RewindStop::Start {
-                self.diagnose(&diag::NO_REWIND_STOP, "there is no rewind-stop before the program, it starts with its first block");
+                self.diagnose(
+                    &diag::NO_REWIND_STOP,
+                    "there is no rewind-stop before the program, it starts with its first block",
+                );
             }
         }
         match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
