@@ -1,9 +1,12 @@
 //! Circular moves in a plane: centre, sweep, length.
 //!
 //! Plane coordinates are `(first, second)` axis of the plane in right-handed order (XY, ZX, YZ), radius values.
+//! Angles come from `libm`, so that every machine gives the same bits.
 //! Invariant: an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
 
 use std::f64::consts::TAU;
+
+use nalgebra::{Point2, Vector2};
 
 /// An arc from `start` to `end` around `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,22 +45,26 @@ pub enum Error {
 /// # Errors
 /// [`Error::ZeroRadius`].
 pub fn by_center(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bool) -> Result<Arc, Error> {
-    let (sx, sy) = (start[0] - center[0], start[1] - center[1]);
-    let radius = sx.hypot(sy);
+    let [from, to, middle] = [start, end, center].map(Point2::from);
+    let spoke = from - middle;
+    let radius = spoke.norm();
     if radius < 1e-9 {
         return Err(Error::ZeroRadius);
     }
-    let start_angle = sy.atan2(sx);
-    let same = (end[0] - start[0]).abs() < 1e-9 && (end[1] - start[1]).abs() < 1e-9;
+    let start_angle = angle(spoke);
+    let same = (to - from).amax() < 1e-9;
     let sweep = if same {
         TAU
     } else {
-        let raw = (end[1] - center[1]).atan2(end[0] - center[0]) - start_angle;
-        let raw = if clockwise { -raw } else { raw };
-        let turn = raw.rem_euclid(TAU);
+        let raw = angle(to - middle) - start_angle;
+        let turn = if clockwise { -raw } else { raw }.rem_euclid(TAU);
         if turn < 1e-9 { TAU } else { turn }
     };
     Ok(Arc { center, radius, start_angle, sweep: if clockwise { -sweep } else { sweep } })
+}
+
+fn angle(v: Vector2<f64>) -> f64 {
+    libm::atan2(v.y, v.x)
 }
 
 /// Arc by radius: a positive radius takes the way of at most 180°, a negative one the longer way. A chord longer
@@ -66,8 +73,9 @@ pub fn by_center(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bo
 /// # Errors
 /// All variants of [`Error`].
 pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, tolerance: f64) -> Result<Arc, Error> {
-    let (dx, dy) = (end[0] - start[0], end[1] - start[1]);
-    let distance = dx.hypot(dy);
+    let [from, to] = [start, end].map(Point2::from);
+    let chord = to - from;
+    let distance = chord.norm();
     if distance < 1e-9 {
         return Err(Error::SamePoint);
     }
@@ -82,8 +90,8 @@ pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, t
     let height = (size * size - half * half).max(0.0).sqrt();
     // The centre of the short way lies left of the chord for counter-clockwise, right for clockwise.
     let side = if clockwise == (radius < 0.0) { 1.0 } else { -1.0 };
-    let center =
-        [start[0] + dx / 2.0 - side * dy / distance * height, start[1] + dy / 2.0 + side * dx / distance * height];
+    let left = Vector2::new(-chord.y, chord.x) / distance;
+    let center: [f64; 2] = (from + chord / 2.0 + left * (side * height)).into();
     by_center(start, end, center, clockwise)
 }
 
@@ -97,7 +105,7 @@ impl Arc {
     /// Distance of `end` from the circle.
     #[must_use]
     pub fn end_error(&self, end: [f64; 2]) -> f64 {
-        ((end[0] - self.center[0]).hypot(end[1] - self.center[1]) - self.radius).abs()
+        (nalgebra::distance(&Point2::from(end), &Point2::from(self.center)) - self.radius).abs()
     }
 
     /// Adds full turns in the direction of the arc.

@@ -74,7 +74,7 @@ impl Speed {
         for r in [0.0, inner, -inner, outer, -outer] {
             let cosine = (r - offset) / arc.radius;
             if cosine.abs() < 1.0 {
-                let angle = cosine.acos();
+                let angle = libm::acos(cosine);
                 for base in [angle, -angle] {
                     let mut at = base + TAU * ((from - base) / TAU).ceil();
                     while at < to {
@@ -85,8 +85,8 @@ impl Speed {
             }
         }
         cuts.sort_by(f64::total_cmp);
-        let radius_at = |theta: f64| offset + arc.radius * theta.cos();
-        let integral = |a: f64, b: f64| offset * (b - a) + arc.radius * (b.sin() - a.sin());
+        let radius_at = |theta: f64| offset + arc.radius * libm::cos(theta);
+        let integral = |a: f64, b: f64| offset * (b - a) + arc.radius * (libm::sin(b) - libm::sin(a));
         let sum: f64 = cuts
             .windows(2)
             .map(|w| match *w {

@@ -79,7 +79,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
         .filter(|&(i, _)| i != first && i != second && kernel.place.axes.get(i).is_some_and(|a| !a.rotary))
         .map(|(_, c)| c * c)
         .sum::<f64>();
-    let length = (made.length().powi(2) + rise).sqrt();
+    let length = (made.length() * made.length() + rise).sqrt();
     let x = kernel.place.cartesian.first().copied().flatten().map(usize::from);
     let radial = [first, second].iter().position(|&axis| Some(axis) == x);
     let center = [made.center[0] / scales[0], made.center[1] / scales[1]];

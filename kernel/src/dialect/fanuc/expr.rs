@@ -1,7 +1,8 @@
 //! Expressions as postfix code over a small stack.
 //!
 //! Invariant: evaluation of a compiled expression cannot underflow its stack; a vacant value is one special NaN
-//! that counts as zero in arithmetic and equals only itself.
+//! that counts as zero in arithmetic and equals only itself. Functions come from `libm`, so that every machine gives
+//! the same bits.
 
 use std::f64::consts::PI;
 
@@ -180,20 +181,20 @@ fn unary(op: Op, v: f64) -> Result<f64, Fault> {
     let degrees = 180.0 / PI;
     Ok(match op {
         Op::Neg => -v,
-        Op::Sin => exact_trig(v, f64::sin, 0.0),
-        Op::Cos => exact_trig(v, f64::cos, 90.0),
+        Op::Sin => exact_trig(v, libm::sin, 0.0),
+        Op::Cos => exact_trig(v, libm::cos, 90.0),
         Op::Tan => {
-            let cosine = exact_trig(v, f64::cos, 90.0);
+            let cosine = exact_trig(v, libm::cos, 90.0);
             if cosine == 0.0 {
                 return Err(Fault::Domain("TAN", v));
             }
-            exact_trig(v, f64::sin, 0.0) / cosine
+            exact_trig(v, libm::sin, 0.0) / cosine
         }
         Op::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
-        Op::Asin => v.asin() * degrees,
+        Op::Asin => libm::asin(v) * degrees,
         Op::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
-        Op::Acos => v.acos() * degrees,
-        Op::Atan => v.atan() * degrees,
+        Op::Acos => libm::acos(v) * degrees,
+        Op::Atan => libm::atan(v) * degrees,
         Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
         Op::Sqrt => v.sqrt(),
         Op::Abs => v.abs(),
@@ -207,8 +208,8 @@ fn unary(op: Op, v: f64) -> Result<f64, Fault> {
             }
         }
         Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
-        Op::Ln => v.ln(),
-        Op::Exp => v.exp(),
+        Op::Ln => libm::log(v),
+        Op::Exp => libm::exp(v),
         Op::Bin => from_bcd(v),
         Op::Bcd => to_bcd(v),
         _ => v,
@@ -266,7 +267,7 @@ fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
         Op::And => ((a as i64) & (b as i64)) as f64,
         Op::Or => ((a as i64) | (b as i64)) as f64,
         Op::Xor => ((a as i64) ^ (b as i64)) as f64,
-        Op::Atan2 => a.atan2(b) * 180.0 / PI,
+        Op::Atan2 => libm::atan2(a, b) * 180.0 / PI,
         _ => a,
     })
 }
