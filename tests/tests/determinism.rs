@@ -113,3 +113,17 @@ fn a_full_log_is_cut_at_the_same_event() {
         assert_eq!(done.events, oracle.events, "run {run}");
     }
 }
+
+#[test]
+fn a_panic_in_one_kernel_reaches_the_owner_of_the_job() {
+    let work = busy();
+    let result = std::panic::catch_unwind(|| {
+        work.run(Some(|channel| {
+            if channel == 2 {
+                panic!("on purpose");
+            }
+        }))
+    });
+    let panic = result.expect_err("the panic must not be lost and nothing may hang");
+    assert_eq!(panic.downcast_ref::<&str>(), Some(&"on purpose"));
+}

@@ -20,7 +20,7 @@ use crate::channel::{Halt, Kernel, block::Block, emit::Emitter, flow::Flow, life
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
 use crate::job::{Job, Outcome, Sink};
-use crate::log::event::{Diagnostic, Event, Kind, Phase, Verdict, VerdictKind};
+use crate::log::event::{Diagnostic, Event, FileId, Kind, Phase, Verdict, VerdictKind};
 use crate::machine::model::Channel;
 use crate::mcd::program::Range;
 
@@ -62,8 +62,9 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
             }
         }
         for (number, kernel, start) in starting {
-            let spawned =
-                std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, || kernel.live(start));
+            let spawned = std::thread::Builder::new()
+                .name(format!("kernel-{number}"))
+                .spawn_scoped(scope, || guarded(kernel, start, &coordinator));
             match spawned {
                 Ok(handle) => running.push((number, handle)),
                 Err(_) => {
@@ -85,7 +86,12 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
                 refused |= !merger.direct(&event, sink);
             }
         }
-        running.into_iter().map(|(number, handle)| (number, handle.join().unwrap_or(Halt::Stopped))).collect()
+        let join = |(number, handle): (u16, std::thread::ScopedJoinHandle<'_, Halt>)| match handle.join() {
+            Ok(halt) => (number, halt),
+            // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        running.into_iter().map(join).collect()
     });
     let (t_ns, micro) = merger.last;
     // How far a thread got beyond a cut of the log is chance; only what is in the log counts.
@@ -104,6 +110,17 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
         refused = !merger.direct(&close, sink);
     }
     Outcome { events: merger.next_seq - 1, cancelled: control.cancelled(), sink_failed: refused }
+}
+
+/// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
+fn guarded(kernel: Kernel<'_>, start: (FileId, Range, Box<str>), coordinator: &Coordinator) -> Halt {
+    let rank = kernel.rank;
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(start))).unwrap_or_else(|panic| {
+        coordinator.abort();
+        coordinator.closed(rank);
+        coordinator.done(&mut coordinator.lock(), rank);
+        std::panic::resume_unwind(panic)
+    })
 }
 
 fn master(t_ns: i64, kind: Kind) -> Event {
