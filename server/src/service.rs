@@ -183,6 +183,8 @@ impl Service {
             result = closing => result?,
             () = async { reaches(&stop, Stop::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
         }
+        // Connections that outlive the server may still hold the core; the data folder must be free all the same.
+        let _ = tokio::task::spawn_blocking(move || core.ledger.close()).await;
         tracing::info!("stopped");
         Ok(())
     }

@@ -3,15 +3,18 @@
 //! Invariant: the state in [`Live`] is never ahead of the ledger for an end state; a watcher that sees an end can
 //! read the results.
 
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use counterpoint_kernel::control::Control;
+use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
 use crate::ledger::record::{Record, State};
 use crate::log::tail::Tail;
+use crate::log::writer::Writer;
 use crate::results::Finished;
 
 /// What exists once a worker has prepared the job.
@@ -33,6 +36,8 @@ pub(crate) struct Live {
     pub(crate) tail: Arc<Tail>,
     run: OnceLock<Run>,
     finished: OnceLock<Arc<Finished>>,
+    /// Log of the running job; locked for the time of one append or write.
+    writer: Mutex<Option<Writer>>,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -50,6 +55,7 @@ impl Live {
             tail: Arc::new(Tail::new()),
             run: OnceLock::new(),
             finished: OnceLock::new(),
+            writer: Mutex::new(None),
         }
     }
 
@@ -100,6 +106,28 @@ impl Live {
     pub(crate) fn interrupt(&self) {
         if let Some(run) = self.run.get() {
             run.control.cancel();
+        }
+    }
+
+    /// Hands the log over for the time of the run.
+    pub(crate) fn begin_log(&self, writer: Writer) {
+        *lock(&self.writer) = Some(writer);
+    }
+
+    /// Takes the log back.
+    pub(crate) fn end_log(&self) -> Option<Writer> {
+        lock(&self.writer).take()
+    }
+
+    /// Appends to the log of the running job.
+    pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
+        lock(&self.writer).as_mut().map_or(Ok(()), |writer| writer.append(first_seq, batch))
+    }
+
+    /// Makes events readable that the kernel has handed over a while ago. An error shows at the next append.
+    pub(crate) fn flush_old(&self) {
+        if let Some(writer) = lock(&self.writer).as_mut() {
+            let _ = writer.flush_old();
         }
     }
 

@@ -8,13 +8,11 @@ use counterpoint_kernel::job::Sink;
 use counterpoint_kernel::log::event::{Event, Kind};
 
 use super::live::{Live, lock};
-use crate::log::writer::Writer;
 use crate::results::Folds;
 
 /// What a run leaves behind.
 pub(crate) struct JobSink<'a> {
     live: &'a Live,
-    pub(crate) writer: Writer,
     pub(crate) folds: Folds,
     pub(crate) severity: u8,
     pub(crate) verdict: Option<String>,
@@ -22,8 +20,8 @@ pub(crate) struct JobSink<'a> {
 }
 
 impl<'a> JobSink<'a> {
-    pub(crate) fn new(live: &'a Live, writer: Writer, folds: Folds) -> Self {
-        Self { live, writer, folds, severity: 0, verdict: None, error: None }
+    pub(crate) fn new(live: &'a Live, folds: Folds) -> Self {
+        Self { live, folds, severity: 0, verdict: None, error: None }
     }
 
     fn note(&mut self, event: &Event) {
@@ -52,7 +50,7 @@ impl<'a> JobSink<'a> {
 
 impl Sink for JobSink<'_> {
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {
-        if let Err(error) = self.writer.append(first_seq, batch) {
+        if let Err(error) = self.live.append(first_seq, batch) {
             self.error = Some(error);
             return false;
         }

@@ -107,13 +107,15 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     let head = description(&info).encode_to_vec();
     let writer = Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?;
     let folds = Folds::new(&info, core.options.live_timeline, !core.options.ephemeral);
-    let mut sink = JobSink::new(live, writer, folds);
+    live.begin_log(writer);
+    let mut sink = JobSink::new(live, folds);
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { writer, folds, severity, verdict, error, .. } = sink;
+    let JobSink { folds, severity, verdict, error, .. } = sink;
+    let writer = live.end_log();
     if let Some(error) = error {
         return Ok(failed(format!("the event log cannot be kept: {error}")));
     }
-    let events = writer.finish(core.store.durable())?;
+    let events = writer.map_or(Ok(0), |writer| writer.finish(core.store.durable()))?;
     if outcome.cancelled && !live.cancelled() && core.drain.begun() {
         return Ok(Box::new(|record| {
             record.state = State::Queued;

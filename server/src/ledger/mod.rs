@@ -6,10 +6,10 @@
 
 pub(crate) mod record;
 
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
-use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::machines::Definition;
@@ -29,10 +29,14 @@ type Operation = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
 
 /// Handle on the ledger.
 #[derive(Debug)]
-pub(crate) struct Ledger {
+pub(crate) struct Ledger(RwLock<Option<Open>>);
+
+/// What an open ledger has.
+#[derive(Debug)]
+struct Open {
     database: Arc<Database>,
-    operations: Option<mpsc::Sender<Operation>>,
-    writer: Option<JoinHandle<()>>,
+    operations: mpsc::Sender<Operation>,
+    writer: JoinHandle<()>,
 }
 
 /// Answer to a submit.
@@ -90,7 +94,29 @@ impl Ledger {
         let (operations, queue) = mpsc::channel(1024);
         let shared = database.clone();
         let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || write(&shared, queue))?;
-        Ok(Self { database, operations: Some(operations), writer: Some(writer) })
+        Ok(Self(RwLock::new(Some(Open { database, operations, writer }))))
+    }
+
+    /// Does what was asked so far and gives the file free; everything asked later is refused.
+    pub(crate) fn close(&self) {
+        let open = self.0.write().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(Open { operations, writer, .. }) = open {
+            drop(operations);
+            let _ = writer.join();
+        }
+    }
+
+    fn open_part<T>(&self, part: impl FnOnce(&Open) -> T) -> Result<T, Refusal> {
+        let open = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        open.as_ref().map(part).ok_or_else(|| storage("the ledger is closed"))
+    }
+
+    fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
+        self.open_part(|open| open.operations.clone())
+    }
+
+    fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
+        self.open_part(|open| open.database.begin_read())?.map_err(storage)
     }
 
     fn operation<R: Send + 'static>(
@@ -110,8 +136,7 @@ impl Ledger {
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
         let (operation, answered) = Self::operation(work);
-        let operations = self.operations.as_ref().ok_or_else(|| storage("closed"))?;
-        operations.send(operation).await.map_err(|_| storage("closed"))?;
+        self.operations()?.send(operation).await.map_err(|_| storage("closed"))?;
         answered.await.map_err(|_| storage("closed"))?
     }
 
@@ -147,8 +172,7 @@ impl Ledger {
     /// Same as [`update`](Self::update) from a thread that may block.
     pub(crate) fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
         let (operation, answered) = Self::operation(move |txn| put(txn, &record));
-        let operations = self.operations.as_ref().ok_or_else(|| storage("closed"))?;
-        operations.blocking_send(operation).map_err(|_| storage("closed"))?;
+        self.operations()?.blocking_send(operation).map_err(|_| storage("closed"))?;
         answered.blocking_recv().map_err(|_| storage("closed"))?
     }
 
@@ -164,14 +188,14 @@ impl Ledger {
 
     /// One job.
     pub(crate) fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.database.begin_read().map_err(storage)?.open_table(JOB).map_err(storage)?;
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
         let row = table.get(id).map_err(storage)?;
         row.map(|row| parse(row.value())).transpose()
     }
 
     /// The job accepted under a request id.
     pub(crate) fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.database.begin_read().map_err(storage)?.open_table(REQUEST).map_err(storage)?;
+        let table = self.snapshot()?.open_table(REQUEST).map_err(storage)?;
         let id = table.get(request_id).map_err(storage)?.map(|id| id.value().to_owned());
         id.map_or(Ok(None), |id| self.job(&id))
     }
@@ -183,7 +207,7 @@ impl Ledger {
         count: usize,
         wanted: impl Fn(&Record) -> bool,
     ) -> Result<Vec<Record>, Refusal> {
-        let table = self.database.begin_read().map_err(storage)?.open_table(JOB).map_err(storage)?;
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
         let mut found = Vec::new();
         for row in
             table.range::<&str>((std::ops::Bound::Excluded(after), std::ops::Bound::Unbounded)).map_err(storage)?
@@ -214,14 +238,14 @@ impl Ledger {
 
     /// A machine by `name` or `name@revision`.
     pub(crate) fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal> {
-        let table = self.database.begin_read().map_err(storage)?.open_table(MACHINE).map_err(storage)?;
+        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
         let row = table.get(name).map_err(storage)?;
         row.map(|row| parse(row.value())).transpose()
     }
 
     /// All machines put there, newest revision each, by name.
     pub(crate) fn machines(&self) -> Result<Vec<Definition>, Refusal> {
-        let table = self.database.begin_read().map_err(storage)?.open_table(MACHINE).map_err(storage)?;
+        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
         let mut found = Vec::new();
         for row in table.iter().map_err(storage)? {
             let (name, bytes) = row.map_err(storage)?;
@@ -240,10 +264,7 @@ impl Ledger {
 
 impl Drop for Ledger {
     fn drop(&mut self) {
-        self.operations = None;
-        if let Some(writer) = self.writer.take() {
-            let _ = writer.join();
-        }
+        self.close();
     }
 }
 

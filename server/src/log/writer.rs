@@ -1,7 +1,8 @@
 //! Writes the log of a running job.
 //!
-//! Records are gathered and written together: after 256 KiB, or with the first call later than 10 ms after the last
-//! write. Invariant: readers are told of bytes only after they are in the file.
+//! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
+//! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
+//! file.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -77,7 +78,12 @@ impl Writer {
                 }
             }
         }
-        if self.written.elapsed() >= WRITE_EVERY { self.flush() } else { Ok(()) }
+        self.flush_old()
+    }
+
+    /// Writes what has been gathered for long enough.
+    pub(crate) fn flush_old(&mut self) -> io::Result<()> {
+        if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
     /// Writes everything and makes it durable when asked.

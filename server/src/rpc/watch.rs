@@ -48,7 +48,9 @@ pub(super) struct Watch {
     reader: Option<Reader>,
     filter: Filter,
     last_progress: v1::Progress,
-    progress_at: Instant,
+    /// When progress was last looked at, and when it was last sent.
+    looked_at: Instant,
+    sent_at: Instant,
 }
 
 /// Why a watch is over.
@@ -81,7 +83,8 @@ impl Watch {
             reader: None,
             filter: Filter::new(level),
             last_progress: v1::Progress::default(),
-            progress_at: Instant::now(),
+            looked_at: Instant::now(),
+            sent_at: Instant::now(),
         })
     }
 
@@ -108,12 +111,21 @@ impl Watch {
                 return Err(Refusal::Draining { cursor: self.cursor }.into());
             }
             self.progress(out, false).await?;
-            let events = self.level > v1::WatchLevel::Progress || self.reader.is_none();
+            let follows_log = self.level > v1::WatchLevel::Progress || self.reader.is_none();
             tokio::select! {
                 _ = states.changed() => {}
-                _ = tail.changed(), if events => {}
+                _ = tail.changed(), if follows_log => {}
                 _ = drain.changed() => {}
-                () = tokio::time::sleep_until(self.progress_at + PROGRESS_EVERY) => {}
+                () = tokio::time::sleep_until(self.looked_at + PROGRESS_EVERY) => {
+                    if follows_log {
+                        let live = self.live.clone();
+                        blocking(move || {
+                            live.flush_old();
+                            Ok(())
+                        })
+                        .await?;
+                    }
+                }
                 () = out.closed() => return Err(Over::Gone),
             }
         }
@@ -173,19 +185,19 @@ impl Watch {
 
     /// Sends progress when it is due and has changed, or as a sign of life.
     async fn progress(&mut self, out: &Out, first: bool) -> Result<(), Over> {
-        let since = self.progress_at.elapsed();
-        if !first && since < PROGRESS_EVERY {
+        if !first && self.looked_at.elapsed() < PROGRESS_EVERY {
             return Ok(());
         }
+        self.looked_at = Instant::now();
         let progress = v1::Progress {
             state: state(self.live.state()).into(),
             position: self.cursor,
             channels: self.live.run().map(progress::channels).unwrap_or_default(),
             queued_before: self.core.queued_before(&self.live.id) as u32,
         };
-        if first || progress != self.last_progress || since >= HEARTBEAT {
+        if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
             self.last_progress = progress.clone();
-            self.progress_at = Instant::now();
+            self.sent_at = Instant::now();
             send(out, Content::Progress(progress)).await?;
         }
         Ok(())
