@@ -5,7 +5,11 @@
 //! [`job::Job::prepare`] and [`job::Job::run`]; everything a user sees is read off the events it emits
 //! ([`log`]).
 
+mod action;
+mod channel;
 pub mod control;
+pub mod diag;
+mod dialect;
 pub mod files;
 pub mod job;
 pub mod log;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Options of one job.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Optional-skip levels (1–9) that are switched on.
@@ -17,12 +17,6 @@ pub struct Options {
     pub threads: u16,
     /// Limits.
     pub limits: Limits,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { opskip: Vec::new(), opstop: false, ignore_waits: Vec::new(), threads: 0, limits: Limits::default() }
-    }
 }
 
 /// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`.

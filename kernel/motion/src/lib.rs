@@ -1,2 +1,8 @@
-//! Geometry and time of machine motion. Knows no programs, macros or channels. All lengths are in one unit of the
+//! Geometry and time of machine motion. Knows no programs, macros or channels. Lengths are in one unit of the
 //! caller's choice, times in seconds, angles in radians unless a name says otherwise.
+//!
+//! Facts: reference channel-synchronisation.md 3 (time model) and control-emulator.md 6.1 (arc rules).
+
+pub mod arc;
+pub mod profile;
+pub mod surface_speed;

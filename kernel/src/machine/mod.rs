@@ -6,6 +6,12 @@
 
 pub mod finding;
 pub mod ident;
+mod load;
 pub mod model;
+pub mod package;
+pub mod show;
+pub mod tables;
+mod toml;
 
+pub use load::{Loaded, load};
 pub use model::Machine;

@@ -1,6 +1,7 @@
 //! The checked machine definition as the kernel uses it.
 
 use super::ident::{CodeId, DataId};
+use super::tables::Tables;
 use crate::log::event::{MAX_AXES, Position};
 use crate::log::info::Unit;
 
@@ -55,6 +56,8 @@ pub struct Machine {
     pub tool: Tool,
     /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
     pub work_offsets: Vec<Vec<f64>>,
+    /// Dense lookups compiled from the rows.
+    pub tables: Tables,
 }
 
 /// Kind of machine.
@@ -289,6 +292,8 @@ pub enum Dimension {
 pub struct Axis {
     /// Name, unique in the machine (`X`, `X2`, `C1`).
     pub name: String,
+    /// Name shown in a channel (`X` for both `X1` and `X2`).
+    pub letter: String,
     /// Which axis data identifier moves it (`REG_AXIS_X`, …).
     pub data: DataId,
     /// Geometry role.

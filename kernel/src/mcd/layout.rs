@@ -1,10 +1,223 @@
 //! Which program runs on which channel.
+//!
+//! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
+//! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
+//! programs from left to right. Invariant: files are numbered programs first, then the rest by name, so the same job
+//! has the same numbers.
 
+use std::sync::{Arc, OnceLock};
+
+use super::program::{self, Range};
+use super::source::Source;
 use crate::files::Files;
-use crate::job::Spec;
-use crate::log::info::Info;
+use crate::job::{Program, Spec};
+use crate::log::info::{Axis, Channel, File, Info};
+use crate::machine::Machine;
 use crate::machine::finding::Finding;
 
-pub(crate) fn assign(_spec: &Spec, _files: &dyn Files) -> Result<Info, Vec<Finding>> {
-    Err(Vec::new())
+/// Assigns the programs of a job.
+pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
+    let mut findings = Vec::new();
+    check_options(spec, &mut findings);
+    let table = file_table(spec, files, &mut findings);
+    if spec.programs.is_empty() {
+        findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
+    }
+    let mut channels = channels(&spec.machine);
+    if findings.is_empty() {
+        let candidates = candidates(spec, &table, &mut findings);
+        place(spec, candidates, &mut channels, &mut findings);
+    }
+    if findings.iter().any(|f| f.error) {
+        return Err(findings);
+    }
+    Ok(Info {
+        machine: spec.machine.name.clone(),
+        machine_number: spec.machine.number,
+        machine_revision: spec.machine.revision,
+        unit: spec.machine.unit,
+        channels,
+        files: table,
+    })
+}
+
+fn channels(machine: &Machine) -> Vec<Channel> {
+    let axis = |i: &usize| machine.axes.get(*i);
+    machine
+        .channels
+        .iter()
+        .map(|c| Channel {
+            number: c.number,
+            name: c.name.clone(),
+            program: String::new(),
+            lines: (0, 0),
+            file: 0,
+            axes: c
+                .axes
+                .iter()
+                .filter_map(axis)
+                .map(|a| Axis { name: a.letter.clone(), rotary: a.role.is_rotary(), diameter: a.diameter })
+                .collect(),
+        })
+        .collect()
+}
+
+fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
+    let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
+    for level in &spec.options.opskip {
+        if !(1..=9).contains(level) {
+            wrong(format!("optional-skip level {level} is not between 1 and 9"));
+        }
+    }
+    for channel in &spec.options.ignore_waits {
+        if !spec.machine.channels.iter().any(|c| c.number == *channel) {
+            wrong(format!("channel {channel} of ignore_waits is not on machine {}", spec.machine.name));
+        }
+    }
+}
+
+fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Vec<File> {
+    let mut table: Vec<File> = Vec::new();
+    for program in &spec.programs {
+        if table.iter().any(|f| f.name == program.file) {
+            continue;
+        }
+        let source = match files.read(&program.file) {
+            Ok(bytes) => Some(Arc::new(Source::new(program.file.clone(), bytes))),
+            Err(error) => {
+                findings.push(Finding::error(program.file.clone(), 0, 0, error.to_string()));
+                None
+            }
+        };
+        table.push(File { name: program.file.clone(), source: OnceLock::from(source) });
+    }
+    for name in files.list() {
+        if table.len() >= usize::from(u16::MAX) {
+            findings.push(Finding::error("job", 0, 0, "a job can have 65534 files at most"));
+            break;
+        }
+        if !table.iter().any(|f| f.name == name) {
+            table.push(File { name, source: OnceLock::new() });
+        }
+    }
+    table
+}
+
+/// One program to be placed.
+struct Candidate<'a> {
+    wish: &'a Program,
+    file: u16,
+    range: Range,
+}
+
+impl Candidate<'_> {
+    fn error(&self, text: String) -> Finding {
+        Finding::error(self.wish.file.clone(), self.range.first, 0, text)
+    }
+}
+
+fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -> Vec<Candidate<'a>> {
+    let mut candidates: Vec<Candidate<'a>> = Vec::new();
+    for wish in &spec.programs {
+        let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
+        let Some(source) = table.get(index).and_then(|f| f.source.get()).and_then(Option::as_deref) else { continue };
+        let file = index as u16;
+        if (1..=source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
+            let text = "the file is empty: a program has at least one block";
+            findings.push(Finding::error(wish.file.clone(), 0, 0, text));
+            continue;
+        }
+        let ranges = match wish.number {
+            Some(number) => match source.programs().iter().find(|r| r.number == Some(number)) {
+                Some(&range) => vec![range],
+                None => {
+                    findings.push(missing_number(wish, number, source));
+                    continue;
+                }
+            },
+            None if spec.programs.len() == 1 => mains(source),
+            None => {
+                let free = |r: &&Range| !candidates.iter().any(|t| t.file == file && t.range.number == r.number);
+                let mains = mains(source);
+                mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
+            }
+        };
+        candidates.extend(ranges.into_iter().map(|range| Candidate { wish, file, range: opening(source, range) }));
+    }
+    candidates
+}
+
+fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], findings: &mut Vec<Finding>) {
+    let machine = &spec.machine.name;
+    let count = channels.len();
+    for candidate in candidates {
+        let slot = match candidate.wish.channel {
+            Some(number) => match channels.iter_mut().find(|c| c.number == number) {
+                Some(channel) if channel.program.is_empty() => Some(channel),
+                Some(_) => {
+                    findings.push(candidate.error(format!("channel {number} already has a program")));
+                    continue;
+                }
+                None => {
+                    findings.push(candidate.error(format!("the machine {machine} has no channel {number}")));
+                    continue;
+                }
+            },
+            None => channels.iter_mut().find(|c| c.program.is_empty()),
+        };
+        match slot {
+            Some(channel) => {
+                channel.file = candidate.file;
+                channel.lines = (candidate.range.first, candidate.range.last);
+                channel.program = match candidate.range.number {
+                    Some(number) => format!("{}#{number}", candidate.wish.file),
+                    None => candidate.wish.file.clone(),
+                };
+            }
+            // Further programs of a single file stay callable; more files than channels are a mistake.
+            None if spec.programs.len() == 1 => {}
+            None => {
+                findings
+                    .push(candidate.error(format!("machine {machine} has {count} channels, there are more programs")));
+            }
+        }
+    }
+}
+
+fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
+    let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
+    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
+}
+
+/// Main programs of a file: those that no other program of the file calls; the first one if all are called.
+fn mains(source: &Source) -> Vec<Range> {
+    let ranges = source.programs();
+    if ranges.len() < 2 {
+        return ranges.to_vec();
+    }
+    let called: Vec<u32> = ranges.iter().flat_map(|&range| program::calls(source, range)).collect();
+    let mut mains: Vec<Range> =
+        ranges.iter().filter(|r| r.number.is_none_or(|n| !called.contains(&n))).copied().collect();
+    if mains.is_empty() {
+        mains.extend(ranges.first());
+    }
+    mains
+}
+
+/// The first program of a file begins at the rewind-stop before it, so that the listing shows that line.
+fn opening(source: &Source, range: Range) -> Range {
+    let is_stop = |n: &u32| source.line(*n).trim_ascii() == b"%";
+    let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
+    let stop = if range.number.is_none() {
+        // A text without definition word begins at its first rewind-stop, if that is not its end.
+        (range.first..=range.last)
+            .find(is_stop)
+            .filter(|line| (line + 1..=range.last).any(|n| !source.line(n).trim_ascii().is_empty()))
+    } else if first_program {
+        (1..range.first).rev().find(is_stop)
+    } else {
+        None
+    };
+    stop.map_or(range, |line| Range { first: line, ..range })
 }

@@ -1,4 +1,5 @@
 //! NC program text (machine control data): sources, layouts, words, the reader.
 
 pub(crate) mod layout;
+pub mod program;
 pub mod source;

@@ -3,7 +3,11 @@
 //! Invariant: bytes are kept as they are; a line ends at LF, CR LF or a lone CR, and the line's text excludes
 //! its end. Lines count from 1.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+use rustc_hash::FxHashMap;
+
+use super::program::{self, Range};
 
 /// A file of the job.
 #[derive(Debug)]
@@ -13,6 +17,8 @@ pub struct Source {
     bytes: Arc<[u8]>,
     /// Start of each line, and one past the end as last entry.
     starts: Vec<u32>,
+    programs: OnceLock<Vec<Range>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
 }
 
 impl Source {
@@ -33,7 +39,7 @@ impl Source {
             starts.push(limit as u32);
         }
         starts.shrink_to_fit();
-        Self { name: name.into(), bytes, starts }
+        Self { name: name.into(), bytes, starts, programs: OnceLock::new(), sequences: OnceLock::new() }
     }
 
     /// Number of lines.
@@ -57,6 +63,29 @@ impl Source {
             line = head;
         }
         line
+    }
+
+    /// The programs in the file, in order; a file without definition words is one program without number.
+    #[must_use]
+    pub fn programs(&self) -> &[Range] {
+        self.programs.get_or_init(|| program::ranges(self))
+    }
+
+    /// Lines that begin with sequence number `number`, ascending.
+    #[must_use]
+    pub fn sequence_lines(&self, number: u32) -> &[u32] {
+        self.sequences
+            .get_or_init(|| {
+                let mut index: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+                for line in 1..=self.lines() {
+                    if let Some(number) = program::leading_number(self.line(line), b'N') {
+                        index.entry(number).or_default().push(line);
+                    }
+                }
+                index
+            })
+            .get(&number)
+            .map_or(&[], Vec::as_slice)
     }
 
     /// Size in bytes.

@@ -1,9 +1,149 @@
 //! Several kernels under a master.
+//!
+//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, merges their
+//! streams into the log and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
 
-use crate::control::Control;
+pub(crate) mod coordinator;
+pub(crate) mod merge;
+pub(crate) mod shared;
+pub(crate) mod tag;
+pub(crate) mod verdict;
+pub(crate) mod waits;
+
+use coordinator::Coordinator;
+use merge::{End, Feeder, Merger};
+use shared::{Shared, Spindle};
+use waits::Waits;
+
+use crate::channel::plan::Plan;
+use crate::channel::{Kernel, block::Block, emit::Emitter, flow::Flow, life, state, variables::ChannelVariables};
+use crate::control::{Control, Progress, State};
 use crate::files::Files;
 use crate::job::{Job, Outcome, Sink};
+use crate::log::event::{Diagnostic, Event, Kind, Phase, Verdict, VerdictKind};
+use crate::machine::model::Channel;
+use crate::mcd::program::Range;
 
-pub(crate) fn run(_job: &Job, _files: &dyn Files, control: &Control, _sink: &mut dyn Sink) -> Outcome {
-    Outcome { events: 0, cancelled: control.cancelled(), sink_failed: false }
+/// Runs a prepared job; returns when every kernel has ended and the sink has the whole log.
+pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    let spec = job.spec();
+    let machine = &*spec.machine;
+    let count = machine.channels.len();
+    let plan = Plan::new(machine, &spec.options.opskip);
+    let ranks = machine.channels.iter().map(|c| c.number);
+    let (mut merger, feeders, sender) = Merger::new(ranks, spec.options.limits.events);
+    let shared = Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
+    let waits = Waits::new(count, machine.sync.release_ns);
+    let coordinator = Coordinator::new(count, usize::from(spec.options.threads), shared, waits, sender);
+    let mut refused = !merger.direct(&master(0, Kind::Lifecycle(Phase::MachineStart)), sink);
+    let fallback = Progress::default();
+    let fallback = &fallback;
+    std::thread::scope(|scope| {
+        let mut starting = Vec::new();
+        for (index, (channel, feeder)) in machine.channels.iter().zip(feeders).enumerate() {
+            let progress = control.progress().get(index).unwrap_or(fallback);
+            let start = job.info().channel(channel.number).filter(|c| !c.program.is_empty());
+            match start {
+                Some(start) => {
+                    let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
+                    let name: Box<str> = start.program.clone().into();
+                    let kernel = kernel(job, &plan, &coordinator, files, control, progress, channel, feeder);
+                    starting.push((channel.number, kernel, (start.file, range, name)));
+                }
+                None => {
+                    progress.set_state(State::NotStarted);
+                    let event = Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) };
+                    refused |= !merger.direct(&event, sink);
+                    life::never_started(&coordinator, channel.number);
+                    coordinator.closed(channel.number);
+                }
+            }
+        }
+        for (number, kernel, start) in starting {
+            let spawned =
+                std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, || kernel.live(start));
+            if spawned.is_err() {
+                // The operating system refuses a thread: the job cannot be run and counts as cancelled.
+                control.cancel();
+                coordinator.closed(number);
+                coordinator.done(&mut coordinator.lock(), number);
+            }
+        }
+        if refused {
+            coordinator.abort();
+        }
+        let end = merger.run(sink, |_| coordinator.abort());
+        refused |= end == End::Refused;
+        if end == End::Full {
+            for event in full_log(&merger, spec.options.limits.events) {
+                refused |= !merger.direct(&event, sink);
+            }
+        }
+    });
+    let (t_ns, micro) = merger.last;
+    if !refused {
+        let close = Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) };
+        refused = !merger.direct(&close, sink);
+    }
+    Outcome { events: merger.next_seq - 1, cancelled: control.cancelled(), sink_failed: refused }
+}
+
+fn master(t_ns: i64, kind: Kind) -> Event {
+    Event { t_ns, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind }
+}
+
+/// The verdict when the log holds as many events as it may.
+fn full_log(merger: &Merger, limit: u64) -> [Event; 2] {
+    let (t_ns, micro) = merger.last;
+    let text: Box<str> = format!("the log has reached its limit of {limit} events").into();
+    let facts = &crate::diag::LIMIT_REACHED;
+    let diagnostic = Diagnostic { number: facts.number, severity: facts.severity, text: text.clone() };
+    let verdict = Verdict { kind: VerdictKind::Limit, at_ns: t_ns, text, members: Vec::new() };
+    [Kind::Diagnostic(Box::new(diagnostic)), Kind::Verdict(Box::new(verdict))]
+        .map(|kind| Event { micro, ..master(t_ns, kind) })
+}
+
+#[allow(clippy::too_many_arguments, reason = "everything a kernel borrows, once")]
+fn kernel<'a>(
+    job: &'a Job,
+    plan: &'a Plan,
+    coordinator: &'a Coordinator,
+    files: &'a dyn Files,
+    control: &'a Control,
+    progress: &'a Progress,
+    channel: &'a Channel,
+    feeder: Feeder,
+) -> Kernel<'a> {
+    let machine = &*job.spec().machine;
+    let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
+    let shared = machine.channels.iter().filter(|c| c.spindle.is_some() && c.spindle == channel.spindle).count() > 1;
+    Kernel {
+        machine,
+        info: job.info(),
+        options: &job.spec().options,
+        files,
+        plan,
+        coordinator,
+        control,
+        progress,
+        emitter: Emitter::new(channel.number, coordinator, feeder),
+        rank: channel.number,
+        clock: 0,
+        micro: 0,
+        file: 0,
+        line: 0,
+        block: Block::default(),
+        as_data: None,
+        mode_changed: false,
+        modal: state::Modal::new(machine),
+        place: state::Place::new(machine, channel),
+        spindle: state::SpindleState { index: spindle, shared, ..state::SpindleState::default() },
+        flow: Flow::default(),
+        variables: ChannelVariables::default(),
+        secondary: false,
+        blocks: 0,
+        idle_blocks: 0,
+        diagnostics: 0,
+        stripped: Vec::new(),
+    }
 }

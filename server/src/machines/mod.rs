@@ -3,21 +3,19 @@
 //! A machine put there has a revision, the digest of its files; a job keeps the revision it was submitted with.
 //! Invariant: a stored machine has passed the check of this server.
 
-mod standin;
-
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 
-use counterpoint_kernel::files::{Files as _, Memory};
+use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::machine::package::Overlay;
+use counterpoint_kernel::machine::{load, package};
 use dashmap::DashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::blobs::{Blobs, digest};
 use crate::reason::Refusal;
-pub(crate) use standin::show;
-use standin::{load, package};
 
 /// A machine as the ledger keeps it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,18 +48,15 @@ pub(crate) fn is_name(text: &str) -> bool {
         && text.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-".contains(&b))
 }
 
-static SHIPPED: LazyLock<Memory> = LazyLock::new(package::shipped);
+static NAMES: LazyLock<Vec<String>> = LazyLock::new(package::shipped_names);
 
 /// Names of the shipped machines, sorted.
-pub(crate) fn shipped() -> Vec<String> {
-    let mut names: Vec<String> =
-        SHIPPED.list().iter().filter_map(|path| path.strip_suffix("/machine.toml")).map(str::to_owned).collect();
-    names.sort();
-    names
+pub(crate) fn shipped() -> &'static [String] {
+    &NAMES
 }
 
 pub(crate) fn is_shipped(name: &str) -> bool {
-    SHIPPED.0.contains_key(&format!("{name}/machine.toml"))
+    NAMES.iter().any(|shipped| shipped == name)
 }
 
 /// A loaded machine, if it can be used, with what its check found.
@@ -92,11 +87,11 @@ impl Machines {
         if let Some(known) = self.loaded.get(&key) {
             return Ok(known.clone());
         }
-        let mut files = SHIPPED.clone();
+        let mut files = Memory::default();
         for (path, digest) in &definition.files {
             files.0.insert(path.clone(), self.blobs.read(digest)?);
         }
-        let loaded = load::load(&files, &definition.name);
+        let loaded = load(&Overlay::over_shipped(files), &definition.name);
         let checked = Checked { machine: loaded.machine.map(Arc::new), findings: loaded.findings };
         if self.loaded.len() >= KEPT {
             self.loaded.clear();

@@ -1,6 +1,8 @@
 //! Service `Machines`.
 
+use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::machine::show::{self, Show};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
@@ -8,7 +10,7 @@ use tonic::{Request, Response, Status};
 use super::{Machines, blocking, submit};
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
-use crate::machines::{Checked, Definition, is_name, is_shipped, shipped, show};
+use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
 use crate::reason::Refusal;
 
 #[tonic::async_trait]
@@ -59,7 +61,7 @@ impl Service for Machines {
         let machines = blocking(move || {
             let mut all = core.ledger.machines()?;
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
-            let shipped: Vec<_> = shipped().into_iter().filter(|name| !shadowed(name)).collect();
+            let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
             all.extend(shipped.iter().map(|name| Definition::shipped(name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
             all.iter().map(|definition| Ok(summary(definition, &core.machines.load(definition)?))).collect()
@@ -123,14 +125,21 @@ fn summary(definition: &Definition, checked: &Checked) -> v1::MachineSummary {
     }
 }
 
-fn shown(machine: &counterpoint_kernel::machine::Machine, section: v1::MachineSection, json: bool) -> String {
-    let section = match section {
+fn shown(machine: &Machine, section: v1::MachineSection, json: bool) -> String {
+    let (part, keys): (Show, &[&str]) = match section {
         v1::MachineSection::Unspecified => return String::new(),
-        v1::MachineSection::All => "all",
-        v1::MachineSection::Codes => "codes",
-        v1::MachineSection::Data => "data",
-        v1::MachineSection::Axes => "axes",
-        v1::MachineSection::Channels => "channels",
+        v1::MachineSection::All => (Show::All, &[]),
+        v1::MachineSection::Codes => (Show::Codes, &["codes"]),
+        v1::MachineSection::Data => (Show::Data, &["data"]),
+        v1::MachineSection::Axes => (Show::Axes, &["axes"]),
+        v1::MachineSection::Channels => (Show::Channels, &["channels", "spindles"]),
     };
-    if json { show::json(machine, section) } else { show::text(machine, section) }
+    if !json {
+        return show::show(machine, part);
+    }
+    let mut value = show::json(machine);
+    if let (false, Some(object)) = (keys.is_empty(), value.as_object_mut()) {
+        object.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    format!("{value:#}\n")
 }

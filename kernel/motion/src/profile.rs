@@ -1,0 +1,45 @@
+//! Time of a move from standstill to standstill.
+
+/// Seconds for `distance` at `speed` (per second) with `acceleration` (per second squared) at both ends; `None` =
+/// speed changes take no time. Zero distance takes no time; a speed of zero or less gives infinity.
+///
+/// Trapezoid: `L ≥ v²/a ? L/v + v/a : 2·√(L/a)` (reference channel-synchronisation.md 3).
+#[must_use]
+pub fn stop_to_stop(distance: f64, speed: f64, acceleration: Option<f64>) -> f64 {
+    let distance = distance.abs();
+    if distance <= 0.0 {
+        return 0.0;
+    }
+    if speed <= 0.0 {
+        return f64::INFINITY;
+    }
+    match acceleration {
+        Some(a) if a > 0.0 => {
+            if distance >= speed * speed / a {
+                distance / speed + speed / a
+            } else {
+                2.0 * (distance / a).sqrt()
+            }
+        }
+        _ => distance / speed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stop_to_stop;
+
+    #[test]
+    fn constant_speed_without_acceleration() {
+        assert_eq!(stop_to_stop(100.0, 50.0, None), 2.0);
+        assert_eq!(stop_to_stop(0.0, 0.0, None), 0.0);
+        assert_eq!(stop_to_stop(1.0, 0.0, None), f64::INFINITY);
+    }
+
+    #[test]
+    fn trapezoid_and_triangle() {
+        // 100 mm at 6000 mm/min and 1000 mm/s²: 1.0 s + 0.1 s
+        assert!((stop_to_stop(100.0, 100.0, Some(1000.0)) - 1.1).abs() < 1e-12);
+        assert!((stop_to_stop(2.5, 100.0, Some(1000.0)) - 0.1).abs() < 1e-12);
+    }
+}

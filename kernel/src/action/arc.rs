@@ -1,0 +1,137 @@
+//! Circular moves: centre by I J K from the start point, or radius R.
+//!
+//! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block
+//! with only a centre is a full circle; end-point tolerance 0.01 mm.
+
+use counterpoint_motion::arc as geometry;
+
+use super::time::Path;
+use crate::channel::state::{group, plane};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Kind, Motion, MotionKind};
+use crate::log::info::Unit;
+use crate::machine::ident::data;
+
+/// An arc in the active plane, helical when the third axis is coded.
+pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, target) = kernel.targets();
+    let plane_code = kernel.modal.code(group::PLANE);
+    let axes = plane_code.and_then(plane).and_then(|p| {
+        let index = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+        Some((p, index(p.first)?, index(p.second)?))
+    });
+    let radius = kernel.take(data::ARC_RADIUS).map(|d| d.value);
+    let Some((plane, first, second)) = axes else {
+        for id in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
+            kernel.take(id);
+        }
+        let text =
+            format!("no plane with both axes in channel {} is active for '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::ARC_PLANE, text);
+        return Ok(());
+    };
+    let offsets = plane.centers.map(|id| kernel.take(id).map(|d| d.value));
+    let turns = kernel.take(data::ARC_TURNS).map_or(0.0, |d| d.value);
+    let has_center = offsets.iter().any(Option::is_some);
+    if coded == 0 && radius.is_none() && !has_center {
+        return Ok(());
+    }
+    let from = kernel.place.position;
+    let scales = [first, second].map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let in_plane = |p: &[f64]| {
+        let at = |axis: usize, scale: f64| p.get(axis).copied().unwrap_or(0.0) * scale;
+        [at(first, scales[0]), at(second, scales[1])]
+    };
+    let (start, end) = (in_plane(&from), in_plane(&target));
+    let tolerance = match kernel.machine.unit {
+        Unit::Mm => 0.01,
+        Unit::Inch => 0.01 / 25.4,
+    };
+    let made = match radius {
+        Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
+        None => {
+            let [i, j] = offsets.map(|o| o.unwrap_or(0.0));
+            geometry::by_center(start, end, [start[0] + i, start[1] + j], clockwise)
+        }
+    };
+    let made = match made {
+        Ok(made) => made,
+        Err(error) => {
+            let text =
+                format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+            kernel.diagnose(&diag::ARC_RADIUS, text);
+            return straight(kernel, coded, target, feed, unit);
+        }
+    };
+    let off = made.end_error(end);
+    if radius.is_none() && off > tolerance {
+        let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::ARC_END_OFF, text);
+    }
+    let turns = if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 };
+    let made = made.with_turns(turns);
+    let changes = kernel.changes(&from, &target);
+    let rise = changes
+        .iter()
+        .enumerate()
+        .filter(|&(i, _)| i != first && i != second && kernel.place.axes.get(i).is_some_and(|a| !a.rotary))
+        .map(|(_, c)| c * c)
+        .sum::<f64>();
+    let length = (made.length().powi(2) + rise).sqrt();
+    let x = kernel.place.cartesian.first().copied().flatten().map(usize::from);
+    let radial = [first, second].iter().position(|&axis| Some(axis) == x);
+    let center = [made.center[0] / scales[0], made.center[1] / scales[1]];
+    let path = Path { from: &from, to: &target, length: made.length(), arc: Some((&made, radial)) };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    kernel.travel(
+        seconds,
+        Motion {
+            kind: if clockwise { MotionKind::ArcCw } else { MotionKind::ArcCcw },
+            moving: coded | 1 << first | 1 << second,
+            from,
+            to: target,
+            center,
+            plane_axes: [first as u8, second as u8],
+            turns,
+            feed: feed.unwrap_or(0.0),
+            feed_unit: unit,
+            length,
+        },
+    )
+}
+
+/// What remains of an impossible circle.
+fn straight(
+    kernel: &mut Kernel<'_>,
+    coded: u8,
+    target: crate::log::event::Position,
+    feed: Option<f64>,
+    unit: crate::log::event::FeedUnit,
+) -> Acted {
+    let from = kernel.place.position;
+    if target == from {
+        kernel.emit(0, Kind::Mode { text: "arc left out".into() });
+        return Ok(());
+    }
+    let changes = kernel.changes(&from, &target);
+    let length = kernel.tool_path(&changes);
+    let path = Path { from: &from, to: &target, length, arc: None };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    kernel.travel(
+        seconds,
+        Motion {
+            kind: MotionKind::Linear,
+            moving: coded,
+            from,
+            to: target,
+            center: [0.0; 2],
+            plane_axes: [255; 2],
+            turns: 0,
+            feed: feed.unwrap_or(0.0),
+            feed_unit: unit,
+            length,
+        },
+    )
+}

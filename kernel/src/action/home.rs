@@ -1,0 +1,74 @@
+//! Reference points: via an intermediate point to them, and back.
+//!
+//! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
+
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::data;
+
+/// To reference point `number` (1 = home) via the programmed point; only coded axes move.
+pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
+    let (coded, via) = kernel.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    kernel.place.home_via = Some(via);
+    kernel.rapid_to(coded, via)?;
+    let mut target = kernel.place.position;
+    let mut missing = false;
+    for (index, ((slot, axis), shift)) in target.iter_mut().zip(&kernel.place.axes).zip(&kernel.place.shift).enumerate()
+    {
+        if coded & (1 << index) == 0 {
+            continue;
+        }
+        let reference = match number {
+            1 => Some(axis.home),
+            n => axis.references.get(n.wrapping_sub(2)).copied().flatten(),
+        };
+        match reference {
+            Some(point) => *slot = point - shift,
+            None => missing = true,
+        }
+    }
+    if missing {
+        let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
+        kernel.diagnose(&diag::NO_REFERENCE, text);
+    }
+    kernel.rapid_to(coded, target)
+}
+
+/// To the second, third or fourth reference point; 2 without a number.
+pub(super) fn go_nth(kernel: &mut Kernel<'_>) -> Acted {
+    let number = kernel.take(data::GOHOME_NTH).map_or(2.0, |d| d.value);
+    if ![2.0, 3.0, 4.0].contains(&number) {
+        let text = format!("there is no reference point {number} in '{}', expected 2, 3 or 4", kernel.block_text());
+        kernel.diagnose(&diag::NO_REFERENCE, text);
+        kernel.targets();
+        return Ok(());
+    }
+    go(kernel, number as usize)
+}
+
+/// From the reference point via the last intermediate point to the programmed one.
+pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
+    let (coded, target) = kernel.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    match kernel.place.home_via {
+        Some(via) => {
+            let mut through = kernel.place.position;
+            for (index, (slot, value)) in through.iter_mut().zip(via).enumerate() {
+                if coded & (1 << index) != 0 {
+                    *slot = value;
+                }
+            }
+            kernel.rapid_to(coded, through)?;
+        }
+        None => {
+            let text = format!("no intermediate point is known for '{}'", kernel.block_text());
+            kernel.diagnose(&diag::RETURN_WITHOUT_HOME, text);
+        }
+    }
+    kernel.rapid_to(coded, target)
+}

@@ -1,0 +1,190 @@
+//! What codes do. One file an idea; this one tells which code goes where.
+//!
+//! Facts: reference control-emulator.md 6. Invariant: an action takes its data in the documented order (feed before
+//! axes) and never touches another channel except through a shared operation.
+
+mod arc;
+mod dwell;
+pub(crate) mod frame;
+mod home;
+mod mode;
+mod motion;
+pub(crate) mod spindle;
+mod stop;
+mod subprogram;
+mod sync;
+mod thread;
+mod time;
+mod tool;
+
+use crate::channel::block::Firing;
+use crate::channel::{Acted, Kernel};
+use crate::log::event::{Direction, Stop};
+use crate::machine::ident::{CodeId, codes};
+use crate::machine::model::CodeRow;
+
+/// A built-in action.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Action {
+    Rapid,
+    Linear,
+    Arc {
+        clockwise: bool,
+    },
+    Thread,
+    Dwell,
+    DwellRevolutions,
+    /// A modal state with its listing words; the kernel reads it from the group.
+    Mode(&'static str),
+    Units {
+        secondary: bool,
+    },
+    ExactStopBlock,
+    MachineFrame,
+    GoHome,
+    GoHomeNth,
+    GoHomeReturn,
+    Preset,
+    WorkOffset,
+    WorkOffsetOff,
+    Length(f64),
+    Diameter(&'static str),
+    Spindle {
+        number: u16,
+        direction: Direction,
+        coolant: Option<bool>,
+    },
+    Css,
+    Rpm,
+    MaxRpm,
+    CssDriver(u16),
+    Coolant(bool),
+    ToolSelect,
+    ToolLoad,
+    Stop(Stop),
+    Call,
+    Return,
+    Sync,
+    Function,
+}
+
+impl Action {
+    /// Action of a code, if the kernel has one.
+    pub(crate) fn of(id: CodeId) -> Option<Self> {
+        use Action as A;
+        Some(match id {
+            codes::RAPID => A::Rapid,
+            codes::INTERP_LINEAR => A::Linear,
+            codes::INTERP_ARC_CLW | codes::INTERP_HELIX_CLW => A::Arc { clockwise: true },
+            codes::INTERP_ARC_CCLW | codes::INTERP_HELIX_CCLW => A::Arc { clockwise: false },
+            codes::INTERP_THREAD => A::Thread,
+            codes::DELAY => A::Dwell,
+            codes::DELAY_REV => A::DwellRevolutions,
+            codes::PLANE_XY => A::Mode("plane xy"),
+            codes::PLANE_ZX => A::Mode("plane zx"),
+            codes::PLANE_YZ => A::Mode("plane yz"),
+            codes::POSITION_ABSOLUTE => A::Mode("position absolute"),
+            codes::POSITION_RELATIVE => A::Mode("position incremental"),
+            codes::FEED_UPM => A::Mode("feed per minute"),
+            codes::FEED_UPR => A::Mode("feed per revolution"),
+            codes::FEED_1T => A::Mode("feed inverse time"),
+            codes::EXACTSTOP_ON => A::Mode("exact stop on"),
+            codes::EXACTSTOP_OFF => A::Mode("exact stop off"),
+            codes::CYCLE_OFF => A::Mode("cycle off"),
+            codes::CYCLE_RETRACT_INITIAL => A::Mode("cycle retract initial"),
+            codes::CYCLE_RETRACT_R => A::Mode("cycle retract r"),
+            codes::UNITS_PRIMARY => A::Units { secondary: false },
+            codes::UNITS_SECONDARY => A::Units { secondary: true },
+            codes::EXACTSTOP => A::ExactStopBlock,
+            codes::POSITION_MACHINE => A::MachineFrame,
+            codes::GOHOME => A::GoHome,
+            codes::GOHOME_NTH => A::GoHomeNth,
+            codes::GOHOME_RETURN => A::GoHomeReturn,
+            codes::POSITION_PRESET => A::Preset,
+            codes::COMP_WORKP_ON => A::WorkOffset,
+            codes::COMP_WORKP_OFF => A::WorkOffsetOff,
+            codes::COMP_LENGTH_ON => A::Length(1.0),
+            codes::COMP_LENGTH_ON_NEG => A::Length(-1.0),
+            codes::COMP_LENGTH_OFF => A::Length(0.0),
+            codes::COMP_DIAM_OFF => A::Diameter("off"),
+            codes::COMP_DIAM_LEFT => A::Diameter("left"),
+            codes::COMP_DIAM_RIGHT => A::Diameter("right"),
+            codes::SPINDLE_CSS => A::Css,
+            codes::SPINDLE_RPM => A::Rpm,
+            codes::SPINDLE_MAXRPM => A::MaxRpm,
+            codes::SPINDLE_CSS_MAIN => A::CssDriver(1),
+            codes::SPINDLE_CSS_SIDE => A::CssDriver(2),
+            codes::COOLANT_FLOOD | codes::COOLANT_MIST | codes::COOLANT_ON | codes::COOLANT_THRU => A::Coolant(true),
+            codes::COOLANT_OFF => A::Coolant(false),
+            codes::TOOL_SELECT => A::ToolSelect,
+            codes::TOOL_LOAD => A::ToolLoad,
+            codes::STOP => A::Stop(Stop::Program),
+            codes::OPSTOP => A::Stop(Stop::Optional),
+            codes::END => A::Stop(Stop::End),
+            codes::REWIND => A::Stop(Stop::Rewind),
+            codes::CALSUB_ID => A::Call,
+            codes::CALSUB_RETURN => A::Return,
+            codes::SYNC_REG => A::Sync,
+            codes::FUNCTION => A::Function,
+            _ => return spindle_code(id),
+        })
+    }
+}
+
+/// Spindle codes: the channel's own spindle (0) or a numbered one.
+fn spindle_code(id: CodeId) -> Option<Action> {
+    let name = crate::machine::ident::code_facts(id)?.name.strip_prefix("CODE_SPINDLE")?;
+    let (number, rest) = match name.split_once('_')? {
+        ("", rest) => (0, rest),
+        (digits, rest) => (digits.parse().ok()?, rest),
+    };
+    let (rest, coolant) = match rest.strip_suffix("_COOLNT") {
+        Some(rest) => (rest, Some(rest != "OFF")),
+        None => (rest, None),
+    };
+    let direction = match rest {
+        "CLW" => Direction::Clockwise,
+        "CCLW" => Direction::CounterClockwise,
+        "OFF" | "NEUTRAL" | "LOCK" => Direction::Off,
+        "ORIENT" => Direction::Oriented,
+        _ => return None,
+    };
+    Some(Action::Spindle { number, direction, coolant })
+}
+
+/// Carries out an action.
+pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
+    match action {
+        Action::Rapid => motion::rapid(kernel),
+        Action::Linear => motion::linear(kernel),
+        Action::Arc { clockwise } => arc::arc(kernel, clockwise),
+        Action::Thread => thread::thread(kernel),
+        Action::Dwell => dwell::seconds(kernel),
+        Action::DwellRevolutions => dwell::revolutions(kernel),
+        Action::Mode(text) => mode::mode(kernel, text),
+        Action::Units { secondary } => mode::units(kernel, secondary),
+        Action::ExactStopBlock => mode::exact_stop_block(kernel),
+        Action::MachineFrame => frame::machine_frame(kernel),
+        Action::GoHome => home::go(kernel, 1),
+        Action::GoHomeNth => home::go_nth(kernel),
+        Action::GoHomeReturn => home::come_back(kernel),
+        Action::Preset => frame::preset(kernel),
+        Action::WorkOffset => frame::work_offset(kernel),
+        Action::WorkOffsetOff => frame::work_offset_off(kernel),
+        Action::Length(sign) => frame::length(kernel, sign),
+        Action::Diameter(side) => mode::diameter(kernel, side),
+        Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
+        Action::Css => spindle::css(kernel),
+        Action::Rpm => spindle::rpm(kernel),
+        Action::MaxRpm => spindle::limit(kernel),
+        Action::CssDriver(channel) => spindle::driver(kernel, channel),
+        Action::Coolant(on) => mode::coolant(kernel, on),
+        Action::ToolSelect => tool::select(kernel),
+        Action::ToolLoad => tool::load(kernel),
+        Action::Stop(stop) => stop::stop(kernel, stop),
+        Action::Call => subprogram::call(kernel),
+        Action::Return => subprogram::give_back(kernel),
+        Action::Sync => sync::meet(kernel, row),
+        Action::Function => mode::function(kernel, row, firing),
+    }
+}

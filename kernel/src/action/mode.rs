@@ -1,0 +1,60 @@
+//! Modes whose effect is that other actions read them, and switches that only show in the log.
+
+use crate::channel::block::Firing;
+use crate::channel::{Acted, Kernel};
+use crate::log::event::Kind;
+use crate::machine::ident::data;
+use crate::machine::model::CodeRow;
+
+/// A modal state.
+pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
+    if kernel.mode_changed {
+        kernel.emit(0, Kind::Mode { text: text.into() });
+    }
+    Ok(())
+}
+
+/// Primary or secondary units.
+pub(super) fn units(kernel: &mut Kernel<'_>, secondary: bool) -> Acted {
+    use crate::log::info::Unit;
+    kernel.secondary = secondary;
+    let inch = (kernel.machine.unit == Unit::Inch) != secondary;
+    mode(kernel, if inch { "units inch" } else { "units mm" })
+}
+
+/// Exact stop at the end of this block.
+pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.block.exact_stop = true;
+    Ok(())
+}
+
+/// Cutter or nose radius compensation: state and listing.
+pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
+    let number = kernel.take(data::COMP_DIAM).map(|d| d.value);
+    if kernel.mode_changed || number.is_some() {
+        let text = match number {
+            Some(number) if side != "off" => {
+                format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number))
+            }
+            _ => format!("comp diam {side}"),
+        };
+        kernel.emit(0, Kind::Mode { text: text.into() });
+    }
+    Ok(())
+}
+
+/// Coolant.
+pub(super) fn coolant(kernel: &mut Kernel<'_>, on: bool) -> Acted {
+    kernel.emit(0, Kind::Coolant { on });
+    Ok(())
+}
+
+/// A function of the machine that only takes time; the time itself is added by the code loop.
+pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acted {
+    kernel.take(data::FUNCTION);
+    if row.seconds <= 0.0 {
+        let (letter, value) = kernel.written(row, firing);
+        kernel.emit(0, Kind::Function { letter, value });
+    }
+    Ok(())
+}

@@ -1,0 +1,169 @@
+//! Straight moves.
+//!
+//! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
+
+use super::time::Path;
+use crate::channel::state::{feed_of, group};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
+use crate::machine::ident::codes;
+
+/// Positioning.
+pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.take(crate::machine::ident::data::RAPID_FEED);
+    let (coded, target) = kernel.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    kernel.rapid_to(coded, target)
+}
+
+/// Straight feed.
+pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, target) = kernel.targets();
+    if coded == 0 {
+        return Ok(());
+    }
+    let from = kernel.place.position;
+    if target == from {
+        return Ok(());
+    }
+    let changes = kernel.changes(&from, &target);
+    let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let path = Path { from: &from, to: &target, length: feed_length, arc: None };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    let length = kernel.tool_path(&changes);
+    kernel.travel(
+        seconds,
+        Motion {
+            kind: MotionKind::Linear,
+            moving: coded,
+            from,
+            to: target,
+            center: [0.0; 2],
+            plane_axes: [255; 2],
+            turns: 0,
+            feed: feed.unwrap_or(0.0),
+            feed_unit: unit,
+            length,
+        },
+    )
+}
+
+impl Kernel<'_> {
+    /// Feed of the active mode: the word on the block, else the remembered one.
+    pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
+        let (id, unit) = feed_of(self.modal.code(group::FEED));
+        match self.take(id) {
+            Some(datum) => {
+                self.modal.remember(id, datum.value);
+                (Some(datum.value), unit)
+            }
+            // Inverse time belongs to its block alone.
+            None if unit == FeedUnit::InverseTime => (None, unit),
+            None => (self.modal.value(id), unit),
+        }
+    }
+
+    /// Takes the axis words: bits of coded axes, and the target in the work frame.
+    pub(super) fn targets(&mut self) -> (u8, Position) {
+        let relative = match self.modal.code(group::POSITION) {
+            Some(codes::POSITION_RELATIVE) => Some(true),
+            Some(_) => Some(false),
+            None => None,
+        };
+        let mut target = self.place.position;
+        let mut coded = 0_u8;
+        for index in 0..self.place.axes.len() {
+            let Some(id) = self.place.axes.get(index).map(|a| a.data) else { break };
+            let Some(datum) = self.take(id) else { continue };
+            if relative.is_none() && !datum.incremental {
+                let text = format!(
+                    "neither absolute nor incremental is active in '{}', absolute is assumed",
+                    self.block_text()
+                );
+                self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
+            }
+            let shift = self.place.shift.get(index).copied().unwrap_or(0.0);
+            let Some(slot) = target.get_mut(index) else { break };
+            *slot = if datum.incremental || relative == Some(true) {
+                *slot + datum.value
+            } else if self.block.machine_frame {
+                datum.value - shift
+            } else {
+                datum.value
+            };
+            coded |= 1 << index;
+        }
+        (coded, target)
+    }
+
+    /// Length of the tool path: linear axes, or the rotary ones when nothing else moves.
+    pub(super) fn tool_path(&self, changes: &Position) -> f64 {
+        let sum = |rotary: bool| {
+            self.place.axes.iter().zip(changes).filter(|(a, _)| a.rotary == rotary).map(|(_, c)| c * c).sum::<f64>()
+        };
+        let linear = sum(false);
+        if linear > 0.0 { linear.sqrt() } else { sum(true).sqrt() }
+    }
+
+    /// A rapid move to a target in the work frame.
+    pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
+        let from = self.place.position;
+        if target == from {
+            return Ok(());
+        }
+        let seconds = self.rapid_seconds(&from, &target);
+        let length = self.tool_path(&self.changes(&from, &target));
+        self.travel(
+            seconds,
+            Motion {
+                kind: MotionKind::Rapid,
+                moving: coded,
+                from,
+                to: target,
+                center: [0.0; 2],
+                plane_axes: [255; 2],
+                turns: 0,
+                feed: 0.0,
+                feed_unit: FeedUnit::Rapid,
+                length,
+            },
+        )
+    }
+
+    /// Carries out a motion: limits, event, clock, position.
+    pub(super) fn travel(&mut self, seconds: f64, motion: Motion) -> Acted {
+        self.block.moved = true;
+        self.flow.pass.effects = true;
+        self.place.position = motion.to;
+        let ns = Self::ns(seconds);
+        let to = motion.to;
+        self.emit(ns, Kind::Motion(motion));
+        self.advance(ns);
+        self.check_travel(&to);
+        self.follow_radius()
+    }
+
+    fn check_travel(&mut self, to: &Position) {
+        let mut over = None;
+        for ((axis, value), shift) in self.place.axes.iter().zip(to).zip(&self.place.shift) {
+            if let Some((low, high)) = axis.limits {
+                let at = value + shift;
+                if at < low - 1e-9 || at > high + 1e-9 {
+                    over = Some((axis.machine, at, low, high));
+                }
+            }
+        }
+        if let Some((axis, at, low, high)) = over {
+            let name = self.machine.axes.get(axis).map_or("?", |a| a.name.as_str());
+            let text = format!(
+                "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
+                self.block_text()
+            );
+            self.diagnose(&diag::OVER_TRAVEL, text);
+        }
+    }
+}

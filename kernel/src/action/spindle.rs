@@ -1,0 +1,273 @@
+//! Spindles: direction, speed, constant surface speed, speed limit.
+//!
+//! Facts: reference control-emulator.md 3.3, 6.3; channel-synchronisation.md 1.9 (a spindle that several channels
+//! command: the last writer in tag order wins, with a warning when no meeting lies between). A shared spindle is
+//! reached only through shared operations; an own one is plain state of the kernel.
+
+use counterpoint_motion::surface_speed::Speed;
+
+use crate::channel::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
+use crate::log::info::Unit;
+use crate::machine::ident::data;
+use crate::multi::shared::Command;
+use crate::multi::waits::Set;
+
+/// How the spindle turns during a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Turning {
+    /// Steady rev/min.
+    Fixed(f64),
+    /// By this channel's own X.
+    Surface(Speed),
+}
+
+/// Start, stop, orient. `number` 0 = the channel's own spindle.
+pub(super) fn turn(kernel: &mut Kernel<'_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
+    if direction == Direction::Oriented {
+        kernel.take(data::SPINDLE_ORIENT);
+    }
+    if let Some(on) = coolant {
+        kernel.emit(0, Kind::Coolant { on });
+    }
+    let css = kernel.current()?.css;
+    let speed = take_speed(kernel, css);
+    let own = kernel.spindle.index.and_then(|i| kernel.machine.spindles.get(i)).map_or(0, |s| s.number);
+    if number != 0 && number != own {
+        // A spindle of its own number: its state shows in the log, feed per revolution follows the channel's own.
+        let (rpm, limit) = (speed.unwrap_or(0.0), f64::INFINITY);
+        kernel.emit(0, Kind::Spindle(SpindleEvent { spindle: number, direction, css: false, speed: rpm, limit }));
+        return Ok(());
+    }
+    command(kernel, |c| {
+        c.direction = direction;
+        set_speed(c, css, speed);
+    })
+}
+
+/// Constant surface speed on.
+pub(super) fn css(kernel: &mut Kernel<'_>) -> Acted {
+    let speed = take_speed(kernel, true);
+    let rank = kernel.rank;
+    command(kernel, |c| {
+        c.css = true;
+        c.driver = rank;
+        set_speed(c, true, speed);
+    })
+}
+
+/// Revolutions per minute on.
+pub(super) fn rpm(kernel: &mut Kernel<'_>) -> Acted {
+    let speed = take_speed(kernel, false);
+    let held = held_speed(kernel)?;
+    command(kernel, |c| {
+        if c.css && speed.is_none() {
+            // Leaving surface speed without a new S keeps the speed that is turning.
+            c.rpm = held;
+        }
+        c.css = false;
+        set_speed(c, false, speed);
+    })
+}
+
+/// Speed limit.
+pub(super) fn limit(kernel: &mut Kernel<'_>) -> Acted {
+    let Some(value) = kernel.take(data::SPINDLE_RPM_MAX).map(|d| d.value) else {
+        let text = format!("a speed limit needs its value in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+        return Ok(());
+    };
+    command(kernel, |c| c.limit = value)
+}
+
+/// The channel whose X drives constant surface speed.
+pub(super) fn driver(kernel: &mut Kernel<'_>, channel: u16) -> Acted {
+    command(kernel, |c| c.driver = channel)
+}
+
+/// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
+pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
+    let css = kernel.current()?.css;
+    match take_speed(kernel, css) {
+        Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),
+        None => Ok(()),
+    }
+}
+
+fn take_speed(kernel: &mut Kernel<'_>, css: bool) -> Option<f64> {
+    kernel.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value)
+}
+
+/// `css`: m/min or ft/min becomes length units per minute.
+fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
+    match speed {
+        Some(value) if css => command.surface = value,
+        Some(value) => command.rpm = value,
+        None => {}
+    }
+}
+
+/// Speed that turns now, rev/min.
+fn held_speed(kernel: &mut Kernel<'_>) -> Result<f64, Halt> {
+    let position = kernel.place.position;
+    let radius = kernel.radius(&position);
+    Ok(match kernel.spindle_speed()? {
+        Some(Turning::Fixed(rpm)) => rpm,
+        Some(Turning::Surface(surface)) => surface.rpm(radius),
+        None => kernel.spindle.command.rpm,
+    })
+}
+
+/// Changes the commanded state, logs it, and lets the spindle run up.
+fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
+    let Some(index) = kernel.spindle.index else {
+        let text = format!("channel {} has no spindle for '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::NO_SPINDLE, text);
+        return Ok(());
+    };
+    kernel.flow.pass.effects = true;
+    let before = kernel.turning_speed()?;
+    let old = kernel.spindle.command;
+    let rank = kernel.rank;
+    let mut conflict = 0;
+    if kernel.spindle.shared {
+        let (now, writer) = kernel.shared(|inner, _| {
+            let Some(spindle) = inner.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
+            let old = spindle.command;
+            change(&mut spindle.command);
+            let changed = old != spindle.command;
+            let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
+            let writer = if changed && other { spindle.writer } else { 0 };
+            spindle.writer = rank;
+            spindle.ordered = Set::default().with(rank);
+            (spindle.command, writer)
+        })?;
+        kernel.spindle.command = now;
+        conflict = writer;
+    } else {
+        change(&mut kernel.spindle.command);
+    }
+    if conflict != 0 {
+        let text = format!(
+            "channels {conflict} and {rank} both command the spindle without a meeting between them, here in '{}': the later one in time holds",
+            kernel.block_text()
+        );
+        kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
+    }
+    if kernel.spindle.command != old {
+        announce(kernel, index, before)?;
+    }
+    kernel.follow_radius()
+}
+
+/// Logs the state and takes the run-up time.
+fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
+    let Some(spindle) = kernel.machine.spindles.get(index) else { return Ok(()) };
+    let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
+    let now = kernel.spindle.command;
+    let speed = if now.css { now.surface } else { now.rpm };
+    if !now.css && now.rpm > max {
+        let text = format!(
+            "{} rev/min is above the largest speed {max} of spindle {number} in '{}'",
+            now.rpm,
+            kernel.block_text()
+        );
+        kernel.diagnose(&diag::SPINDLE_LIMIT, text);
+    }
+    let after = kernel.turning_speed()?;
+    let mut seconds = 0.0;
+    if run_up > 0.0 && max > 0.0 {
+        seconds = run_up * (after - before).abs() / max;
+    }
+    if after != before {
+        seconds += kernel.machine.time.spindle_speed;
+    }
+    let ns = Kernel::ns(seconds);
+    let event = SpindleEvent { spindle: number, direction: now.direction, css: now.css, speed, limit: now.limit };
+    kernel.emit(ns, Kind::Spindle(event));
+    kernel.advance(ns);
+    Ok(())
+}
+
+impl Kernel<'_> {
+    /// Commanded state of the channel's spindle as of now.
+    pub(super) fn current(&mut self) -> Result<Command, Halt> {
+        if self.spindle.shared
+            && let Some(index) = self.spindle.index
+        {
+            let (command, now) = self.shared(|inner, _| {
+                inner.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+            })?;
+            self.spindle.command = command;
+            self.spindle.now = now;
+        }
+        Ok(self.spindle.command)
+    }
+
+    /// How the spindle turns now, `None` when it stands.
+    pub(crate) fn spindle_speed(&mut self) -> Result<Option<Turning>, Halt> {
+        let command = self.current()?;
+        if !matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise) {
+            return Ok(None);
+        }
+        let (max, min) = self
+            .spindle
+            .index
+            .and_then(|i| self.machine.spindles.get(i))
+            .map_or((f64::INFINITY, 0.0), |s| (if s.max > 0.0 { s.max } else { f64::INFINITY }, s.min));
+        let max = max.min(command.limit);
+        if !command.css {
+            let rpm = command.rpm.min(max);
+            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+        }
+        if command.surface <= 0.0 {
+            return Ok(None);
+        }
+        if command.driver != self.rank {
+            return Ok((self.spindle.now > 0.0).then_some(Turning::Fixed(self.spindle.now)));
+        }
+        let factor = match (self.machine.unit, self.secondary) {
+            (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
+            (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
+        };
+        let to_machine = match (self.machine.unit, self.secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            _ => 1.0,
+        };
+        Ok(Some(Turning::Surface(Speed { surface: command.surface * factor * to_machine, max, min })))
+    }
+
+    /// Speed that turns now, 0 when the spindle stands.
+    fn turning_speed(&mut self) -> Result<f64, Halt> {
+        let radius = self.radius(&self.place.position);
+        Ok(match self.spindle_speed()? {
+            Some(Turning::Fixed(rpm)) => rpm,
+            Some(Turning::Surface(surface)) => {
+                let rpm = surface.rpm(radius);
+                if rpm.is_finite() { rpm } else { 0.0 }
+            }
+            None => 0.0,
+        })
+    }
+
+    /// Tells other channels the speed that this channel's X drives.
+    pub(super) fn follow_radius(&mut self) -> Acted {
+        let command = self.spindle.command;
+        let Some(index) = self.spindle.index.filter(|_| self.spindle.shared) else { return Ok(()) };
+        if !command.css || command.driver != self.rank {
+            return Ok(());
+        }
+        let rpm = self.turning_speed()?;
+        if rpm != self.spindle.now {
+            self.spindle.now = rpm;
+            self.shared(|inner, _| {
+                if let Some(spindle) = inner.shared.spindles.get_mut(index) {
+                    spindle.now = rpm;
+                }
+            })?;
+        }
+        Ok(())
+    }
+}

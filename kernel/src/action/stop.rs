@@ -1,0 +1,27 @@
+//! Stops and ends.
+
+use crate::channel::flow::Pending;
+use crate::channel::{Acted, Kernel};
+use crate::log::event::{Kind, Stop};
+
+/// Program stop, optional stop, end, rewind.
+pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
+    match stop {
+        Stop::Program => {
+            kernel.emit(0, Kind::Stop(stop));
+            Ok(())
+        }
+        Stop::Optional => {
+            if kernel.options.opstop {
+                kernel.emit(0, Kind::Stop(stop));
+            }
+            Ok(())
+        }
+        // Inside a subprogram an end code returns (reference control-emulator.md 5.4, Fanuc row).
+        Stop::End | Stop::Rewind if kernel.flow.frames.len() > 1 => {
+            kernel.flow.pending = Some(Pending::Return(None));
+            Ok(())
+        }
+        Stop::End | Stop::Rewind => Err(kernel.end_program(stop)),
+    }
+}

@@ -1,0 +1,47 @@
+//! Subprogram calls and returns.
+//!
+//! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
+//! acts first.
+
+use crate::channel::flow::Pending;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::data;
+use crate::machine::model::CallForm;
+
+/// Call by number.
+pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
+    let id = kernel.take(data::CALSUB_ID).map(|d| d.value);
+    let repeat = kernel.take(data::CALSUB_REPEAT).map(|d| d.value);
+    let Some(id) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
+        let text = format!("a call needs a program number in '{}'", kernel.block_text());
+        return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
+    };
+    let id = id as u32;
+    let (number, packed) = match kernel.machine.subprograms.call {
+        // O0012 called 3 times is P30012; a number of up to four digits is only that.
+        CallForm::RepeatAndNumber if repeat.is_none() && id > 9999 => (id % 10_000, id / 10_000),
+        _ => (id, 1),
+    };
+    let passes = match repeat {
+        None => packed,
+        Some(count) if count < 0.0 || count.fract() != 0.0 => {
+            let text = format!("a repeat count is a whole number from 0 in '{}'", kernel.block_text());
+            kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+            1
+        }
+        Some(count) => {
+            let count = count.min(f64::from(u32::MAX - 1)) as u32;
+            if kernel.machine.subprograms.repeat_is_executions { count } else { count + 1 }
+        }
+    };
+    kernel.flow.pending = Some(Pending::Call { number, passes: passes.max(1), arguments: None });
+    Ok(())
+}
+
+/// Return, optionally to a sequence number of the caller.
+pub(super) fn give_back(kernel: &mut Kernel<'_>) -> Acted {
+    let target = kernel.take(data::CALSUB_ID).map(|d| d.value).filter(|v| *v >= 1.0 && v.fract() == 0.0);
+    kernel.flow.pending = Some(Pending::Return(target.map(|v| v.min(f64::from(u32::MAX)) as u32)));
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! Meeting of channels: waiting M codes of the Fanuc kind.
+//!
+//! Facts: reference channel-synchronisation.md 1.3. An illegal channel list alarms when the block is read; codes
+//! that do not match alarm when two waits meet.
+
+use crate::channel::{Acted, Halt, Kernel};
+use crate::control::State;
+use crate::diag;
+use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, Wait};
+use crate::machine::ident::data;
+use crate::machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
+use crate::multi::coordinator::{Coordinator, Inner, Wake};
+use crate::multi::tag::Tag;
+use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting};
+
+/// What the arrival means for the arriving kernel.
+enum After {
+    Go { t: i64, micro: u32, meeting: u64 },
+    Stand(Option<Verdict>),
+    Alarm { text: String, verdict: Option<Verdict> },
+}
+
+/// A waiting code.
+pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow) -> Acted {
+    let number = kernel.take(data::SYNC).map_or(0.0, |d| d.value);
+    let paths = kernel.take(data::SYNC_PATHS).map(|d| d.raw);
+    if kernel.machine.sync.dialect == SyncDialect::None || kernel.options.ignore_waits.contains(&kernel.rank) {
+        kernel.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
+        return Ok(());
+    }
+    let letter = match row.form {
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {
+            kernel.machine.registers.get(usize::from(register)).and_then(|r| r.name.chars().next()).unwrap_or('M')
+        }
+        CodeForm::Text(_) | CodeForm::NotApplicable => 'M',
+    };
+    let count = kernel.machine.channels.len() as u16;
+    let spec = match participants(paths, kernel.machine.sync.paths, count) {
+        Ok(Some(named)) => Spec {
+            primitive: Primitive::Barrier,
+            letter,
+            number: number as u32,
+            named,
+            parts: named.with(kernel.rank),
+            style: Style::Listed,
+        },
+        Ok(None) => Spec {
+            primitive: Primitive::Barrier,
+            letter,
+            number: number as u32,
+            named: Set::default(),
+            parts: Set::up_to(2),
+            style: Style::NoList,
+        },
+        Err(reason) => {
+            let text = format!("PS0161 illegal P of a waiting code: {reason} in '{}'", kernel.block_text());
+            return Err(kernel.alarm(&diag::WAIT_ILLEGAL, text));
+        }
+    };
+    arrive(kernel, spec)
+}
+
+/// Channels of a P word: `None` without P, which only two channels may do.
+fn participants(paths: Option<f64>, form: PathsForm, count: u16) -> Result<Option<Set>, String> {
+    let Some(value) = paths else {
+        return if count == 2 {
+            Ok(None)
+        } else {
+            Err(format!("a wait without P is possible with two channels only, this machine has {count}"))
+        };
+    };
+    if value < 0.0 || value.fract() != 0.0 || value > 9_999_999_999.0 {
+        return Err(format!("P{value} is not a positive whole number"));
+    }
+    let value = value as u64;
+    let all = Set::up_to(count);
+    let bits = || (value > 0 && value & !all.0 == 0).then_some(Set(value));
+    let list = || {
+        let mut set = Set::default();
+        for digit in value.to_string().bytes() {
+            let channel = if digit == b'0' { 10 } else { u16::from(digit - b'0') };
+            if channel > count {
+                return None;
+            }
+            set = set.with(channel);
+        }
+        Some(set)
+    };
+    let set = match form {
+        PathsForm::Bits => bits(),
+        PathsForm::List => list(),
+        PathsForm::Either => bits().or_else(list),
+    };
+    match set {
+        Some(set) => Ok(Some(set)),
+        None => Err(format!("P{value} names a channel that this machine does not have")),
+    }
+}
+
+/// Arrives, and stands until the others are there.
+fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
+    let key: Box<str> = spec.text().into();
+    let since_ns = kernel.clock;
+    let wait = Wait { key: key.clone(), primitive: spec.primitive, participants: spec.parts.iter().collect() };
+    kernel.emit(0, Kind::Wait(Box::new(wait)));
+    kernel.flow.pass.effects = true;
+    let tag = kernel.tag();
+    let (file, line, info) = (kernel.file, kernel.line, kernel.info);
+    let waiting = Waiting { spec: spec.clone(), tag, file, line };
+    let own = Finish { how: Terminal::Alarmed, file, line };
+    let after = kernel.shared(|inner, coordinator| match inner.waits.arrive(waiting) {
+        Arrival::Released { channels, t, micro, meeting } => {
+            inner.shared.met(channels);
+            for channel in channels.iter().filter(|&c| c != tag.rank) {
+                let tag = Tag { t, micro, rank: channel };
+                coordinator.resume(inner, channel, Wake::Released { tag, meeting });
+            }
+            After::Go { t, micro, meeting }
+        }
+        Arrival::Blocked => {
+            let verdict = inner.judge(tag.t, info);
+            coordinator.block(inner, tag.rank);
+            After::Stand(verdict)
+        }
+        Arrival::Mismatch { channels, members, text } => {
+            let members =
+                members.into_iter().chain([Member { channel: tag.rank, file, line, waiting_for: Vec::new() }]);
+            refuse(inner, coordinator, channels, members.collect(), text, (tag, own))
+        }
+    })?;
+    let release = move |meeting| Release { key: key.clone(), primitive: spec.primitive, since_ns, meeting };
+    match after {
+        After::Go { t, micro, meeting } => {
+            go_on(kernel, (t, micro), release(meeting));
+            Ok(())
+        }
+        After::Alarm { text, verdict } => {
+            let halt = kernel.alarm(&diag::WAIT_MISMATCH, text);
+            if let Some(verdict) = verdict {
+                kernel.emit_verdict(verdict);
+            }
+            Err(halt)
+        }
+        After::Stand(verdict) => {
+            if let Some(verdict) = verdict {
+                kernel.emit_verdict(verdict);
+            }
+            kernel.progress.set_state(State::Waiting);
+            kernel.emitter.flush(tag);
+            let wake = kernel.coordinator.wait(kernel.rank);
+            kernel.control.disturb(kernel.rank);
+            match wake {
+                Wake::Released { tag, meeting } => {
+                    kernel.progress.set_state(State::Running);
+                    go_on(kernel, (tag.t, tag.micro), release(meeting));
+                    Ok(())
+                }
+                Wake::Alarm { tag, text } => {
+                    (kernel.clock, kernel.micro) = (tag.t, tag.micro);
+                    Err(kernel.alarm(&diag::WAIT_MISMATCH, text))
+                }
+                Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
+                Wake::Over => Err(Halt::Blocked),
+                Wake::Stopped => Err(Halt::Stopped),
+            }
+        }
+    }
+}
+
+/// The control refuses to pair waits: all of them alarm.
+fn refuse(
+    inner: &mut Inner,
+    coordinator: &Coordinator,
+    channels: Set,
+    mut members: Vec<Member>,
+    text: String,
+    (tag, own): (Tag, Finish),
+) -> After {
+    members.sort_by_key(|m| m.channel);
+    for member in &mut members {
+        let own = member.channel;
+        member.waiting_for = channels.iter().filter(|&c| c != own).collect();
+    }
+    let text = format!("PS0160 waiting codes do not match: {text}");
+    for member in members.iter().filter(|m| m.channel != tag.rank) {
+        let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
+        inner.waits.finish(member.channel, finish);
+        let tag = Tag { t: tag.t, micro: tag.micro + 1, rank: member.channel };
+        coordinator.resume(inner, member.channel, Wake::Alarm { tag, text: text.clone() });
+    }
+    inner.waits.finish(tag.rank, own);
+    let first = !inner.judged;
+    inner.judged = true;
+    let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
+    After::Alarm { text, verdict: first.then_some(verdict) }
+}
+
+/// Goes on after a meeting.
+fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
+    if t > kernel.clock {
+        kernel.idle_blocks = 0;
+    }
+    (kernel.clock, kernel.micro) = (t, micro);
+    kernel.emit(0, Kind::Release(Box::new(release)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(paths: &[u16]) -> Option<Set> {
+        Some(paths.iter().fold(Set::default(), |s, &c| s.with(c)))
+    }
+
+    #[test]
+    fn channel_lists_in_both_forms() {
+        for (value, form, count, expected) in [
+            (3.0, PathsForm::Bits, 3, Ok(set(&[1, 2]))),
+            (7.0, PathsForm::Bits, 3, Ok(set(&[1, 2, 3]))),
+            (321.0, PathsForm::List, 3, Ok(set(&[1, 2, 3]))),
+            (12.0, PathsForm::Either, 2, Ok(set(&[1, 2]))),
+            (3.0, PathsForm::Either, 2, Ok(set(&[1, 2]))),
+            (12.0, PathsForm::Bits, 3, Err(())),
+            (14.0, PathsForm::List, 3, Err(())),
+            (-3.0, PathsForm::List, 3, Err(())),
+            (1.5, PathsForm::List, 3, Err(())),
+            (0.0, PathsForm::Bits, 3, Err(())),
+        ] {
+            assert_eq!(participants(Some(value), form, count).map_err(|_| ()), expected, "{value} {form:?}");
+        }
+        assert_eq!(participants(None, PathsForm::Bits, 2), Ok(None));
+        assert!(participants(None, PathsForm::List, 3).is_err());
+    }
+}

@@ -1,0 +1,158 @@
+//! Time of motions and of codes.
+//!
+//! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
+//! rounded once.
+
+use counterpoint_motion::arc::Arc;
+use counterpoint_motion::profile::stop_to_stop;
+
+use crate::channel::Kernel;
+use crate::channel::block::Firing;
+use crate::channel::state::group;
+use crate::diag;
+use crate::log::event::{FeedUnit, Kind, MAX_AXES, Position};
+use crate::machine::ident::codes;
+use crate::machine::model::{CodeForm, CodeRow, RapidPath};
+
+/// A path whose time is asked for.
+pub(super) struct Path<'a> {
+    pub(super) from: &'a Position,
+    pub(super) to: &'a Position,
+    /// Length that the feed applies to, geometry units.
+    pub(super) length: f64,
+    /// Arc and index of its radial coordinate (0, 1), when it is one and X is in its plane.
+    pub(super) arc: Option<(&'a Arc, Option<usize>)>,
+}
+
+impl Kernel<'_> {
+    /// Change of each axis in geometry units (radius on a diameter axis).
+    pub(super) fn changes(&self, from: &Position, to: &Position) -> Position {
+        let mut out = [0.0; MAX_AXES];
+        for (((slot, axis), a), b) in out.iter_mut().zip(&self.place.axes).zip(from).zip(to) {
+            *slot = (b - a) * axis.scale;
+        }
+        out
+    }
+
+    /// Seconds of a rapid move.
+    pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
+        let changes = self.changes(from, to);
+        match self.machine.time.rapid {
+            RapidPath::SlowestAxis => self
+                .place
+                .axes
+                .iter()
+                .zip(&changes)
+                .map(|(axis, change)| stop_to_stop(*change, axis.rapid, axis.acceleration))
+                .fold(0.0, f64::max),
+            RapidPath::Linear => {
+                let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
+                for (axis, change) in self.place.axes.iter().zip(&changes) {
+                    if *change != 0.0 {
+                        let share = length / change.abs();
+                        speed = speed.min(axis.rapid * share);
+                        acceleration = acceleration.min(axis.acceleration.map_or(f64::INFINITY, |a| a * share));
+                    }
+                }
+                stop_to_stop(length, speed, acceleration.is_finite().then_some(acceleration))
+            }
+        }
+    }
+
+    /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
+    pub(super) fn feed_seconds(
+        &mut self,
+        path: &Path<'_>,
+        feed: Option<f64>,
+        unit: FeedUnit,
+    ) -> Result<f64, crate::channel::Halt> {
+        let Some(feed) = feed else {
+            let text = format!("no feed has been programmed for '{}', the move is timed as rapid", self.block_text());
+            self.diagnose(&diag::NO_FEED, text);
+            return Ok(self.rapid_seconds(path.from, path.to));
+        };
+        if feed <= 0.0 {
+            let text = format!("the feed is zero or less in '{}', the move is timed as rapid", self.block_text());
+            self.diagnose(&diag::FEED_NOT_POSITIVE, text);
+            return Ok(self.rapid_seconds(path.from, path.to));
+        }
+        Ok(match unit {
+            FeedUnit::PerMinute => self.paced(path, feed / 60.0),
+            FeedUnit::InverseTime => 60.0 / feed,
+            FeedUnit::PerRevolution => match self.revolution_minutes(path, feed)? {
+                Some(minutes) => minutes * 60.0,
+                None => self.rapid_seconds(path.from, path.to),
+            },
+            FeedUnit::Rapid => self.rapid_seconds(path.from, path.to),
+        })
+    }
+
+    /// Seconds at a steady speed, with speed changes at both ends under exact stop.
+    fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
+        let exact = self.block.exact_stop || self.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        if !exact {
+            return path.length / speed;
+        }
+        let changes = self.changes(path.from, path.to);
+        let mut acceleration = f64::INFINITY;
+        for (axis, change) in self.place.axes.iter().zip(&changes) {
+            if *change != 0.0
+                && let Some(a) = axis.acceleration
+            {
+                acceleration = acceleration.min(a * path.length / change.abs());
+            }
+        }
+        stop_to_stop(path.length, speed, acceleration.is_finite().then_some(acceleration))
+    }
+
+    /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
+    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, crate::channel::Halt> {
+        let Some(speed) = self.spindle_speed()? else {
+            let text = format!(
+                "feed per revolution while the spindle stands in '{}', the move is timed as rapid",
+                self.block_text()
+            );
+            self.diagnose(&diag::SPINDLE_STANDS, text);
+            return Ok(None);
+        };
+        use super::spindle::Turning;
+        Ok(Some(match speed {
+            Turning::Fixed(rpm) => path.length / (feed * rpm),
+            Turning::Surface(surface) => match path.arc {
+                Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
+                _ => {
+                    let [start, end] = [path.from, path.to].map(|p| self.radius(p));
+                    surface.line_minutes(start, end, path.length, feed)
+                }
+            },
+        }))
+    }
+
+    /// Distance from the spindle axis at a position.
+    pub(crate) fn radius(&self, position: &Position) -> f64 {
+        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
+        x.and_then(|i| Some(position.get(i)? * self.place.axes.get(i)?.scale)).unwrap_or(0.0)
+    }
+
+    /// Time of a code from the machine's table.
+    pub(crate) fn take_time(&mut self, row: &CodeRow, firing: Firing) {
+        let ns = Self::ns(row.seconds);
+        let (letter, value) = self.written(row, firing);
+        self.emit(ns, Kind::Function { letter, value });
+        self.advance(ns);
+    }
+
+    /// Letter and value of a code as written.
+    pub(super) fn written(&self, row: &CodeRow, firing: Firing) -> (char, f64) {
+        let register = match row.form {
+            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
+            CodeForm::Text(_) | CodeForm::NotApplicable => None,
+        };
+        let letter = register
+            .and_then(|r| self.machine.registers.get(usize::from(r)))
+            .and_then(|r| r.name.chars().next())
+            .unwrap_or('?');
+        (letter, firing.value)
+    }
+}

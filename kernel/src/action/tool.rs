@@ -1,0 +1,79 @@
+//! Tools: preselect, load, offsets.
+//!
+//! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
+
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Kind, ToolAction};
+use crate::machine::ident::data;
+
+/// Preselects a tool.
+pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
+    let Some(word) = tool_word(kernel) else { return Ok(()) };
+    let (tool, offset) = split(kernel, word);
+    kernel.place.selected = tool;
+    kernel.emit(0, Kind::Tool { action: ToolAction::Select, tool, offset });
+    Ok(())
+}
+
+/// Loads a tool, or changes only its offset when it is the one in use.
+pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
+    let (tool, offset) = match tool_word(kernel) {
+        Some(word) => split(kernel, word),
+        None if kernel.place.selected > 0 => (kernel.place.selected, kernel.place.tool_offset),
+        None => {
+            let text = format!("no tool is selected for '{}'", kernel.block_text());
+            kernel.diagnose(&diag::DATA_MISSING, text);
+            return Ok(());
+        }
+    };
+    let changes = tool != 0 && tool != kernel.place.tool;
+    let seconds = if changes { change_seconds(kernel, tool) } else { 0.0 };
+    let action = if changes { ToolAction::Load } else { ToolAction::Offset };
+    let ns = Kernel::ns(seconds);
+    if tool != 0 {
+        kernel.place.tool = tool;
+    }
+    kernel.flow.pass.effects = true;
+    kernel.emit(ns, Kind::Tool { action, tool: kernel.place.tool, offset });
+    kernel.advance(ns);
+    if kernel.machine.tool.offset_digits > 0 {
+        let offsets = &kernel.machine.tool.offsets;
+        if offset != 0 && !offsets.is_empty() && !offsets.iter().any(|o| o.number == offset) {
+            let text = format!("tool offset {offset} has no values in machine {}, zero is used", kernel.machine.name);
+            kernel.diagnose(&diag::NO_OFFSET, text);
+        }
+        kernel.place.tool_offset = offset;
+        kernel.reframe();
+    }
+    Ok(())
+}
+
+fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {
+    kernel.take(data::TOOL).map(|d| d.value).filter(|v| (0.0..=99_999_999.0).contains(v))
+}
+
+/// Tool and offset number of a tool word.
+fn split(kernel: &Kernel<'_>, word: f64) -> (u32, u32) {
+    let word = word as u32;
+    let digits = u32::from(kernel.machine.tool.offset_digits);
+    match 10_u32.checked_pow(digits) {
+        Some(power) if digits > 0 => (word / power, word % power),
+        _ => (word, 0),
+    }
+}
+
+/// Constant part, plus the steps of the turret the shorter way round.
+fn change_seconds(kernel: &Kernel<'_>, tool: u32) -> f64 {
+    let time = &kernel.machine.time;
+    let stations = time.stations;
+    let steps = if stations > 0 {
+        let from = kernel.place.tool.saturating_sub(1) % stations;
+        let to = tool.saturating_sub(1) % stations;
+        let ahead = (to + stations - from) % stations;
+        ahead.min(stations - ahead)
+    } else {
+        0
+    };
+    time.tool_change + time.tool_step * f64::from(steps)
+}

@@ -1,0 +1,135 @@
+//! One block as words.
+//!
+//! Invariant: buffers are reused from block to block; filling a block allocates nothing once they have grown.
+
+/// A word: letter and number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Word {
+    /// Index into the machine's registers.
+    pub(crate) register: u8,
+    /// Written with the register's second (incremental) name.
+    pub(crate) incremental: bool,
+    /// Taken by a code or an action.
+    pub(crate) used: bool,
+    /// Number as read by the register's format, before any factor.
+    pub(crate) value: f64,
+    /// Start in the line.
+    pub(crate) start: u32,
+    /// End in the line.
+    pub(crate) end: u32,
+}
+
+/// A code that is going to act.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Firing {
+    /// Order of its row.
+    pub(crate) order: u16,
+    /// Row of the code table.
+    pub(crate) row: u16,
+    /// Value of the word (before factor), 0 for literal texts.
+    pub(crate) value: f64,
+    /// Fired by words of its group, not written on the block.
+    pub(crate) implied: bool,
+}
+
+/// Largest number of registers.
+pub(crate) const REGISTERS: usize = 100;
+
+/// The block being processed.
+#[derive(Debug)]
+pub(crate) struct Block {
+    /// Words, left to right.
+    pub(crate) words: Vec<Word>,
+    /// Codes, by order.
+    pub(crate) firings: Vec<Firing>,
+    /// Spans of the line that no register knows.
+    pub(crate) unknown: Vec<(u32, u32)>,
+    /// Literal text codes found: row.
+    pub(crate) texts: Vec<u16>,
+    /// Position (plus one) of the last data word of each register.
+    slots: [u8; REGISTERS],
+    /// Sequence number.
+    pub(crate) sequence: Option<u32>,
+    /// A comment or message without its end was met.
+    pub(crate) open_comment: bool,
+    /// Control characters were met.
+    pub(crate) bad_bytes: bool,
+    /// This block's positions are in the machine frame.
+    pub(crate) machine_frame: bool,
+    /// Exact stop for this block.
+    pub(crate) exact_stop: bool,
+    /// A motion code acted.
+    pub(crate) moved: bool,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self {
+            words: Vec::with_capacity(32),
+            firings: Vec::with_capacity(16),
+            unknown: Vec::with_capacity(4),
+            texts: Vec::new(),
+            slots: [0; REGISTERS],
+            sequence: None,
+            open_comment: false,
+            bad_bytes: false,
+            machine_frame: false,
+            exact_stop: false,
+            moved: false,
+        }
+    }
+}
+
+impl Block {
+    /// Empties the block for the next line.
+    pub(crate) fn clear(&mut self) {
+        for word in &self.words {
+            if let Some(slot) = self.slots.get_mut(usize::from(word.register)) {
+                *slot = 0;
+            }
+        }
+        self.words.clear();
+        self.firings.clear();
+        self.unknown.clear();
+        self.texts.clear();
+        self.sequence = None;
+        self.open_comment = false;
+        self.bad_bytes = false;
+        self.machine_frame = false;
+        self.exact_stop = false;
+        self.moved = false;
+    }
+
+    /// Adds a word; a block takes 255 at most, the rest is unknown text.
+    pub(crate) fn push(&mut self, word: Word) {
+        if self.words.len() >= 255 {
+            self.unknown.push((word.start, word.end));
+            return;
+        }
+        self.words.push(word);
+    }
+
+    /// Makes the last pushed word findable as data.
+    pub(crate) fn index_word(&mut self, position: usize) {
+        if let Some(word) = self.words.get(position)
+            && let Some(slot) = self.slots.get_mut(usize::from(word.register))
+        {
+            *slot = (position + 1).min(255) as u8;
+        }
+    }
+
+    /// The data word of a register that is still free.
+    pub(crate) fn word(&mut self, register: u8) -> Option<&mut Word> {
+        let slot = *self.slots.get(usize::from(register))?;
+        let word = self.words.get_mut(usize::from(slot).wrapping_sub(1))?;
+        (!word.used).then_some(word)
+    }
+
+    /// A free data word of this register is on the block.
+    pub(crate) fn has(&self, register: u8) -> bool {
+        self.slots
+            .get(usize::from(register))
+            .and_then(|&slot| self.words.get(usize::from(slot).wrapping_sub(1)))
+            .is_some_and(|word| !word.used)
+    }
+}

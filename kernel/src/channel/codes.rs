@@ -1,0 +1,238 @@
+//! Codes of a block: which rows its words match, and the loop that lets them act by order.
+//!
+//! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
+
+use super::block::Firing;
+use super::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::machine::ident::{self, CodeId};
+use crate::machine::model::{CodeForm, CodeRow, Modality};
+
+use super::state::group;
+
+impl Kernel<'_> {
+    /// Sorts the words of the block into codes and data, and lets the codes act.
+    pub(crate) fn act_block(&mut self) -> Acted {
+        let calls_macro = self.categorise();
+        if calls_macro {
+            return self.macro_call();
+        }
+        self.imply();
+        self.sort();
+        let mut index = 0;
+        while let Some(&firing) = self.block.firings.get(index) {
+            self.fire(firing)?;
+            index += 1;
+        }
+        self.leftovers()
+    }
+
+    /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
+    fn categorise(&mut self) -> bool {
+        let machine = self.machine;
+        let mut conditional = false;
+        let mut call = false;
+        for position in 0..self.block.words.len() {
+            let Some(word) = self.block.words.get(position).copied() else { break };
+            let candidates = machine.tables.code(word.register, word.value);
+            match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
+                None if Some(word.register) == self.plan.g && word.value == 65.0 && self.plan.scanner.has_macros() => {
+                    call = true;
+                    self.use_word(position);
+                }
+                None => self.data_word(position),
+                Some((index, row)) if row.with.is_empty() && row.without.is_empty() => {
+                    self.use_word(position);
+                    self.queue(index, row, word.value, false);
+                }
+                Some(_) => conditional = true,
+            }
+        }
+        if conditional {
+            self.categorise_conditional();
+        }
+        for index in 0..self.block.texts.len() {
+            if let Some(&row) = self.block.texts.get(index)
+                && let Some(code) = machine.codes.get(usize::from(row))
+            {
+                self.queue(row, code, 0.0, false);
+            }
+        }
+        call
+    }
+
+    /// Second pass over words whose rows depend on other words of the block.
+    fn categorise_conditional(&mut self) {
+        let machine = self.machine;
+        for position in 0..self.block.words.len() {
+            let Some(word) = self.block.words.get(position).copied() else { break };
+            if word.used {
+                continue;
+            }
+            let candidates = machine.tables.code(word.register, word.value);
+            if candidates.is_empty() {
+                continue;
+            }
+            let chosen = candidates.iter().find_map(|&index| {
+                let row = machine.codes.get(usize::from(index))?;
+                let with = row.with.is_empty() || row.with.iter().any(|&r| self.block.has(r));
+                let without = row.without.iter().all(|&r| !self.block.has(r));
+                (with && without).then_some((index, row))
+            });
+            match chosen {
+                Some((index, row)) => {
+                    self.use_word(position);
+                    self.queue(index, row, word.value, false);
+                }
+                None => self.data_word(position),
+            }
+        }
+    }
+
+    fn use_word(&mut self, position: usize) {
+        if let Some(word) = self.block.words.get_mut(position) {
+            word.used = true;
+        }
+    }
+
+    /// A word that is no code: data if a row knows its register, else unknown text.
+    fn data_word(&mut self, position: usize) {
+        let Some(word) = self.block.words.get(position).copied() else { return };
+        let known =
+            self.machine.tables.data_of_register.get(usize::from(word.register)).is_some_and(|rows| !rows.is_empty());
+        if Some(word.register) == self.plan.definition {
+            self.use_word(position);
+        } else if known {
+            self.block.index_word(position);
+        } else {
+            self.use_word(position);
+            self.block.unknown.push((word.start, word.end));
+        }
+    }
+
+    fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
+        self.block.firings.push(Firing { order: row.order, row: index, value, implied });
+    }
+
+    /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
+    /// a group that a non-modal code overrode on an earlier block.
+    fn imply(&mut self) {
+        if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
+            self.queue_modal(group::MOTION);
+        }
+        if self.modal.refires.is_empty() {
+            return;
+        }
+        for index in (0..self.modal.refires.len()).rev() {
+            let Some(&(group, forever)) = self.modal.refires.get(index) else { continue };
+            if self.group_queued(group) {
+                continue;
+            }
+            self.queue_modal(group);
+            if !forever {
+                self.modal.refires.remove(index);
+            }
+        }
+    }
+
+    fn queue_modal(&mut self, group: u16) {
+        if let Some(index) = self.modal.row(group)
+            && let Some(row) = self.machine.codes.get(usize::from(index))
+        {
+            let value = match row.form {
+                CodeForm::RegisterAsData { min, .. } => min,
+                _ => 0.0,
+            };
+            self.queue(index, row, value, true);
+        }
+    }
+
+    fn group_queued(&self, group: u16) -> bool {
+        self.block.firings.iter().any(|f| self.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
+    }
+
+    /// A free data word of one of these registers is on the block.
+    pub(crate) fn has_any(&self, registers: u128) -> bool {
+        self.block.words.iter().any(|w| !w.used && w.register < 128 && registers & (1 << w.register) != 0)
+    }
+
+    /// By order, left to right among equals (insertion sort: a block has few codes).
+    fn sort(&mut self) {
+        let firings = &mut self.block.firings;
+        for end in 1..firings.len() {
+            let mut at = end;
+            while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
+                firings.swap(at - 1, at);
+                at -= 1;
+            }
+        }
+    }
+
+    /// Lets one code act.
+    fn fire(&mut self, firing: Firing) -> Acted {
+        let machine = self.machine;
+        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
+        if !row.process {
+            return Ok(());
+        }
+        self.as_data = match row.form {
+            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
+            _ => None,
+        };
+        self.mode_changed = self.modal.code(row.group) != Some(row.id);
+        match row.modality {
+            Modality::NonModal if row.group != 0 && !firing.implied => self.modal.refire_once(row.group),
+            Modality::NonModal => {}
+            Modality::Modal => self.modal.activate(row.group, row.id, firing.row),
+            Modality::Persistent => self.modal.activate_persistent(row.group, row.id, firing.row),
+        }
+        let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
+            Some(action) => crate::action::act(self, action, row, firing),
+            None => {
+                self.without_action(row.id);
+                Ok(())
+            }
+        };
+        if row.seconds > 0.0 && result.is_ok() {
+            self.take_time(row, firing);
+        }
+        self.as_data = None;
+        result
+    }
+
+    /// A code that nothing handles (reference control-emulator.md 2.3).
+    fn without_action(&mut self, id: CodeId) {
+        let name = self.machine.code_name(id).to_owned();
+        if name == "CODE_IGNORE" {
+            return;
+        }
+        let documented_without = ident::code_facts(id).is_some_and(|facts| !facts.built_in);
+        let text = self.block_text();
+        if documented_without {
+            self.diagnose(
+                &diag::CODE_WITHOUT_PROCESSING,
+                format!("{} has no built-in processing and is passed over in '{text}'", name.to_lowercase()),
+            );
+        } else {
+            self.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));
+        }
+    }
+
+    /// Loads the start state of the machine: these codes become active without acting.
+    pub(crate) fn initial_codes(&mut self) {
+        for &id in &self.machine.initial {
+            let row = self.machine.codes.iter().position(|r| r.id == id);
+            if let Some((index, row)) = row.and_then(|i| self.machine.codes.get(i).map(|r| (i as u16, r))) {
+                self.modal.activate(row.group, id, index);
+            } else if let Some(facts) = ident::code_facts(id) {
+                self.modal.activate(facts.group, id, u16::MAX);
+            }
+        }
+        self.secondary = self.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
+    }
+
+    /// Ends the run of a kernel that has nothing more to do.
+    pub(crate) fn end_of_text() -> Halt {
+        Halt::End(None)
+    }
+}

@@ -1,0 +1,78 @@
+//! Data retrieval: an action asks for an identifier and gets the word's value.
+//!
+//! Facts: reference control-emulator.md 1.3. Invariant: a value is taken off the block at most once.
+
+use super::Kernel;
+use crate::diag;
+use crate::log::info::Unit;
+use crate::machine::ident::DataId;
+use crate::machine::model::Dimension;
+
+/// A value taken off the block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Datum {
+    /// Value after factor and change of units.
+    pub(crate) value: f64,
+    /// Written with the incremental name.
+    pub(crate) incremental: bool,
+    /// Written without any fraction or as such: value before the factor.
+    pub(crate) raw: f64,
+}
+
+impl Kernel<'_> {
+    /// Takes the value of `id` off the block, if it is there.
+    pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
+        if let Some((data, value)) = self.as_data
+            && data == id
+        {
+            self.as_data = None;
+            return Some(Datum { value, incremental: false, raw: value });
+        }
+        let machine = self.machine;
+        for &index in machine.tables.rows_of_data.get(usize::from(id.0))? {
+            let Some(row) = machine.data.get(usize::from(index)) else { continue };
+            let Some(word) = row.register.and_then(|register| self.block.word(register)) else { continue };
+            if !row.process {
+                continue;
+            }
+            word.used = true;
+            let (raw, incremental) = (word.value, word.incremental);
+            if row.min.is_some_and(|min| raw < min) || row.max.is_some_and(|max| raw > max) {
+                self.out_of_range(index, raw);
+            }
+            let value = (raw * row.mul + row.add) * self.unit_factor(row.dimension);
+            if row.modal && !incremental {
+                self.modal.remember(id, value);
+            }
+            return Some(Datum { value, incremental, raw });
+        }
+        None
+    }
+
+    /// Factor from program units to machine units.
+    pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
+        if !self.secondary || !matches!(dimension, Dimension::Length | Dimension::Feed) {
+            return 1.0;
+        }
+        match self.machine.unit {
+            Unit::Mm => 25.4,
+            Unit::Inch => 1.0 / 25.4,
+        }
+    }
+
+    fn out_of_range(&mut self, row: u16, value: f64) {
+        let Some(row) = self.machine.data.get(usize::from(row)) else { return };
+        let name =
+            row.register.and_then(|r| self.machine.registers.get(usize::from(r))).map_or("?", |r| r.name.as_str());
+        let bound = |b: Option<f64>| b.map_or_else(|| "-".to_owned(), counterpoint_lang::format::wildcard_text);
+        let text = format!(
+            "{name}{} is outside {} to {} of {} in '{}'",
+            counterpoint_lang::format::wildcard_text(value),
+            bound(row.min),
+            bound(row.max),
+            self.machine.data_name(row.id),
+            self.block_text()
+        );
+        self.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+    }
+}

@@ -1,0 +1,111 @@
+//! What is left on a block after all its codes have acted.
+//!
+//! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
+
+use super::state::feed_of;
+use super::state::group;
+use super::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::data;
+
+impl Kernel<'_> {
+    /// Remembers modal values, diagnoses the rest.
+    pub(crate) fn leftovers(&mut self) -> Acted {
+        if self.has_any(self.plan.speed_registers) {
+            crate::action::spindle::speed_word(self)?;
+        }
+        for position in 0..self.block.words.len() {
+            let Some(word) = self.block.words.get(position).copied() else { break };
+            if !word.used {
+                self.leftover_word(word.register, word.value, (word.start, word.end));
+            }
+        }
+        if !self.block.unknown.is_empty() {
+            self.unknown_text();
+        }
+        if self.block.open_comment {
+            let text = format!("a comment or message has no end in '{}'", self.block_text());
+            self.diagnose(&diag::COMMENT_OPEN, text);
+        }
+        if self.block.bad_bytes {
+            let text = format!("control characters in line {} are passed over", self.line);
+            self.diagnose(&diag::BAD_BYTES, text);
+        }
+        Ok(())
+    }
+
+    fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
+        let machine = self.machine;
+        let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
+        let (feed, _) = feed_of(self.modal.code(group::FEED));
+        let mut known = false;
+        let mut axis = false;
+        for &index in rows {
+            let Some(row) = machine.data.get(usize::from(index)) else { continue };
+            if self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false) {
+                known = true;
+                continue;
+            }
+            let is_axis = machine.data_name(row.id).starts_with("REG_AXIS_");
+            axis |= is_axis;
+            let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
+            if row.modal && !is_axis && !other_feed {
+                let value = (value * row.mul + row.add) * self.unit_factor(row.dimension);
+                self.modal.remember(row.id, value);
+                known = true;
+            } else if row.modal && other_feed {
+                known = true;
+            }
+        }
+        if known {
+            return;
+        }
+        let word = self.span_text(span);
+        let block = self.block_text();
+        if axis && !self.channel_has(register) {
+            self.diagnose(
+                &diag::AXIS_NOT_IN_CHANNEL,
+                format!("channel {} has no axis for {word} in '{block}', the word is dropped", self.rank),
+            );
+        } else if axis && self.modal.code(group::MOTION).is_none() {
+            self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
+        } else {
+            self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by anything in '{block}' and is dropped"));
+        }
+    }
+
+    /// One of the channel's axes takes words of this register.
+    fn channel_has(&self, register: u8) -> bool {
+        self.place.axes.iter().any(|axis| {
+            self.machine
+                .tables
+                .rows_of_data
+                .get(usize::from(axis.data.0))
+                .into_iter()
+                .flatten()
+                .filter_map(|&row| self.machine.data.get(usize::from(row)))
+                .any(|row| row.register == Some(register))
+        })
+    }
+
+    fn span_text(&self, (start, end): (u32, u32)) -> String {
+        let source = self.info.source(self.file);
+        let line = source.map_or(&[][..], |s| s.line(self.line));
+        String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
+    }
+
+    fn unknown_text(&mut self) {
+        const MOST: usize = 60;
+        let mut parts: Vec<String> = self.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        parts.retain(|p| !p.is_empty());
+        let mut text = parts.join(" ");
+        if text.chars().count() > MOST {
+            text = text.chars().take(MOST - 3).chain("...".chars()).collect();
+        }
+        if text.is_empty() {
+            return;
+        }
+        let block = self.block_text();
+        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'"));
+    }
+}

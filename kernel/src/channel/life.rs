@@ -1,0 +1,193 @@
+//! Beginning and end of a kernel, its limits, and hopeless polling.
+
+use super::flow::Frame;
+use super::{Acted, Halt, Kernel};
+use crate::control::State;
+use crate::diag::{self, Facts};
+use crate::log::event::{Diagnostic, Kind, Member, Phase, Stop, Verdict, VerdictKind};
+use crate::mcd::program::Range;
+use crate::multi::coordinator::Coordinator;
+use crate::multi::verdict;
+use crate::multi::waits::{Finish, Terminal};
+
+impl Kernel<'_> {
+    /// Runs the kernel's whole life.
+    pub(crate) fn live(mut self, start: (u16, Range, Box<str>)) {
+        let (file, range, name) = start;
+        self.coordinator.begin(self.rank);
+        self.progress.set_state(State::Running);
+        (self.file, self.line) = (file, 0);
+        self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
+        self.flow.frames.push(Frame { file, range, next: range.first, repeats: 0, own_variables: false, name });
+        self.initial_codes();
+        self.initial_frame();
+        let halt = match self.load(file) {
+            Ok(()) => self.program(),
+            Err(halt) => halt,
+        };
+        self.finish(halt);
+    }
+
+    /// Says how it ended and lets the others know.
+    fn finish(mut self, halt: Halt) {
+        let (how, phase, state) = match halt {
+            Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
+            Halt::Alarm => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
+            Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
+            Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
+        };
+        if let Halt::End(Some(stop)) = halt {
+            self.emit(0, Kind::Stop(stop));
+        }
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.emit(0, Kind::Lifecycle(phase));
+            let finish = Finish { how, file: self.file, line: self.line };
+            let (rank, tag, info) = (self.rank, self.tag(), self.info);
+            let stop_all =
+                halt == Halt::Alarm && self.machine.sync.alarm_scope == crate::machine::model::AlarmScope::All;
+            let verdict = self.shared(|inner, coordinator| {
+                inner.waits.finish(rank, finish);
+                if stop_all {
+                    coordinator.stop(inner, tag);
+                    return None;
+                }
+                inner.judge(tag.t, info)
+            });
+            if let Ok(Some(verdict)) = verdict {
+                self.emit_verdict(verdict);
+            }
+        }
+        self.progress.t_ns.store(self.clock, std::sync::atomic::Ordering::Relaxed);
+        self.progress.set_state(state);
+        self.emitter.flush(self.tag());
+        self.coordinator.closed(self.rank);
+        let mut inner = self.coordinator.lock();
+        let rank = self.rank;
+        if inner.waits.end(rank).is_none() && halt != Halt::Blocked {
+            inner.waits.finish(rank, Finish { how, file: self.file, line: self.line });
+        }
+        self.coordinator.done(&mut inner, rank);
+    }
+
+    /// Logs a verdict as an event of the master.
+    pub(crate) fn emit_verdict(&mut self, verdict: Verdict) {
+        let facts: &Facts = match verdict.kind {
+            VerdictKind::Limit => &diag::LIMIT_REACHED,
+            VerdictKind::Mismatch => &diag::WAIT_MISMATCH,
+            _ => &diag::DEADLOCK,
+        };
+        let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
+        let diagnostic = Diagnostic { number: facts.number, severity: facts.severity, text: verdict.text.clone() };
+        for kind in [
+            (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
+            Some(Kind::Verdict(Box::new(verdict))),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            self.emitter.push(crate::log::event::Event {
+                t_ns: self.clock,
+                micro: self.micro,
+                dur_ns: 0,
+                channel: 0,
+                file,
+                line,
+                kind,
+            });
+        }
+    }
+
+    /// Limits of the job that one channel can reach.
+    pub(crate) fn check_limits(&mut self) -> Acted {
+        let limits = &self.options.limits;
+        let reason = if self.clock > limits.simulated_ns {
+            format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
+        } else if self.blocks > limits.blocks {
+            format!("more than {} blocks", limits.blocks)
+        } else if self.idle_blocks > limits.zero_time_blocks {
+            format!("{} blocks in a row took no time", limits.zero_time_blocks)
+        } else {
+            return Ok(());
+        };
+        Err(self.limit(&reason, VerdictKind::Limit))
+    }
+
+    /// Stops the whole job here and says who was doing what.
+    fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
+        let (rank, tag, info) = (self.rank, self.tag(), self.info);
+        let own = self.what_it_did(reason);
+        let (file, line) = (self.file, self.line);
+        let verdict = self.shared(|inner, coordinator| {
+            let mut sentences = vec![own];
+            let mut members = Vec::new();
+            for channel in inner.waits.channels() {
+                if channel == rank {
+                    members.push(Member { channel, file, line, waiting_for: Vec::new() });
+                } else if let Some(sentence) = verdict::waiting_sentence(channel, &inner.waits, info) {
+                    sentences.push(sentence);
+                    members.push(verdict::member(channel, &inner.waits));
+                }
+            }
+            coordinator.stop(inner, tag);
+            Verdict { kind, at_ns: tag.t, text: sentences.join("; ").into(), members }
+        });
+        match verdict {
+            Ok(verdict) => {
+                self.emit_verdict(verdict);
+                Halt::Stopped
+            }
+            Err(halt) => halt,
+        }
+    }
+
+    fn what_it_did(&self, reason: &str) -> String {
+        let pass = self.flow.pass;
+        let name = self.info.file_name(self.file);
+        if pass.count > 1 {
+            let (_, first, last) = pass.key;
+            format!(
+                "channel {}: {reason}; it looped {} times over lines {first}-{last} of {name} without a wait",
+                self.rank, pass.count
+            )
+        } else {
+            format!("channel {}: {reason} at {}", self.rank, verdict::place(self.info, self.file, self.line))
+        }
+    }
+
+    /// No other channel is left to change what a polling loop reads.
+    pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
+        let rank = self.rank;
+        self.shared(|inner, _| inner.alone(rank))
+    }
+
+    /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
+    pub(crate) fn spinning(&mut self, line: u32) -> Halt {
+        let place = verdict::place(self.info, self.file, line);
+        let reason = format!("polls at {place} for a variable that nobody is left to change");
+        self.limit(&reason, VerdictKind::PartnerSpinning)
+    }
+
+    /// End codes: where the program stops.
+    pub(crate) fn end_program(&mut self, stop: Stop) -> Halt {
+        Halt::End(Some(stop))
+    }
+}
+
+impl crate::multi::coordinator::Inner {
+    /// Who can never go on, if that is new.
+    pub(crate) fn judge(&mut self, t: i64, info: &crate::log::info::Info) -> Option<Verdict> {
+        let dead = self.waits.dead();
+        if self.judged || dead == crate::multi::waits::Set::default() {
+            return None;
+        }
+        self.judged = true;
+        Some(verdict::of(dead, t, &self.waits, info))
+    }
+}
+
+/// Marks a channel without program.
+pub(crate) fn never_started(coordinator: &Coordinator, rank: u16) {
+    coordinator.absent(rank);
+    let mut inner = coordinator.lock();
+    inner.waits.finish(rank, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
+}

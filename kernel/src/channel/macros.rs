@@ -1,0 +1,292 @@
+//! Statements of the pre-processor: assignments, branches, loops, macro calls.
+
+use std::sync::Arc;
+
+use super::block::Word;
+use super::flow::Pending;
+use super::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::dialect::fanuc::loops::Pairs;
+use crate::dialect::fanuc::{self, Expr, Fault, Line, Statement, TemplateWord, is_vacant, number};
+use crate::log::event::Kind;
+
+impl Kernel<'_> {
+    /// A line with variables or statements.
+    pub(crate) fn macro_line(&mut self, text: &[u8]) -> Acted {
+        let line = self.compiled(text)?;
+        if let Some(number) = line.sequence {
+            self.block.sequence = Some(number);
+        }
+        self.statement(&line.statement)
+    }
+
+    /// The compiled form of the current line; kept once the program has jumped back or called.
+    fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
+        let key = (self.file, self.line);
+        if let Some(line) = self.flow.compiled.get(&key) {
+            self.block.clear();
+            return Ok(Arc::clone(line));
+        }
+        let mut stripped = std::mem::take(&mut self.stripped);
+        self.plan.scanner.strip(text, &mut stripped, &mut self.block);
+        let result = fanuc::compile(&stripped);
+        self.stripped = stripped;
+        match result {
+            Ok(line) => {
+                let line = Arc::new(line);
+                if self.flow.caching {
+                    self.flow.compiled.insert(key, Arc::clone(&line));
+                }
+                Ok(line)
+            }
+            Err(error) => {
+                let text = format!("{error} in '{}'", self.block_text());
+                Err(self.alarm(&diag::MACRO_SYNTAX, text))
+            }
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Acted {
+        match statement {
+            Statement::Words(words) => self.template(words),
+            Statement::Assign(list) => list.iter().try_for_each(|(target, value)| self.assign(target, value)),
+            Statement::IfGoto(condition, target) => {
+                if self.truth(condition)? {
+                    self.goto(target)?;
+                }
+                Ok(())
+            }
+            Statement::IfThen(condition, inner) => {
+                if self.truth(condition)? {
+                    self.statement(inner)?;
+                }
+                Ok(())
+            }
+            Statement::Goto(target) => self.goto(target),
+            Statement::While(condition, _) => {
+                if self.truth(condition)? {
+                    Ok(())
+                } else {
+                    self.skip_past(Pairs::of_loop)
+                }
+            }
+            Statement::Do(_) => Ok(()),
+            Statement::End(_) => match self.pairs().of_loop(self.line) {
+                Some(start) => self.jump_to_line(start),
+                None => Err(self.unpaired()),
+            },
+            Statement::IfBlock(condition) => {
+                if self.truth(condition)? {
+                    Ok(())
+                } else {
+                    self.skip_past(Pairs::of_branch)
+                }
+            }
+            Statement::Else => self.skip_past(Pairs::of_branch),
+            Statement::EndIf | Statement::Ignored => Ok(()),
+        }
+    }
+
+    /// Goes on after the partner of the current line.
+    fn skip_past(&mut self, partner: fn(&Pairs, u32) -> Option<u32>) -> Acted {
+        match partner(&self.pairs(), self.line) {
+            Some(line) => self.jump_to_line(line + 1),
+            None => Err(self.unpaired()),
+        }
+    }
+
+    fn unpaired(&mut self) -> Halt {
+        let text = format!("'{}' has no partner in the program", self.block_text());
+        self.alarm(&diag::MACRO_LOOP, text)
+    }
+
+    /// Loop partners of the current program, found once.
+    fn pairs(&mut self) -> Arc<Pairs> {
+        let info = self.info;
+        let Some((file, range)) = self.frame().map(|f| (f.file, f.range)) else { return Arc::default() };
+        if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
+            return Arc::clone(pairs);
+        }
+        let mut stripped = Vec::new();
+        let mut statements = Vec::new();
+        if let Some(source) = info.source(file) {
+            let mut scratch = super::block::Block::default();
+            for line in range.first..=range.last {
+                let text = source.line(line);
+                if !has_bracketing(text) {
+                    continue;
+                }
+                self.plan.scanner.strip(text, &mut stripped, &mut scratch);
+                if let Ok(compiled) = fanuc::compile(&stripped) {
+                    statements.push((line, compiled.statement));
+                }
+            }
+        }
+        let pairs = Arc::new(Pairs::of(statements.into_iter()));
+        self.flow.pairs.insert((file, range.first), Arc::clone(&pairs));
+        pairs
+    }
+
+    fn goto(&mut self, target: &Expr) -> Acted {
+        let value = number(self.eval(target)?);
+        if value < 1.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
+            let text = format!("{value} is no sequence number to go to in '{}'", self.block_text());
+            return Err(self.alarm(&diag::JUMP_TARGET, text));
+        }
+        self.jump_to_sequence(value as u32)
+    }
+
+    fn truth(&mut self, condition: &Expr) -> Result<bool, Halt> {
+        self.eval(condition).map(|v| number(v) != 0.0)
+    }
+
+    fn eval(&mut self, expr: &Expr) -> Result<f64, Halt> {
+        if let Some(value) = expr.as_constant() {
+            return Ok(value);
+        }
+        let result = expr.eval(self);
+        result.map_err(|fault| self.fault(&fault))
+    }
+
+    /// Alarm of a fault.
+    fn fault(&mut self, fault: &Fault) -> Halt {
+        let facts = match fault {
+            Fault::Stopped => return Halt::Stopped,
+            Fault::Division => &diag::MACRO_DIVISION,
+            Fault::Domain(..) => &diag::MACRO_DOMAIN,
+            Fault::NoVariable(_) | Fault::ReadOnly(_) => &diag::MACRO_VARIABLE,
+        };
+        let text = format!("{fault} in '{}'", self.block_text());
+        self.alarm(facts, text)
+    }
+
+    fn assign(&mut self, target: &Expr, value: &Expr) -> Acted {
+        let value = self.eval(value)?;
+        let target = number(self.eval(target)?);
+        if target < 0.0 || target.fract() != 0.0 || target > f64::from(u32::MAX) {
+            return Err(self.fault(&Fault::NoVariable(target)));
+        }
+        let index = target as u32;
+        match index {
+            3000 => {
+                let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());
+                Err(self.alarm(&diag::MACRO_ALARM, text))
+            }
+            3006 => {
+                let text: Box<str> = self.block_text().into();
+                self.emit(0, Kind::Message { text });
+                Ok(())
+            }
+            3001..=3004 => Ok(()),
+            _ => self.set_variable(index, value).map_err(|fault| self.fault(&fault)),
+        }
+    }
+
+    /// Words with expressions become plain words; vacant values drop their word.
+    fn template(&mut self, words: &[TemplateWord]) -> Acted {
+        self.flow.pass.effects = true;
+        for word in words {
+            let value = self.eval(&word.value)?;
+            if is_vacant(value) {
+                continue;
+            }
+            match self.plan.scanner.register(word.letter) {
+                Some((register, incremental)) => self.block.push(Word {
+                    register,
+                    incremental,
+                    used: false,
+                    value,
+                    start: word.start,
+                    end: word.end,
+                }),
+                None => self.block.unknown.push((word.start, word.end)),
+            }
+        }
+        self.act_block()
+    }
+
+    /// `G65 P… L… arguments`.
+    pub(crate) fn macro_call(&mut self) -> Acted {
+        let mut arguments = Vec::new();
+        let (mut program, mut passes) = (None, 1_u32);
+        let mut levels = [0_u8; 3];
+        for position in 0..self.block.words.len() {
+            let Some(word) = self.block.words.get(position).copied() else { break };
+            if word.used {
+                continue;
+            }
+            let letter = self.letter_at(word.start);
+            match letter {
+                b'P' if program.is_none() => program = Some(word.value),
+                b'L' => passes = word.value.max(0.0) as u32,
+                b'I' | b'J' | b'K' => {
+                    let slot = usize::from(letter - b'I');
+                    let level = levels.get(slot).copied().unwrap_or(0);
+                    if let Some(entry) = levels.get_mut(slot) {
+                        *entry += 1;
+                    }
+                    arguments.push((4 + level * 3 + letter - b'I', word.value));
+                }
+                _ => match argument(letter) {
+                    Some(variable) => arguments.push((variable, word.value)),
+                    None => self.block.unknown.push((word.start, word.end)),
+                },
+            }
+        }
+        let Some(program) = program.filter(|p| *p >= 1.0 && *p <= f64::from(u32::MAX)) else {
+            let text = format!("macro call without a program number P in '{}'", self.block_text());
+            return Err(self.alarm(&diag::MACRO_CALL, text));
+        };
+        for word in &mut self.block.words {
+            word.used = true;
+        }
+        self.leftovers()?;
+        let passes = passes.max(1);
+        self.flow.pending = Some(Pending::Call { number: program as u32, passes, arguments: Some(arguments) });
+        Ok(())
+    }
+
+    fn letter_at(&self, start: u32) -> u8 {
+        self.info
+            .source(self.file)
+            .and_then(|s| s.line(self.line).get(start as usize).copied())
+            .unwrap_or(b'?')
+            .to_ascii_uppercase()
+    }
+}
+
+/// A line that may hold a bracketing statement.
+fn has_bracketing(text: &[u8]) -> bool {
+    text.windows(2).any(|pair| match pair {
+        [a, b] => {
+            let pair = [a.to_ascii_uppercase(), b.to_ascii_uppercase()];
+            [*b"DO", *b"EN", *b"IF", *b"EL", *b"WH"].contains(&pair)
+        }
+        _ => false,
+    })
+}
+
+/// Local variable of an argument letter (argument list I of the control).
+fn argument(letter: u8) -> Option<u8> {
+    Some(match letter {
+        b'A' => 1,
+        b'B' => 2,
+        b'C' => 3,
+        b'D' => 7,
+        b'E' => 8,
+        b'F' => 9,
+        b'H' => 11,
+        b'M' => 13,
+        b'Q' => 17,
+        b'R' => 18,
+        b'S' => 19,
+        b'T' => 20,
+        b'U' => 21,
+        b'V' => 22,
+        b'W' => 23,
+        b'X' => 24,
+        b'Y' => 25,
+        b'Z' => 26,
+        _ => return None,
+    })
+}

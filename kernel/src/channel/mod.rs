@@ -1,0 +1,148 @@
+//! One kernel: runs the program of one channel block by block.
+//!
+//! Facts: reference control-emulator.md 2 (processing order). Invariants: the clock never goes back; whatever other
+//! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
+//! allocates nothing.
+
+pub(crate) mod block;
+pub(crate) mod codes;
+pub(crate) mod data;
+pub(crate) mod emit;
+pub(crate) mod flow;
+pub(crate) mod leftover;
+pub(crate) mod life;
+pub(crate) mod macros;
+pub(crate) mod plan;
+pub(crate) mod read;
+pub(crate) mod report;
+pub(crate) mod scan;
+pub(crate) mod state;
+pub(crate) mod variables;
+
+use block::Block;
+use emit::Emitter;
+use flow::Flow;
+use plan::Plan;
+use state::{Modal, Place, SpindleState};
+use variables::ChannelVariables;
+
+use crate::control::{Control, Progress};
+use crate::files::Files;
+use crate::log::event::{Event, FileId, Kind, Stop};
+use crate::log::info::Info;
+use crate::machine::Machine;
+use crate::machine::ident::DataId;
+use crate::multi::coordinator::{Coordinator, Inner};
+use crate::multi::tag::Tag;
+use crate::options::Options;
+
+/// Why a kernel leaves its program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Halt {
+    /// An end code or the end of the text.
+    End(Option<Stop>),
+    /// An alarm of the control.
+    Alarm,
+    /// The job was stopped.
+    Stopped,
+    /// It stands at a wait that will never end.
+    Blocked,
+}
+
+/// What an action returns.
+pub(crate) type Acted = Result<(), Halt>;
+
+/// The kernel of one channel.
+pub(crate) struct Kernel<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) info: &'a Info,
+    pub(crate) options: &'a Options,
+    pub(crate) files: &'a dyn Files,
+    pub(crate) plan: &'a Plan,
+    pub(crate) coordinator: &'a Coordinator,
+    pub(crate) control: &'a Control,
+    pub(crate) progress: &'a Progress,
+    pub(crate) emitter: Emitter<'a>,
+    /// Channel number.
+    pub(crate) rank: u16,
+    /// Simulated time, ns.
+    pub(crate) clock: i64,
+    pub(crate) micro: u32,
+    /// File and line of the block being processed.
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+    pub(crate) block: Block,
+    /// Value handed over by the code that is acting.
+    pub(crate) as_data: Option<(DataId, f64)>,
+    /// The code that is acting was not the active one of its group before.
+    pub(crate) mode_changed: bool,
+    pub(crate) modal: Modal,
+    pub(crate) place: Place,
+    pub(crate) spindle: SpindleState,
+    pub(crate) flow: Flow,
+    pub(crate) variables: ChannelVariables,
+    /// Secondary units are active.
+    pub(crate) secondary: bool,
+    /// Blocks read.
+    pub(crate) blocks: u64,
+    /// Consecutive blocks without time.
+    pub(crate) idle_blocks: u64,
+    /// Diagnostics logged.
+    pub(crate) diagnostics: u32,
+    /// Bytes of the line without comments, for the pre-processor.
+    pub(crate) stripped: Vec<u8>,
+}
+
+impl Kernel<'_> {
+    /// Where the kernel stands in the order of everything.
+    pub(crate) fn tag(&self) -> Tag {
+        Tag { t: self.clock, micro: self.micro, rank: self.rank }
+    }
+
+    /// Adds an event of this block at the clock.
+    pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        self.emitter.push(Event {
+            t_ns: self.clock,
+            micro: self.micro,
+            dur_ns,
+            channel: self.rank,
+            file: self.file,
+            line: self.line,
+            kind,
+        });
+    }
+
+    /// Moves the clock on.
+    pub(crate) fn advance(&mut self, ns: i64) {
+        if ns > 0 {
+            self.clock = self.clock.saturating_add(ns);
+            self.micro = 0;
+            self.idle_blocks = 0;
+        }
+    }
+
+    /// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond what a job can hold.
+    pub(crate) fn ns(seconds: f64) -> i64 {
+        const MOST: f64 = 1e18;
+        if seconds.is_nan() || seconds <= 0.0 { 0 } else { (seconds * 1e9).round().min(MOST) as i64 }
+    }
+
+    /// Runs an operation on what the channels share, in tag order.
+    pub(crate) fn shared<R>(&mut self, operation: impl FnOnce(&mut Inner, &Coordinator) -> R) -> Result<R, Halt> {
+        self.control.disturb(self.rank);
+        let tag = self.tag();
+        let coordinator = self.coordinator;
+        let mut guard = match coordinator.try_enter(tag) {
+            Some(guard) => guard,
+            None => {
+                self.emitter.flush(tag);
+                coordinator.enter(tag).map_err(|_| Halt::Stopped)?
+            }
+        };
+        let result = operation(&mut guard, coordinator);
+        coordinator.leave(&guard);
+        drop(guard);
+        self.control.disturb(self.rank);
+        Ok(result)
+    }
+}

@@ -1,0 +1,51 @@
+//! What is compiled once per job and shared by its kernels.
+
+use super::scan::Scanner;
+use crate::action::Action;
+use crate::machine::Machine;
+use crate::machine::ident::data;
+
+/// Compiled form of the machine for the block loop.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) scanner: Scanner,
+    /// Action of each code row.
+    pub(crate) actions: Vec<Option<Action>>,
+    /// Register of the G letter, for macro calls of the pre-processor.
+    pub(crate) g: Option<u8>,
+    /// Register that defines programs (O).
+    pub(crate) definition: Option<u8>,
+    /// Registers whose words can move an axis or shape an arc: bit by register.
+    pub(crate) motion_registers: u128,
+    /// Registers that carry the spindle speed.
+    pub(crate) speed_registers: u128,
+    /// Data rows that drop their word silently.
+    pub(crate) ignore: Vec<bool>,
+}
+
+impl Plan {
+    pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
+        let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
+        let mut motion_registers = 0_u128;
+        let mut speed_registers = 0_u128;
+        for row in machine.data.iter().filter(|r| r.enable) {
+            let Some(register) = row.register.filter(|&r| r < 128) else { continue };
+            let name = machine.data_name(row.id);
+            if name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_") {
+                motion_registers |= 1 << register;
+            }
+            if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
+                speed_registers |= 1 << register;
+            }
+        }
+        Self {
+            scanner: Scanner::new(machine, opskip),
+            actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
+            g: machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8),
+            definition: register_of(data::DEFSUB_ID),
+            motion_registers,
+            speed_registers,
+            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The block loop: next line, words or statement, codes, what follows.
+//!
+//! Facts: reference control-emulator.md 2.2 and 5.1.
+
+use super::scan::Kind as LineKind;
+use super::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::{FileId, Kind};
+use crate::mcd::source::Source;
+
+impl Kernel<'_> {
+    /// Runs blocks until something ends the program.
+    pub(crate) fn program(&mut self) -> Halt {
+        loop {
+            if let Err(halt) = self.step() {
+                return halt;
+            }
+        }
+    }
+
+    /// One block.
+    fn step(&mut self) -> Acted {
+        let info = self.info;
+        let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
+            return Err(Self::end_of_text());
+        };
+        if line > range.last {
+            return self.text_ends();
+        }
+        if let Some(frame) = self.frame() {
+            frame.next = line + 1;
+        }
+        let Some(source) = info.source(file) else { return Err(Self::end_of_text()) };
+        let text = source.line(line);
+        if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
+            return Ok(());
+        }
+        (self.file, self.line) = (file, line);
+        self.begin_block()?;
+        if text.len() > self.options.limits.block_length {
+            return Err(self.too_long(text.len()));
+        }
+        if self.is_rewind_stop(text) {
+            return self.rewind_stop(source, line);
+        }
+        self.flow.opened = true;
+        match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
+            LineKind::Words => self.act_block()?,
+            LineKind::Macro => self.macro_line(text)?,
+        }
+        self.follow()
+    }
+
+    /// Counts the block, tells others how far this kernel has come, and checks the limits.
+    fn begin_block(&mut self) -> Acted {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.blocks += 1;
+        self.idle_blocks += 1;
+        self.progress.blocks.store(self.blocks, Relaxed);
+        self.progress.line.store(self.line, Relaxed);
+        self.progress.file.store(u32::from(self.file), Relaxed);
+        self.progress.t_ns.store(self.clock, Relaxed);
+        if !self.coordinator.publish(self.rank, self.clock) || self.control.cancelled() {
+            return Err(Halt::Stopped);
+        }
+        if self.blocks.is_multiple_of(256) && self.coordinator.should_yield() {
+            self.emitter.flush(self.tag());
+            self.coordinator.yield_permit(self.rank);
+        }
+        let number = self.blocks;
+        self.emit(0, Kind::Block { number });
+        self.check_limits()
+    }
+
+    fn is_rewind_stop(&self, text: &[u8]) -> bool {
+        let rws = self.machine.format.rws.as_bytes();
+        !rws.is_empty() && text.first() == rws.first() && text.trim_ascii() == rws
+    }
+
+    /// A rewind-stop: opens the text, closes it, or is passed over with a warning.
+    fn rewind_stop(&mut self, source: &Source, line: u32) -> Acted {
+        if !self.flow.opened {
+            self.flow.opened = true;
+            return Ok(());
+        }
+        let rest = (line + 1..=source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
+        if rest {
+            return self.text_ends();
+        }
+        let text = format!("the rewind-stop in line {line} inside the program is skipped");
+        self.diagnose(&diag::REWIND_STOP_INSIDE, text);
+        Ok(())
+    }
+
+    /// The text of a program ends without an end or return code.
+    fn text_ends(&mut self) -> Acted {
+        let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
+        self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
+        if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Self::end_of_text()) }
+    }
+
+    fn too_long(&mut self, length: usize) -> Halt {
+        let limit = self.options.limits.block_length;
+        let text = format!("line {} has {length} bytes, a block may have {limit}", self.line);
+        self.alarm(&diag::BLOCK_TOO_LONG, text)
+    }
+
+    /// Makes a file's text available.
+    pub(crate) fn load(&mut self, file: FileId) -> Acted {
+        let info = self.info;
+        let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
+        let mut failure = None;
+        entry.source.get_or_init(|| match self.files.read(&entry.name) {
+            Ok(bytes) => Some(std::sync::Arc::new(Source::new(entry.name.clone(), bytes))),
+            Err(error) => {
+                failure = Some(error);
+                None
+            }
+        });
+        match failure {
+            None => Ok(()),
+            Some(error) => Err(self.alarm(&diag::FILE_UNREADABLE, error.to_string())),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Diagnostics of a kernel.
+
+use super::{Halt, Kernel};
+use crate::diag::{self, Facts};
+use crate::log::event::{Diagnostic, Kind};
+
+impl Kernel<'_> {
+    /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
+    /// nothing but alarms.
+    pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        let limit = self.options.limits.diagnostics;
+        self.diagnostics = self.diagnostics.saturating_add(1);
+        if self.diagnostics > limit && !facts.alarm {
+            if self.diagnostics == limit + 1 {
+                let text =
+                    format!("more than {limit} diagnostics in channel {}; further ones are not logged", self.rank);
+                self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text);
+            }
+            return;
+        }
+        self.log_diagnostic(facts, text.into());
+    }
+
+    fn log_diagnostic(&mut self, facts: &Facts, text: String) {
+        self.emit(
+            0,
+            Kind::Diagnostic(Box::new(Diagnostic {
+                number: facts.number,
+                severity: facts.severity,
+                text: text.into(),
+            })),
+        );
+    }
+
+    /// Logs an alarm of the control and returns what stops the channel.
+    pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+        self.diagnose(facts, text);
+        Halt::Alarm
+    }
+
+    /// Text of the current block, for messages: at most 60 characters.
+    pub(crate) fn block_text(&self) -> String {
+        let text = self.info.line_text(self.file, self.line);
+        let text = text.trim();
+        if text.chars().count() > 60 { text.chars().take(57).chain("...".chars()).collect() } else { text.to_owned() }
+    }
+}

@@ -1,0 +1,403 @@
+//! From the text of a line to words.
+//!
+//! Facts: reference control-emulator.md 1.4 (reading a number), 5.5 (block delete), 5.6 (comments). Invariant: one
+//! pass over the line, nothing copied; whatever is not a word of a register is kept as unknown text.
+
+use super::block::{Block, Word};
+use crate::machine::Machine;
+use crate::machine::model::{NumberFormat, Point, Zeros};
+
+/// What a line turned out to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Plain words, now in the block.
+    Words,
+    /// It needs the pre-processor.
+    Macro,
+}
+
+/// What the scanner needs of the machine, prepared once.
+#[derive(Debug)]
+pub(crate) struct Scanner {
+    comment: Option<(Vec<u8>, Vec<u8>)>,
+    message: Option<(Vec<u8>, Vec<u8>)>,
+    opskip: Option<u8>,
+    opskip_default: u8,
+    eob: Option<u8>,
+    /// Literal text codes: text and row.
+    texts: Vec<(Vec<u8>, u16)>,
+    formats: Vec<(NumberFormat, NumberFormat)>,
+    macros: bool,
+    /// Active optional-skip levels, bit n.
+    levels: u16,
+    sequence: Option<u8>,
+    letters: [(u8, bool); 128],
+}
+
+/// No register.
+const NONE: u8 = u8::MAX;
+
+impl Scanner {
+    /// For a machine and the active optional-skip levels.
+    pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
+        let pair =
+            |p: &Option<(String, String)>| p.as_ref().map(|(a, b)| (a.clone().into_bytes(), b.clone().into_bytes()));
+        let ascii = |c: Option<char>| c.and_then(|c| u8::try_from(c).ok());
+        let mut letters = [(NONE, false); 128];
+        for (letter, entry) in letters.iter_mut().zip(&machine.tables.letter) {
+            if let Some((register, incremental)) = entry {
+                *letter = (*register, *incremental);
+            }
+        }
+        for lower in b'a'..=b'z' {
+            let upper = letters.get(usize::from(lower - 32)).copied().unwrap_or((NONE, false));
+            if let Some(slot) = letters.get_mut(usize::from(lower))
+                && slot.0 == NONE
+            {
+                *slot = upper;
+            }
+        }
+        let sequence = machine
+            .data
+            .iter()
+            .find(|row| row.id == crate::machine::ident::data::SEQNO && row.enable)
+            .and_then(|row| row.register);
+        Self {
+            comment: pair(&machine.format.comment),
+            message: pair(&machine.format.message),
+            opskip: ascii(machine.format.opskip_mark),
+            opskip_default: machine.format.opskip_default,
+            eob: ascii(machine.format.eob),
+            texts: machine
+                .tables
+                .texts
+                .iter()
+                .filter_map(|&row| match &machine.codes.get(usize::from(row))?.form {
+                    crate::machine::model::CodeForm::Text(text) => Some((text.clone().into_bytes(), row)),
+                    _ => None,
+                })
+                .collect(),
+            formats: machine.registers.iter().map(|r| (r.format, r.secondary)).collect(),
+            macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
+            levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
+            sequence,
+            letters,
+        }
+    }
+
+    /// Variables and statements are understood.
+    pub(crate) fn has_macros(&self) -> bool {
+        self.macros
+    }
+
+    /// Register of a letter, with its incremental flag.
+    pub(crate) fn register(&self, letter: u8) -> Option<(u8, bool)> {
+        self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
+    }
+
+    /// Splits `line` into `block` (which is cleared first).
+    pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
+        block.clear();
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            if byte == b' ' || byte == b'\t' {
+                at += 1;
+                continue;
+            }
+            if let Some((register, incremental)) = self.register(byte) {
+                match self.word(line, at, register, incremental, secondary, block) {
+                    Some(next) => {
+                        at = next;
+                        continue;
+                    }
+                    None if self.macros && opens_macro(line, at) => return Kind::Macro,
+                    None => {}
+                }
+            } else if self.macros && (byte == b'#' || opens_macro(line, at)) {
+                return Kind::Macro;
+            }
+            at = self.other(line, at, byte, block);
+        }
+        Kind::Words
+    }
+
+    /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor.
+    pub(crate) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
+        block.clear();
+        out.clear();
+        out.extend_from_slice(line);
+        let (mut at, mut depth) = (0, 0_usize);
+        while let Some(&byte) = line.get(at) {
+            let next = match byte {
+                b'[' => {
+                    depth += 1;
+                    at + 1
+                }
+                b']' => {
+                    depth = depth.saturating_sub(1);
+                    at + 1
+                }
+                _ if depth == 0 => self.skip(line, at, byte, block).unwrap_or(at + 1),
+                _ => at + 1,
+            };
+            if depth == 0 && byte != b']' && self.skip(line, at, byte, block).is_some() {
+                out.get_mut(at..next.min(line.len())).unwrap_or_default().fill(b' ');
+            }
+            at = next;
+        }
+        block.unknown.clear();
+    }
+
+    /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
+    fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
+        for delimiters in [&self.comment, &self.message].into_iter().flatten() {
+            let (start, end) = delimiters;
+            if line.get(at..).is_some_and(|rest| rest.starts_with(start)) && !start.is_empty() {
+                let inside = at + start.len();
+                if end.is_empty() {
+                    return Some(line.len());
+                }
+                return Some(match find(line, inside, end) {
+                    Some(close) => close + end.len(),
+                    None => {
+                        block.open_comment = true;
+                        line.len()
+                    }
+                });
+            }
+        }
+        if Some(byte) == self.opskip {
+            let (level, next) = match line.get(at + 1) {
+                Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
+                _ => (self.opskip_default, at + 1),
+            };
+            if self.levels & (1 << level) == 0 {
+                return Some(next);
+            }
+            return Some(self.next_inactive_mark(line, next));
+        }
+        if Some(byte) == self.eob {
+            return Some(at + 1);
+        }
+        None
+    }
+
+    /// Start of the next skip mark of a level that is not active, or the end of the line.
+    fn next_inactive_mark(&self, line: &[u8], from: usize) -> usize {
+        let mut at = from;
+        while let Some(&byte) = line.get(at) {
+            if Some(byte) == self.opskip {
+                let level = match line.get(at + 1) {
+                    Some(digit @ b'1'..=b'9') => digit - b'0',
+                    _ => self.opskip_default,
+                };
+                if self.levels & (1 << level) == 0 {
+                    return at;
+                }
+            }
+            at += 1;
+        }
+        line.len()
+    }
+
+    /// Anything that is not a word: returns where to go on.
+    fn other(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> usize {
+        if let Some(next) = self.skip(line, at, byte, block) {
+            return next;
+        }
+        for (text, row) in &self.texts {
+            if line.get(at..).is_some_and(|rest| rest.starts_with(text)) {
+                block.texts.push(*row);
+                return at + text.len().max(1);
+            }
+        }
+        if byte < 32 || byte == 127 {
+            block.bad_bytes = true;
+            return at + 1;
+        }
+        // Unknown text runs to the next blank or the start of a word.
+        let mut end = at + 1;
+        while let Some(&next) = line.get(end) {
+            if next <= b' ' || Some(next) == self.opskip || self.starts_comment(line, end) || starts_word(line, end) {
+                break;
+            }
+            end += 1;
+        }
+        let (start, stop) = (at as u32, end as u32);
+        match block.unknown.last_mut() {
+            Some(last) if last.1 == start => last.1 = stop,
+            _ => block.unknown.push((start, stop)),
+        }
+        end
+    }
+
+    fn starts_comment(&self, line: &[u8], at: usize) -> bool {
+        [&self.comment, &self.message]
+            .into_iter()
+            .flatten()
+            .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
+    }
+
+    /// A word at `at`, if a number follows its letter.
+    fn word(
+        &self,
+        line: &[u8],
+        at: usize,
+        register: u8,
+        incremental: bool,
+        secondary: bool,
+        block: &mut Block,
+    ) -> Option<usize> {
+        let mut cursor = at + 1;
+        while matches!(line.get(cursor), Some(b' ' | b'\t')) {
+            cursor += 1;
+        }
+        let (number, end) = parse_number(line, cursor)?;
+        let value = if number.point {
+            number.value
+        } else {
+            let (primary, second) = self.formats.get(usize::from(register))?;
+            implied(number, if secondary { second } else { primary })
+        };
+        if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
+            block.sequence = Some(value as u32);
+            return Some(end);
+        }
+        block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
+        Some(end)
+    }
+}
+
+/// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
+fn opens_macro(line: &[u8], at: usize) -> bool {
+    let mut rest = line.get(at + 1..).unwrap_or_default().iter().filter(|b| !matches!(b, b' ' | b'\t' | b'-' | b'+'));
+    matches!(rest.next(), Some(b'#' | b'[')) || is_keyword(line, at)
+}
+
+/// A statement key word of the macro language, or the first two letters of one.
+fn is_keyword(line: &[u8], at: usize) -> bool {
+    const PAIRS: &[&[u8; 2]] = &[b"IF", b"WH", b"GO", b"DO", b"EN", b"EL", b"TH", b"PO", b"PC", b"BP", b"DP"];
+    let Some([a, b]) = line.get(at..at + 2) else { return false };
+    let pair = [a.to_ascii_uppercase(), b.to_ascii_uppercase()];
+    PAIRS.contains(&&pair)
+}
+
+fn starts_word(line: &[u8], at: usize) -> bool {
+    line.get(at).is_some_and(u8::is_ascii_alphabetic)
+        && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
+}
+
+fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
+    memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
+}
+
+/// A number as written.
+#[derive(Debug, Clone, Copy)]
+struct Number {
+    /// Value read as a plain number.
+    value: f64,
+    /// A decimal point was written.
+    point: bool,
+    /// Digits written before the point.
+    digits: u8,
+}
+
+/// Powers of ten that are exact in `f64`.
+const POW10: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
+fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+    let mut cursor = at;
+    let mut negative = false;
+    match line.get(cursor) {
+        Some(b'-') => {
+            negative = true;
+            cursor += 1;
+        }
+        Some(b'+') => cursor += 1,
+        _ => {}
+    }
+    let start = cursor;
+    let (mut mantissa, mut digits, mut fraction, mut point) = (0_u64, 0_usize, 0_usize, false);
+    let mut exact = true;
+    while let Some(&byte) = line.get(cursor) {
+        match byte {
+            b'0'..=b'9' => {
+                if mantissa < 100_000_000_000_000 {
+                    mantissa = mantissa * 10 + u64::from(byte - b'0');
+                } else {
+                    exact = false;
+                }
+                if point {
+                    fraction += 1;
+                } else {
+                    digits += 1;
+                }
+            }
+            b'.' if !point => point = true,
+            _ => break,
+        }
+        cursor += 1;
+    }
+    if digits + fraction == 0 {
+        return None;
+    }
+    let magnitude = match POW10.get(fraction) {
+        // Both sides are exact, so the quotient is correctly rounded.
+        Some(power) if exact => mantissa as f64 / power,
+        _ => std::str::from_utf8(line.get(start..cursor)?).ok()?.parse().ok()?,
+    };
+    let value = if negative { -magnitude } else { magnitude };
+    Some((Number { value, point, digits: digits.min(255) as u8 }, cursor))
+}
+
+/// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
+fn implied(number: Number, format: &NumberFormat) -> f64 {
+    let power = |n: u8| POW10.get(usize::from(n)).copied().unwrap_or(1.0);
+    if format.point != Point::Omit || format.frac == 0 {
+        number.value
+    } else if format.trail == Zeros::Omit && format.lead != Zeros::Omit {
+        // Left-justified into the whole digits.
+        if number.digits <= format.whole {
+            number.value * power(format.whole - number.digits)
+        } else {
+            number.value / power(number.digits - format.whole)
+        }
+    } else {
+        number.value / power(format.frac)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_to_the_last_bit() {
+        for text in
+            ["0", "12", "-3.5", "+.125", "90.1999", "123456.7891", "0.1", "1.", "99999999999999999999.5", ".000001"]
+        {
+            let (number, end) = parse_number(text.as_bytes(), 0).unwrap();
+            assert_eq!(end, text.len());
+            assert_eq!(number.value, text.trim_start_matches('+').parse::<f64>().unwrap(), "{text}");
+        }
+        for text in ["", "-", ".", "+.", "X", "e5"] {
+            assert!(parse_number(text.as_bytes(), 0).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn implied_points() {
+        let format = |lead, trail| NumberFormat { whole: 4, frac: 3, point: Point::Omit, lead, trail, plus: false };
+        let number = |text: &str| parse_number(text.as_bytes(), 0).unwrap().0;
+        assert_eq!(implied(number("12500"), &format(Zeros::Omit, Zeros::Keep)), 12.5);
+        assert_eq!(implied(number("00125"), &format(Zeros::Keep, Zeros::Omit)), 12.5);
+        assert_eq!(
+            implied(number("125"), &NumberFormat { point: Point::Keep, ..format(Zeros::Omit, Zeros::Omit) }),
+            125.0
+        );
+    }
+}

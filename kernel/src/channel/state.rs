@@ -1,0 +1,218 @@
+//! What a channel remembers from block to block: modal codes, modal data, positions, frames.
+
+use crate::log::event::{FeedUnit, MAX_AXES, Position};
+use crate::machine::ident::data;
+use crate::machine::ident::{CodeId, DataId, codes};
+use crate::machine::model::{AxisRole, Machine};
+use crate::multi::shared::Command;
+
+/// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
+pub(crate) mod group {
+    pub(crate) const MOTION: u16 = 1;
+    pub(crate) const PLANE: u16 = 2;
+    pub(crate) const POSITION: u16 = 3;
+    pub(crate) const FEED: u16 = 5;
+    pub(crate) const UNITS: u16 = 6;
+    pub(crate) const EXACT_STOP: u16 = 15;
+}
+
+/// Modal codes and data.
+#[derive(Debug)]
+pub(crate) struct Modal {
+    /// Active code row of each group, `None` = `CODE_NONE`.
+    groups: Vec<Option<(CodeId, u16)>>,
+    /// Remembered values by data identifier.
+    data: Vec<Option<f64>>,
+    /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
+    pub(crate) refires: Vec<(u16, bool)>,
+}
+
+impl Modal {
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let data_ids = data::TABLE.len() + machine.custom_data.len();
+        Self { groups: vec![None; 1000], data: vec![None; data_ids], refires: Vec::new() }
+    }
+
+    /// Active code of a group.
+    pub(crate) fn code(&self, group: u16) -> Option<CodeId> {
+        self.groups.get(usize::from(group)).copied().flatten().map(|(id, _)| id)
+    }
+
+    /// Active row of a group.
+    pub(crate) fn row(&self, group: u16) -> Option<u16> {
+        self.groups.get(usize::from(group)).copied().flatten().map(|(_, row)| row)
+    }
+
+    /// Makes a code the active one of its group (group 0 has none).
+    pub(crate) fn activate(&mut self, group: u16, id: CodeId, row: u16) {
+        if group != 0
+            && let Some(slot) = self.groups.get_mut(usize::from(group))
+        {
+            *slot = Some((id, row));
+            if !self.refires.is_empty() {
+                self.refires.retain(|&(g, _)| g != group);
+            }
+        }
+    }
+
+    /// Makes a code active that fires again on every block.
+    pub(crate) fn activate_persistent(&mut self, group: u16, id: CodeId, row: u16) {
+        self.activate(group, id, row);
+        if group != 0 {
+            self.refires.push((group, true));
+        }
+    }
+
+    /// The active code of the group fires once on the next block without a code of the group.
+    pub(crate) fn refire_once(&mut self, group: u16) {
+        if self.code(group).is_some() && !self.refires.iter().any(|&(g, _)| g == group) {
+            self.refires.push((group, false));
+        }
+    }
+
+    /// Remembered value.
+    pub(crate) fn value(&self, id: DataId) -> Option<f64> {
+        self.data.get(usize::from(id.0)).copied().flatten()
+    }
+
+    /// Remembers a value.
+    pub(crate) fn remember(&mut self, id: DataId, value: f64) {
+        if let Some(slot) = self.data.get_mut(usize::from(id.0)) {
+            *slot = Some(value);
+        }
+    }
+}
+
+/// An axis of the channel as the motion actions use it.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    /// Index in the machine's axis list.
+    pub(crate) machine: usize,
+    /// Identifier of its words.
+    pub(crate) data: DataId,
+    pub(crate) role: AxisRole,
+    pub(crate) rotary: bool,
+    /// Factor from programmed value to geometry: 0.5 on a diameter axis.
+    pub(crate) scale: f64,
+    /// Rapid rate per second, geometry units.
+    pub(crate) rapid: f64,
+    /// Acceleration, geometry units.
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) home: f64,
+    pub(crate) references: [Option<f64>; 3],
+    pub(crate) limits: Option<(f64, f64)>,
+}
+
+/// Where the channel stands and how it moves.
+#[derive(Debug)]
+pub(crate) struct Place {
+    /// Axes in channel order.
+    pub(crate) axes: Vec<Axis>,
+    /// Programmed position in the work frame.
+    pub(crate) position: Position,
+    /// Machine frame = work frame + shift.
+    pub(crate) shift: Position,
+    /// Part of the shift from presets and manual settings, without work and tool offsets.
+    pub(crate) preset: Position,
+    /// Active work offset number, 0 = none.
+    pub(crate) work_offset: u32,
+    /// Active tool offset number, 0 = none.
+    pub(crate) tool_offset: u32,
+    /// Active length compensation: +1, −1 or 0.
+    pub(crate) length_sign: f64,
+    /// Its number.
+    pub(crate) length_number: u32,
+    /// Intermediate point of the last home move, for the return.
+    pub(crate) home_via: Option<Position>,
+    /// Channel axis of the X, Y and Z roles.
+    pub(crate) cartesian: [Option<u8>; 3],
+    /// Current tool.
+    pub(crate) tool: u32,
+    /// Preselected tool.
+    pub(crate) selected: u32,
+}
+
+impl Place {
+    /// A channel at home, work offset 1 active if the machine has it.
+    pub(crate) fn new(machine: &Machine, channel: &crate::machine::model::Channel) -> Self {
+        let axes: Vec<Axis> = channel
+            .axes
+            .iter()
+            .take(MAX_AXES)
+            .filter_map(|&index| {
+                machine.axes.get(index).map(|a| {
+                    let scale = if a.diameter { 0.5 } else { 1.0 };
+                    Axis {
+                        machine: index,
+                        data: a.data,
+                        role: a.role,
+                        rotary: a.role.is_rotary(),
+                        scale,
+                        rapid: a.rapid / 60.0,
+                        acceleration: a.acceleration,
+                        home: a.home,
+                        references: a.references,
+                        limits: a.limits,
+                    }
+                })
+            })
+            .collect();
+        let find = |role: AxisRole| axes.iter().position(|a| a.role == role).map(|i| i as u8);
+        let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
+        Self {
+            position: machine.home(channel),
+            axes,
+            shift: [0.0; MAX_AXES],
+            preset: [0.0; MAX_AXES],
+            work_offset: 1,
+            tool_offset: 0,
+            length_sign: 0.0,
+            length_number: 0,
+            home_via: None,
+            cartesian,
+            tool: 0,
+            selected: 0,
+        }
+    }
+}
+
+/// Plane of arcs: names for listings and the roles of its axes (first, second), and the identifiers of their
+/// centre words.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) first: usize,
+    pub(crate) second: usize,
+    pub(crate) centers: [DataId; 2],
+}
+
+/// Plane of a plane code.
+pub(crate) fn plane(code: CodeId) -> Option<Plane> {
+    match code {
+        codes::PLANE_XY => Some(Plane { first: 0, second: 1, centers: [data::ARC_CENTER_X, data::ARC_CENTER_Y] }),
+        codes::PLANE_ZX => Some(Plane { first: 2, second: 0, centers: [data::ARC_CENTER_Z, data::ARC_CENTER_X] }),
+        codes::PLANE_YZ => Some(Plane { first: 1, second: 2, centers: [data::ARC_CENTER_Y, data::ARC_CENTER_Z] }),
+        _ => None,
+    }
+}
+
+/// Identifier and unit of the feed under a feed mode.
+pub(crate) fn feed_of(mode: Option<CodeId>) -> (DataId, FeedUnit) {
+    match mode {
+        Some(codes::FEED_UPR) => (data::FEED_UPR, FeedUnit::PerRevolution),
+        Some(codes::FEED_1T) => (data::FEED_1T, FeedUnit::InverseTime),
+        _ => (data::FEED_UPM, FeedUnit::PerMinute),
+    }
+}
+
+/// Spindle of the channel: its own state, or a copy of the shared one.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct SpindleState {
+    /// Index in the machine's spindle list, `None` = channel without spindle.
+    pub(crate) index: Option<usize>,
+    /// Other channels command it too.
+    pub(crate) shared: bool,
+    /// Last known command.
+    pub(crate) command: Command,
+    /// Speed now when another channel drives it.
+    pub(crate) now: f64,
+}

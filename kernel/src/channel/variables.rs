@@ -1,0 +1,138 @@
+//! Variables of the pre-processor: local, of the channel, common to all channels, and system variables.
+//!
+//! Facts: reference channel-synchronisation.md 1.3 (variable ranges) and control-emulator.md 5.4. Invariant: common
+//! variables are touched only in shared operations.
+
+use rustc_hash::FxHashMap;
+
+use super::Kernel;
+use super::state::group;
+use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
+use crate::machine::ident::codes;
+
+/// Local variables #1–#33 of one level.
+type Locals = [f64; 34];
+
+/// Variables that only this channel sees.
+#[derive(Debug)]
+pub(crate) struct ChannelVariables {
+    levels: Vec<Locals>,
+    own: FxHashMap<u32, f64>,
+}
+
+impl Default for ChannelVariables {
+    fn default() -> Self {
+        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default() }
+    }
+}
+
+impl ChannelVariables {
+    /// A macro call: fresh locals with the arguments.
+    pub(crate) fn enter(&mut self, arguments: &[(u8, f64)]) {
+        let mut locals = [VACANT; 34];
+        for &(number, value) in arguments {
+            if let Some(slot) = locals.get_mut(usize::from(number)) {
+                *slot = value;
+            }
+        }
+        self.levels.push(locals);
+    }
+
+    /// Return from a macro call.
+    pub(crate) fn leave(&mut self) {
+        if self.levels.len() > 1 {
+            self.levels.pop();
+        }
+    }
+
+    fn local(&self, index: u32) -> f64 {
+        self.levels.last().and_then(|l| l.get(index as usize)).copied().unwrap_or(VACANT)
+    }
+
+    fn set_local(&mut self, index: u32, value: f64) {
+        if let Some(slot) = self.levels.last_mut().and_then(|l| l.get_mut(index as usize)) {
+            *slot = value;
+        }
+    }
+}
+
+fn within(ranges: &[(u32, u32)], index: u32) -> bool {
+    ranges.iter().any(|&(low, high)| (low..=high).contains(&index))
+}
+
+impl Variables for Kernel<'_> {
+    fn get(&mut self, index: u32) -> Result<f64, Fault> {
+        match index {
+            0 => Ok(VACANT),
+            1..=33 => Ok(self.variables.local(index)),
+            _ if within(&self.machine.variables.shared, index) => {
+                self.flow.pass.polled = true;
+                self.shared(|inner, _| inner.shared.variables.get(&index).copied().unwrap_or(VACANT))
+                    .map_err(|_| Fault::Stopped)
+            }
+            _ if within(&self.machine.variables.channel, index) => {
+                Ok(self.variables.own.get(&index).copied().unwrap_or(VACANT))
+            }
+            _ => self.system(index).ok_or(Fault::NoVariable(f64::from(index))),
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Writes a variable.
+    pub(crate) fn set_variable(&mut self, index: u32, value: f64) -> Result<(), Fault> {
+        match index {
+            1..=33 => {
+                // A change that the next pass can see is an effect; writing the same value is none.
+                if self.variables.local(index).to_bits() != value.to_bits() {
+                    self.flow.pass.effects = true;
+                }
+                self.variables.set_local(index, value);
+                Ok(())
+            }
+            _ if within(&self.machine.variables.shared, index) => {
+                self.flow.pass.effects = true;
+                self.shared(|inner, _| {
+                    if is_vacant(value) {
+                        inner.shared.variables.remove(&index);
+                    } else {
+                        inner.shared.variables.insert(index, value);
+                    }
+                })
+                .map_err(|_| Fault::Stopped)
+            }
+            _ if within(&self.machine.variables.channel, index) => {
+                self.flow.pass.effects = true;
+                self.variables.own.insert(index, value);
+                Ok(())
+            }
+            _ if self.system(index).is_some() || index == 0 => Err(Fault::ReadOnly(index)),
+            _ => Err(Fault::NoVariable(f64::from(index))),
+        }
+    }
+
+    /// System variables that can be read: positions, modal codes, clock, tool.
+    fn system(&self, index: u32) -> Option<f64> {
+        let axis = |base: u32| self.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
+        let at = |i: usize| self.place.position.get(i).copied();
+        let machine = |i: usize| Some(at(i)? + self.place.shift.get(i)?);
+        match index {
+            3001 => Some((self.clock / 1_000_000) as f64),
+            3002 => Some(self.clock as f64 / 3.6e12),
+            4001 => Some(match self.modal.code(group::MOTION) {
+                Some(codes::RAPID) => 0.0,
+                Some(codes::INTERP_ARC_CLW) => 2.0,
+                Some(codes::INTERP_ARC_CCLW) => 3.0,
+                _ => 1.0,
+            }),
+            4014 => Some(f64::from(self.place.work_offset) + 53.0),
+            4109 => Some(self.modal.value(super::state::feed_of(self.modal.code(group::FEED)).0).unwrap_or(0.0)),
+            4119 => Some(self.spindle.command.rpm),
+            4120 => Some(f64::from(self.place.tool)),
+            5001..=5008 => axis(5001).and_then(at),
+            5021..=5028 => axis(5021).and_then(machine),
+            5041..=5048 => axis(5041).and_then(at),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The diagnostics of the kernel: stable numbers, severities, and whether the control stops on them.
+//!
+//! Numbers up to 02 899 999 are those of the emulated system, from 02 900 001 this project's own (reference
+//! control-emulator.md 7.5). Invariant: every entry has a page `docs/diagnostics/<number, 8 digits>.md`.
+
+/// Facts of one diagnostic number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Facts {
+    /// Stable number.
+    pub number: u32,
+    /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
+    pub severity: u8,
+    /// The control stops the channel (an alarm of the real control).
+    pub alarm: bool,
+    /// What it is about, for the index of the pages.
+    pub title: &'static str,
+}
+
+macro_rules! diagnostics {
+    ($($name:ident $number:literal $severity:literal $alarm:literal $title:literal;)*) => {
+        $(#[doc = $title] pub const $name: Facts = Facts { number: $number, severity: $severity, alarm: $alarm, title: $title };)*
+        /// Every diagnostic, ascending number.
+        pub const ALL: &[Facts] = &[$($name),*];
+    };
+}
+
+diagnostics! {
+    NOT_RECOGNISED 2001005 4 false "text of a block that no table knows";
+    ARC_RADIUS 2007020 8 false "arc that cannot be made from its radius, centre and end";
+    ARC_PLANE 2007001 8 false "arc without a known plane";
+    POSITION_MODE_UNKNOWN 2008031 4 false "neither absolute nor incremental positioning is active";
+    DWELL_NOT_POSITIVE 2009002 4 false "dwell of zero or less";
+    NO_FEED 2019001 8 false "feed move before any feed was programmed";
+    FEED_NOT_POSITIVE 2019002 8 false "feed of zero or less";
+    DATA_NOT_USED 2900001 8 false "word that nothing on its block uses";
+    NO_ACTION 2900002 8 false "code that is in the table but has no action";
+    CODE_WITHOUT_PROCESSING 2900003 0 false "code without built-in processing";
+    DATA_OUT_OF_RANGE 2900004 8 false "value outside the range of its table row";
+    DATA_MISSING 2900005 8 false "code without a value it needs";
+    TOO_MANY_DIGITS 2900006 4 false "more digits than the register's format";
+    COMMENT_OPEN 2900010 4 false "comment or message without its end";
+    EMPTY_FILE 2900011 8 false "program without any block";
+    NO_REWIND_STOP 2900012 0 false "program without the expected rewind-stop";
+    REWIND_STOP_INSIDE 2900013 4 false "rewind-stop inside the program";
+    BLOCK_TOO_LONG 2900014 8 true "block longer than the limit";
+    BAD_BYTES 2900015 4 false "control characters in a block";
+    NO_PROGRAM_END 2900016 4 false "program without an end code";
+    MAIN_RETURN 2900017 0 false "return code in the main program";
+    TOO_MANY_DIAGNOSTICS 2900018 4 false "further diagnostics of a channel are only counted";
+    FILE_UNREADABLE 2900019 12 true "file of the job that cannot be read";
+    ARC_END_OFF 2900020 8 false "arc whose end is not on its circle";
+    SPINDLE_STANDS 2900021 8 false "feed per revolution while the spindle stands";
+    SPINDLE_CONFLICT 2900022 4 false "two channels command one spindle without a meeting between them";
+    OVER_TRAVEL 2900023 8 false "position beyond the travel limits of an axis";
+    NO_OFFSET 2900024 4 false "offset number without a value in the machine";
+    NO_REFERENCE 2900025 8 false "reference point that the machine does not define";
+    SPINDLE_LIMIT 2900026 4 false "spindle speed above the machine's largest";
+    NO_MOTION_MODE 2900027 8 false "axis word while no motion code is active";
+    AXIS_NOT_IN_CHANNEL 2900028 8 false "word of an axis that the channel does not have";
+    RETURN_WITHOUT_HOME 2900029 8 false "return from reference without an intermediate point";
+    NO_SPINDLE 2900030 8 false "spindle code in a channel without a spindle";
+    EXTRA_PROGRAM 2900031 4 false "program in the file that no channel runs";
+    SUBPROGRAM_MISSING 2900040 12 true "subprogram that is nowhere to be found";
+    NESTING 2900041 12 true "subprograms nested too deeply";
+    JUMP_TARGET 2900042 12 true "sequence number of a jump is not in the program";
+    WAIT_MISMATCH 2900050 12 true "waiting codes that do not match (PS0160)";
+    WAIT_ILLEGAL 2900051 12 true "illegal channel list of a waiting code (PS0161)";
+    MACRO_SYNTAX 2900060 12 true "macro statement that cannot be read";
+    MACRO_DIVISION 2900061 12 true "division by zero in a macro expression";
+    MACRO_DOMAIN 2900062 12 true "function argument outside its domain";
+    MACRO_VARIABLE 2900063 12 true "variable that does not exist or cannot be written";
+    MACRO_LOOP 2900064 12 true "WHILE, DO and END that do not pair";
+    MACRO_ALARM 2900065 12 true "alarm raised by the program";
+    MACRO_CALL 2900066 12 true "macro call that cannot be made";
+    LIMIT_REACHED 2900070 16 false "limit of the job";
+    DEADLOCK 2900071 16 false "channels that can never go on";
+    BLOCKED 2900072 12 false "channel still waiting when everything else has stopped";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ALL;
+
+    #[test]
+    fn numbers_ascend_within_each_band_and_are_unique() {
+        let mut numbers: Vec<u32> = ALL.iter().map(|f| f.number).collect();
+        numbers.sort_unstable();
+        let count = numbers.len();
+        numbers.dedup();
+        assert_eq!(numbers.len(), count);
+    }
+
+    #[test]
+    fn every_number_has_a_page() {
+        let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/diagnostics");
+        for facts in ALL {
+            let page = docs.join(format!("{:08}.md", facts.number));
+            assert!(page.is_file(), "no page for {:08}: {}", facts.number, facts.title);
+        }
+    }
+}

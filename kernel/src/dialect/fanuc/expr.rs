@@ -1,0 +1,272 @@
+//! Expressions as postfix code over a small stack.
+//!
+//! Invariant: evaluation of a compiled expression cannot underflow its stack; a vacant value is one special NaN
+//! that counts as zero in arithmetic and equals only itself.
+
+use std::f64::consts::PI;
+
+/// The vacant value.
+pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
+
+/// Tells the vacant value from every other one.
+pub(crate) fn is_vacant(value: f64) -> bool {
+    value.to_bits() == VACANT.to_bits()
+}
+
+/// The value in arithmetic: vacant is zero.
+pub(crate) fn number(value: f64) -> f64 {
+    if is_vacant(value) { 0.0 } else { value }
+}
+
+/// Why an expression has no value.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(crate) enum Fault {
+    #[error("division by zero")]
+    Division,
+    #[error("{0} of {1} is not defined")]
+    Domain(&'static str, f64),
+    #[error("there is no variable #{0}")]
+    NoVariable(f64),
+    #[error("variable #{0} cannot be written")]
+    ReadOnly(u32),
+    #[error("the job was stopped")]
+    Stopped,
+}
+
+/// Access to variables.
+pub(crate) trait Variables {
+    /// Value of `#index`, [`VACANT`] when it has none.
+    fn get(&mut self, index: u32) -> Result<f64, Fault>;
+}
+
+/// Postfix operation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Op {
+    Number(f64),
+    /// `#n` with a fixed number.
+    Variable(u32),
+    /// `#` of the value on the stack.
+    Indirect,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Mod,
+    Neg,
+    And,
+    Or,
+    Xor,
+    Eq,
+    Ne,
+    Gt,
+    Ge,
+    Lt,
+    Le,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Atan2,
+    Sqrt,
+    Abs,
+    Round,
+    Fix,
+    Fup,
+    Ln,
+    Exp,
+    Bin,
+    Bcd,
+}
+
+/// A compiled expression.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Expr {
+    pub(super) ops: Vec<Op>,
+}
+
+/// Deepest stack a compiled expression may need.
+pub(super) const STACK: usize = 64;
+
+impl Expr {
+    /// A constant.
+    pub(crate) fn constant(value: f64) -> Self {
+        Self { ops: vec![Op::Number(value)] }
+    }
+
+    /// The constant value, if it is one.
+    pub(crate) fn as_constant(&self) -> Option<f64> {
+        match self.ops.as_slice() {
+            [Op::Number(value)] => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// Value.
+    ///
+    /// # Errors
+    /// [`Fault`] of the first operation without a result.
+    pub(crate) fn eval(&self, variables: &mut dyn Variables) -> Result<f64, Fault> {
+        let mut stack = [0.0_f64; STACK];
+        let mut top = 0_usize;
+        for op in &self.ops {
+            match op {
+                Op::Number(value) => push(&mut stack, &mut top, *value),
+                Op::Variable(index) => push(&mut stack, &mut top, variables.get(*index)?),
+                Op::Indirect => {
+                    let index = number(pop(&stack, &mut top));
+                    push(&mut stack, &mut top, variables.get(variable_index(index)?)?);
+                }
+                op if is_unary(*op) => {
+                    let value = number(pop(&stack, &mut top));
+                    push(&mut stack, &mut top, unary(*op, value)?);
+                }
+                op => {
+                    let right = pop(&stack, &mut top);
+                    let left = pop(&stack, &mut top);
+                    push(&mut stack, &mut top, binary(*op, left, right)?);
+                }
+            }
+        }
+        Ok(pop(&stack, &mut top))
+    }
+}
+
+fn push(stack: &mut [f64; STACK], top: &mut usize, value: f64) {
+    if let Some(slot) = stack.get_mut(*top) {
+        *slot = value;
+        *top += 1;
+    }
+}
+
+fn pop(stack: &[f64; STACK], top: &mut usize) -> f64 {
+    *top = top.saturating_sub(1);
+    stack.get(*top).copied().unwrap_or(0.0)
+}
+
+/// Index of a variable from a value: a whole number from 0.
+pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
+    if value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0 {
+        Ok(value as u32)
+    } else {
+        Err(Fault::NoVariable(value))
+    }
+}
+
+fn is_unary(op: Op) -> bool {
+    matches!(
+        op,
+        Op::Neg
+            | Op::Sin
+            | Op::Cos
+            | Op::Tan
+            | Op::Asin
+            | Op::Acos
+            | Op::Atan
+            | Op::Sqrt
+            | Op::Abs
+            | Op::Round
+            | Op::Fix
+            | Op::Fup
+            | Op::Ln
+            | Op::Exp
+            | Op::Bin
+            | Op::Bcd
+    )
+}
+
+fn unary(op: Op, v: f64) -> Result<f64, Fault> {
+    let degrees = 180.0 / PI;
+    Ok(match op {
+        Op::Neg => -v,
+        Op::Sin => exact_trig(v, f64::sin, 0.0),
+        Op::Cos => exact_trig(v, f64::cos, 90.0),
+        Op::Tan => {
+            let cosine = exact_trig(v, f64::cos, 90.0);
+            if cosine == 0.0 {
+                return Err(Fault::Domain("TAN", v));
+            }
+            exact_trig(v, f64::sin, 0.0) / cosine
+        }
+        Op::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
+        Op::Asin => v.asin() * degrees,
+        Op::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
+        Op::Acos => v.acos() * degrees,
+        Op::Atan => v.atan() * degrees,
+        Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
+        Op::Sqrt => v.sqrt(),
+        Op::Abs => v.abs(),
+        Op::Round => v.round(),
+        Op::Fix => v.trunc(),
+        Op::Fup => {
+            if v < 0.0 {
+                v.floor()
+            } else {
+                v.ceil()
+            }
+        }
+        Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
+        Op::Ln => v.ln(),
+        Op::Exp => v.exp(),
+        Op::Bin => from_bcd(v),
+        Op::Bcd => to_bcd(v),
+        _ => v,
+    })
+}
+
+/// Sine or cosine of degrees, exact at multiples of 90°; `zero` is an angle where the function is zero.
+fn exact_trig(degrees: f64, function: fn(f64) -> f64, zero: f64) -> f64 {
+    if (degrees - zero).rem_euclid(180.0) == 0.0 {
+        return 0.0;
+    }
+    function(degrees * PI / 180.0)
+}
+
+fn from_bcd(v: f64) -> f64 {
+    let (mut rest, mut out, mut weight) = (v.abs() as u64, 0.0, 1.0);
+    while rest > 0 {
+        out += (rest & 15) as f64 * weight;
+        weight *= 10.0;
+        rest >>= 4;
+    }
+    out.copysign(v)
+}
+
+fn to_bcd(v: f64) -> f64 {
+    let (mut rest, mut out, mut shift) = (v.abs() as u64, 0_u64, 0_u32);
+    while rest > 0 && shift < 64 {
+        out |= (rest % 10) << shift;
+        rest /= 10;
+        shift += 4;
+    }
+    (out as f64).copysign(v)
+}
+
+fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
+    let truth = |b: bool| if b { 1.0 } else { 0.0 };
+    let (a, b) = (number(left), number(right));
+    Ok(match op {
+        // Vacant equals only vacant (reference channel-synchronisation.md 2.4, last rule).
+        Op::Eq if is_vacant(left) || is_vacant(right) => truth(is_vacant(left) && is_vacant(right)),
+        Op::Ne if is_vacant(left) || is_vacant(right) => truth(is_vacant(left) != is_vacant(right)),
+        Op::Eq => truth(a == b),
+        Op::Ne => truth(a != b),
+        Op::Gt => truth(a > b),
+        Op::Ge => truth(a >= b),
+        Op::Lt => truth(a < b),
+        Op::Le => truth(a <= b),
+        Op::Add => a + b,
+        Op::Sub => a - b,
+        Op::Mul => a * b,
+        Op::Div if b == 0.0 => return Err(Fault::Division),
+        Op::Div => a / b,
+        Op::Mod if b == 0.0 => return Err(Fault::Division),
+        Op::Mod => a - b * (a / b).trunc(),
+        Op::And => ((a as i64) & (b as i64)) as f64,
+        Op::Or => ((a as i64) | (b as i64)) as f64,
+        Op::Xor => ((a as i64) ^ (b as i64)) as f64,
+        Op::Atan2 => a.atan2(b) * 180.0 / PI,
+        _ => a,
+    })
+}

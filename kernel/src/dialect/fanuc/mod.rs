@@ -1,0 +1,14 @@
+//! Fanuc custom macro: variables, expressions, branches and loops.
+//!
+//! Facts: reference control-emulator.md 5.4 (Fanuc row). Pure: text in, compiled statement out; variables are
+//! reached through a trait. Invariant: compiling is linear in the length of the line and never panics; nesting of
+//! brackets is limited.
+
+mod compile;
+mod expr;
+pub(crate) mod loops;
+mod statement;
+
+pub(crate) use compile::compile;
+pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number};
+pub(crate) use statement::{Line, Statement, TemplateWord};

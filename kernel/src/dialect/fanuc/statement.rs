@@ -1,0 +1,54 @@
+//! A compiled program line.
+
+use super::expr::Expr;
+
+/// A line after compiling.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    /// Sequence number.
+    pub(crate) sequence: Option<u32>,
+    /// What it does.
+    pub(crate) statement: Statement,
+}
+
+/// What a line does.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Statement {
+    /// A block of words, some of them with expressions.
+    Words(Vec<TemplateWord>),
+    /// `#i = expression`, left to right.
+    Assign(Vec<(Expr, Expr)>),
+    /// `IF [condition] GOTO n`.
+    IfGoto(Expr, Expr),
+    /// `IF [condition] THEN statement`.
+    IfThen(Expr, Box<Statement>),
+    /// `IF [condition] THEN` alone: a block form that `ELSE` and `ENDIF` close.
+    IfBlock(Expr),
+    /// `ELSE`.
+    Else,
+    /// `ENDIF`.
+    EndIf,
+    /// `WHILE [condition] DO m`.
+    While(Expr, u8),
+    /// `DO m` without a condition.
+    Do(u8),
+    /// `END m`.
+    End(u8),
+    /// `GOTO n`.
+    Goto(Expr),
+    /// Printing statements of the control, without effect here.
+    Ignored,
+}
+
+/// A word whose value may be an expression.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TemplateWord {
+    /// Upper-case letter.
+    pub(crate) letter: u8,
+    /// Value; vacant values drop the word.
+    pub(crate) value: Expr,
+    /// Start in the line.
+    pub(crate) start: u32,
+    /// End in the line.
+    pub(crate) end: u32,
+}

@@ -1,0 +1,69 @@
+//! The merged file to the machine: sections in the order in which they need each other.
+//!
+//! Invariant: every key of the top level is asked for exactly here.
+
+use super::chain::Merged;
+use super::names::Names;
+use super::{axes, channels, codes, data, format, head, initial, overlap, registers, spindles};
+use super::{subprograms, sync, time, tool, variables};
+use crate::machine::model::Machine;
+use crate::machine::tables::Tables;
+use crate::machine::toml::check::Check;
+use crate::machine::toml::section::Section;
+
+/// Builds the machine; whether it is any good is for the findings to say.
+pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
+    let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
+    top.text("extends");
+    if top.flag("abstract") == Some(true) {
+        let name = &merged.folder;
+        top.error("abstract", format!("{name} is a family (abstract = true): extend it, it is no machine by itself"));
+        check.set_incomplete();
+    }
+    let head = head::read(&mut top);
+    let format = format::read(&mut top, check);
+    let registers = registers::read(&mut top, check);
+    let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
+    let data = data::read(&mut top, &mut names);
+    let axes = axes::read(&mut top, &names, &data);
+    let spindles = spindles::read(&mut top, check);
+    let channels = channels::read(&mut top, &axes, &spindles, check);
+    let mut codes = codes::read(&mut top, &mut names);
+    let time = time::read(&mut top, &names, &mut codes);
+    overlap::check_codes(&codes, &names.registers, check);
+    let initial = initial::read(&mut top, &names, &codes);
+    let subprograms = subprograms::read(&mut top);
+    let sync = sync::read(&mut top, &channels, &codes, check);
+    let variables = variables::read(&mut top, check);
+    let tool = tool::read(&mut top, &axes, check);
+    let work_offsets = tool::read_work(&mut top, &axes, check);
+    top.finish();
+    let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
+    Machine {
+        name: head.name,
+        number: head.number,
+        revision: head.revision,
+        author: head.author,
+        description: head.description,
+        unit: head.unit,
+        kind: head.kind,
+        preprocessor: head.preprocessor,
+        format,
+        registers: names.registers,
+        codes,
+        data,
+        custom_codes: names.custom_codes,
+        custom_data: names.custom_data,
+        axes,
+        channels,
+        spindles,
+        initial,
+        subprograms,
+        sync,
+        time,
+        variables,
+        tool,
+        work_offsets,
+        tables,
+    }
+}

@@ -1,0 +1,86 @@
+//! `[[channels]]`: the paths of the control and the axes each one moves.
+//!
+//! Invariant: an axis belongs to one channel, and no two axes of a channel answer to the same word.
+
+use crate::log::event::MAX_AXES;
+use crate::machine::model::{Axis, Channel, Spindle};
+use crate::machine::toml::check::Check;
+use crate::machine::toml::section::Section;
+use crate::machine::toml::suggest::did_you_mean;
+
+/// Most channels of a machine.
+const MOST: usize = 99;
+
+/// Reads the rows and sorts them by number.
+pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Vec<Channel> {
+    top.require("channels", "at least one channel");
+    let mut channels: Vec<Channel> = Vec::new();
+    for mut row in top.rows("channels", "[[channels]]", MOST) {
+        if let Some(channel) = read_row(&mut row, axes, spindles, check) {
+            check_twins(&row, &channel, &channels, axes);
+            channels.push(channel);
+        }
+        row.finish();
+    }
+    if channels.is_empty() && top.node("channels").is_some() {
+        check.missing(top.place_of("channels"), "a machine needs at least one channel");
+    }
+    channels.sort_by_key(|channel| channel.number);
+    channels
+}
+
+fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Option<Channel> {
+    row.require("number", "a whole number from 1 to 99");
+    let number = row.integer("number", 1..=99).map(|number| number as u16);
+    let name = row.name("name", 32).map(str::to_owned);
+    row.require("axes", "names of the channel's axes, in the order in which they are shown");
+    let own = channel_axes(row, axes, check);
+    let only = if let [spindle] = spindles { Some(spindle.number) } else { None };
+    let spindle = row.integer("spindle", 1..=99).map(|number| number as u16);
+    if let Some(spindle) = spindle
+        && !spindles.iter().any(|known| known.number == spindle)
+    {
+        check.missing(row.place_of("spindle"), format!("there is no spindle {spindle}"));
+    }
+    let number = number?;
+    let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only) })
+}
+
+fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {
+    let names = row.texts("axes").unwrap_or_default();
+    if names.len() > MAX_AXES {
+        row.error("axes", format!("a channel has at most {MAX_AXES} axes, not {}", names.len()));
+    }
+    let mut own: Vec<usize> = Vec::new();
+    for (name, place) in names {
+        let Some(index) = axes.iter().position(|axis| axis.name == name) else {
+            let near = did_you_mean(name, axes.iter().map(|axis| axis.name.as_str()));
+            check.missing(place, format!("no axis has the name \"{}\"{near}", name.escape_debug()));
+            continue;
+        };
+        let word = |index: usize| axes.get(index).map(|axis| axis.data);
+        if own.contains(&index) {
+            check.error(place, format!("axis {name} is listed twice"));
+        } else if let Some(twin) = own.iter().find(|other| word(**other) == word(index)).and_then(|i| axes.get(*i)) {
+            check.error(place, format!("axes {} and {name} of one channel have the same `data`", twin.name));
+        } else {
+            own.push(index);
+        }
+    }
+    own
+}
+
+fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &[Axis]) {
+    for other in others {
+        if other.number == channel.number {
+            row.error("number", format!("there is already a channel {}", channel.number));
+        } else if other.name == channel.name {
+            row.error("name", format!("there is already a channel with the name \"{}\"", channel.name));
+        }
+        for axis in channel.axes.iter().filter(|axis| other.axes.contains(axis)) {
+            let name = axes.get(*axis).map_or("?", |axis| axis.name.as_str());
+            row.error("axes", format!("axis {name} already belongs to channel {}", other.number));
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! `[format]`: the shape of program text.
+//!
+//! Invariant: a delimiter that is there is not empty. Facts: reference control-emulator.md 5.5, 5.6.
+
+use crate::machine::model::{Format, RewindStop};
+use crate::machine::toml::check::Check;
+use crate::machine::toml::section::Section;
+
+/// Reads the section; a machine without it has plain text without comments.
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
+    let mut format = Format {
+        rws: String::new(),
+        rws_at: RewindStop::None,
+        comment: None,
+        message: None,
+        opskip_mark: None,
+        opskip_default: 1,
+        eob: None,
+    };
+    let Some(mut section) = top.table("format", "[format]") else { return format };
+    format.eob = section.character("eob").flatten();
+    format.rws = section.text("rws").unwrap_or_default().to_owned();
+    let places = [("none", RewindStop::None), ("start", RewindStop::Start), ("optional", RewindStop::Optional)];
+    format.rws_at = section.choice("rws_at", &places).unwrap_or(RewindStop::None);
+    if format.rws.is_empty() && format.rws_at != RewindStop::None {
+        section.error("rws_at", "`rws_at` expects a rewind-stop, but `rws` has no text");
+    }
+    format.comment = delimiters(&mut section, "comment");
+    format.message = delimiters(&mut section, "message");
+    if let (Some((comment, _)), Some((message, _))) = (&format.comment, &format.message)
+        && comment == message
+    {
+        let place = section.place_of("message");
+        check.warning(place, "comments and messages start with the same text; both are read as comments");
+    }
+    if let Some(mut opskip) = section.table("opskip", "opskip of [format]") {
+        format.opskip_mark = opskip.character("mark").flatten();
+        format.opskip_default = opskip.integer("default", 1..=9).unwrap_or(1) as u8;
+        opskip.finish();
+    }
+    section.finish();
+    format
+}
+
+fn delimiters(section: &mut Section<'_>, key: &'static str) -> Option<(String, String)> {
+    let texts = section.texts(key)?;
+    match texts.as_slice() {
+        [] => None,
+        [(start, _), (end, _)] if !start.is_empty() => Some(((*start).to_owned(), (*end).to_owned())),
+        _ => {
+            let expected = "start and end, the end empty for the end of the block, or [] for none";
+            section.error(key, format!("`{key}` must be a list of two texts, {expected}"));
+            None
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Reads a machine file, with the families it extends, into a checked [`Machine`].
+//!
+//! Invariant: there is a machine exactly when no finding is an error, and every mistake of the file is reported in one
+//! go. One file per section of the form, which docs/machine-definition.md documents.
+
+mod axes;
+mod build;
+mod chain;
+mod channels;
+mod codes;
+mod data;
+mod defaults;
+mod format;
+mod head;
+mod initial;
+mod names;
+mod overlap;
+mod registers;
+mod spindles;
+mod subprograms;
+mod sync;
+mod time;
+mod tool;
+mod values;
+mod variables;
+mod word;
+
+#[cfg(test)]
+mod tests;
+
+use super::finding::Finding;
+use super::model::Machine;
+use super::toml::check::Check;
+use crate::files::Files;
+
+/// A machine, or why there is none.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// The machine; there is one exactly when no finding is an error.
+    pub machine: Option<Machine>,
+    /// Errors and warnings by file, line and column.
+    pub findings: Vec<Finding>,
+}
+
+/// Loads `<folder>/machine.toml`; `files` is a view of the machines folder, so that a family is `<name>/machine.toml`
+/// in the same view.
+#[must_use]
+pub fn load(files: &dyn Files, folder: &str) -> Loaded {
+    let check = Check::default();
+    let machine = chain::read(files, folder, &check).map(|merged| build::machine(&merged, &check));
+    let findings = check.into_findings();
+    let usable = !findings.iter().any(|finding| finding.error);
+    Loaded { machine: machine.filter(|_| usable), findings }
+}

@@ -1,0 +1,35 @@
+//! `[subprograms]`: how a called program is found.
+//!
+//! Invariant: an extension is a plain file extension. Facts: reference control-emulator.md 5.7.
+
+use crate::machine::model::{CallForm, MainReturn, Placement, Subprograms};
+use crate::machine::toml::section::Section;
+
+/// Reads the section.
+pub(super) fn read(top: &mut Section<'_>) -> Subprograms {
+    let mut subprograms = Subprograms {
+        placement: Placement::SameFile,
+        extension: "tps".to_owned(),
+        call: CallForm::Number,
+        repeat_is_executions: true,
+        main_return: MainReturn::End,
+    };
+    let Some(mut section) = top.table("subprograms", "[subprograms]") else { return subprograms };
+    let placements =
+        [("same-file", Placement::SameFile), ("one-file", Placement::OneFile), ("file-each", Placement::FileEach)];
+    subprograms.placement = section.choice("placement", &placements).unwrap_or(Placement::SameFile);
+    if let Some(extension) = section.name("extension", 16) {
+        if extension.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            extension.clone_into(&mut subprograms.extension);
+        } else {
+            section.error("extension", "`extension` must be letters and digits without a dot");
+        }
+    }
+    let calls = [("number", CallForm::Number), ("repeat-and-number", CallForm::RepeatAndNumber)];
+    subprograms.call = section.choice("call", &calls).unwrap_or(CallForm::Number);
+    subprograms.repeat_is_executions = section.flag("repeat_is_executions").unwrap_or(true);
+    let returns = [("end", MainReturn::End), ("restart", MainReturn::Restart)];
+    subprograms.main_return = section.choice("main_return", &returns).unwrap_or(MainReturn::End);
+    section.finish();
+    subprograms
+}

@@ -1,0 +1,214 @@
+//! The machines shipped with the project.
+
+use super::*;
+use crate::log::info::Unit;
+use crate::machine::ident::{codes, data};
+use crate::machine::model::{AlarmScope, CallForm, CodeForm, Machine, MachineKind, MainReturn, PathsForm};
+use crate::machine::model::{Preprocessor, RewindStop, SyncDialect};
+use crate::machine::package;
+use crate::machine::show::{Show, show};
+
+fn shipped(name: &str) -> Machine {
+    let loaded = load(&package::shipped(), name);
+    assert_eq!(loaded.findings, [], "{name}");
+    loaded.machine.unwrap()
+}
+
+/// The code a word means when no other word is on the block.
+fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
+    let (register, _) = machine.tables.letter[letter as usize].unwrap();
+    let rows = machine.tables.code(register, value);
+    rows.iter().map(|row| machine.code_name(machine.codes[usize::from(*row)].id)).collect()
+}
+
+#[test]
+fn all_machines_load_without_a_finding() {
+    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill"]);
+    for name in package::shipped_names() {
+        assert_eq!(shipped(&name).name, name);
+    }
+}
+
+#[test]
+fn families_say_that_they_are_families_and_nothing_else() {
+    for name in ["fanuc-common", "fanuc-turning", "fanuc-milling"] {
+        let loaded = load(&package::shipped(), name);
+        assert!(loaded.machine.is_none());
+        assert_eq!(loaded.findings.len(), 1, "{:?}", loaded.findings);
+        assert!(loaded.findings[0].text.contains("is a family"));
+    }
+}
+
+#[test]
+fn the_two_path_lathe_has_these_codes() {
+    let lathe = shipped("fanuc-2path-lathe");
+    let expected = "\
+G0 CODE_RAPID 500 1
+G1 CODE_INTERP_LINEAR 500 1
+G2 CODE_INTERP_ARC_CLW 500 1
+G3 CODE_INTERP_ARC_CCLW 500 1
+G4 CODE_DELAY 300 0
+G9 CODE_EXACTSTOP 100 15
+G17 CODE_PLANE_XY 100 2
+G18 CODE_PLANE_ZX 100 2
+G19 CODE_PLANE_YZ 100 2
+G20 CODE_UNITS_SECONDARY 100 6
+G21 CODE_UNITS_PRIMARY 100 6
+G28 CODE_GOHOME 450 0
+G29 CODE_GOHOME_RETURN 450 0
+G30 CODE_GOHOME_NTH 450 0
+G40 CODE_COMP_DIAM_OFF 100 7
+G41 CODE_COMP_DIAM_LEFT 100 7
+G42 CODE_COMP_DIAM_RIGHT 100 7
+G53 CODE_POSITION_MACHINE 100 0
+G54-G59 CODE_COMP_WORKP_ON 100 14
+G61 CODE_EXACTSTOP_ON 100 15
+G64 CODE_EXACTSTOP_OFF 100 15
+G96 CODE_SPINDLE_CSS 300 13
+G97 CODE_SPINDLE_RPM 100 13
+M0 CODE_STOP 900 0
+M1 CODE_OPSTOP 900 0
+M2 CODE_END 900 0
+M3 CODE_SPINDLE_CLW 300 64
+M4 CODE_SPINDLE_CCLW 300 64
+M5 CODE_SPINDLE_OFF 700 64
+M8 CODE_COOLANT_FLOOD 300 54
+M9 CODE_COOLANT_OFF 700 54
+M19 CODE_SPINDLE_ORIENT 700 64
+M30 CODE_REWIND 900 0
+M98 CODE_CALSUB_ID 300 0
+M99 CODE_CALSUB_RETURN 300 0
+G32 CODE_INTERP_THREAD 500 1
+G50 CODE_SPINDLE_MAXRPM 100 0
+G50 CODE_POSITION_PRESET 450 0
+G98 CODE_FEED_UPM 100 5
+G99 CODE_FEED_UPR 100 5
+T0-T99999999 CODE_TOOL_LOAD 700 0
+M100-M199 CODE_SYNC_REG 100 0
+";
+    let table = show(&lathe, Show::Codes);
+    let rows: String = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split_whitespace().take(4).collect::<Vec<_>>().join(" ") + "\n")
+        .collect();
+    assert_eq!(rows, expected);
+}
+
+#[test]
+fn the_two_path_lathe_has_these_data() {
+    let lathe = shipped("fanuc-2path-lathe");
+    let rows: Vec<String> = show(&lathe, Show::Data)
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let cells: Vec<&str> = line.split_whitespace().collect();
+            [cells[0], cells[1], cells[2], cells[5], cells[6]].join(" ")
+        })
+        .collect();
+    let expected = [
+        "O REG_DEFSUB_ID - - none",
+        "N REG_SEQNO - - none",
+        "X REG_AXIS_X yes - length",
+        "Y REG_AXIS_Y yes - length",
+        "Z REG_AXIS_Z yes - length",
+        "C REG_AXIS_CT yes - angle",
+        "I REG_ARC_CENTER_X - - length",
+        "J REG_ARC_CENTER_Y - - length",
+        "K REG_ARC_CENTER_Z - - length",
+        "R REG_ARC_RADIUS - - length",
+        "F REG_FEED_UPM yes - feed",
+        "F REG_FEED_UPR yes - feed",
+        "S REG_SPINDLE_RPM yes - none",
+        "S REG_SPINDLE_CSS yes - surface-speed",
+        "X REG_DELAY - - time",
+        "P REG_DELAY - *0.001 time",
+        "P REG_GOHOME_NTH - - none",
+        "P REG_CALSUB_ID - - none",
+        "L REG_CALSUB_REPEAT - - none",
+        "S REG_SPINDLE_RPM_MAX yes - none",
+        "F REG_INTERP_THREAD_PITCH yes - length",
+        "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
+        "P REG_SYNC_PATHS - - none",
+    ];
+    assert_eq!(rows, expected);
+}
+
+#[test]
+fn the_two_path_lathe_is_set_up_like_this() {
+    let lathe = shipped("fanuc-2path-lathe");
+    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor), (MachineKind::Lathe, Unit::Mm, Preprocessor::Fanuc));
+    let channels: Vec<_> =
+        lathe.channels.iter().map(|c| (c.number, c.name.as_str(), c.axes.as_slice(), c.spindle)).collect();
+    assert_eq!(channels, [(1, "UPPER", &[0, 1, 2][..], Some(1)), (2, "LOWER", &[3, 4][..], Some(1))]);
+    assert_eq!((lathe.sync.dialect, lathe.sync.paths), (SyncDialect::Fanuc, PathsForm::Either));
+    assert_eq!((lathe.sync.alarm_scope, lathe.sync.release_ns, lathe.sync.poll_ns), (AlarmScope::Own, 0, 1_000_000));
+    assert_eq!((lathe.format.rws.as_str(), lathe.format.rws_at), ("%", RewindStop::Optional));
+    assert_eq!(lathe.format.comment, Some(("(".to_owned(), ")".to_owned())));
+    assert_eq!((lathe.format.opskip_mark, lathe.format.opskip_default), (Some('/'), 1));
+    assert_eq!((lathe.subprograms.call, lathe.subprograms.main_return), (CallForm::RepeatAndNumber, MainReturn::End));
+    assert_eq!(lathe.variables.shared, [(100, 199), (500, 999)]);
+    assert_eq!(lathe.tool.offset_digits, 2);
+    assert_eq!(lathe.home(&lathe.channels[0])[..3], [300.0, 500.0, 0.0]);
+    assert!(lathe.codes.iter().all(|row| row.seconds == 0.0));
+    assert!(lathe.axes.iter().all(|axis| axis.acceleration.is_none() && axis.limits.is_none()));
+    let initial: Vec<&str> = lathe.initial.iter().map(|id| lathe.code_name(*id)).collect();
+    assert_eq!(initial[..3], ["CODE_RAPID", "CODE_PLANE_ZX", "CODE_FEED_UPR"]);
+    assert_eq!(lathe.tables.letter[usize::from(b'U')].map(|(_, incremental)| incremental), Some(true));
+    assert_eq!(lathe.tables.letter[usize::from(b'H')].map(|(_, incremental)| incremental), Some(true));
+}
+
+#[test]
+fn words_of_the_lathe_mean_what_they_say() {
+    let lathe = shipped("fanuc-2path-lathe");
+    assert_eq!(meaning(&lathe, 'G', 50.0), ["CODE_SPINDLE_MAXRPM", "CODE_POSITION_PRESET"]);
+    assert_eq!(meaning(&lathe, 'M', 100.0), ["CODE_SYNC_REG"]);
+    assert_eq!(meaning(&lathe, 'M', 199.0), ["CODE_SYNC_REG"]);
+    assert_eq!(meaning(&lathe, 'M', 200.0), [""; 0]);
+    assert_eq!(meaning(&lathe, 'T', 101.0), ["CODE_TOOL_LOAD"]);
+    assert_eq!(meaning(&lathe, 'X', 1.0), [""; 0]);
+    let offset = lathe.codes.iter().find(|row| row.id == codes::COMP_WORKP_ON).unwrap();
+    assert!(matches!(offset.form, CodeForm::RegisterAsData { data: data::COMP_WORKP, .. }));
+    assert_eq!(54.0 * offset.mul + offset.add, 1.0);
+}
+
+#[test]
+fn the_other_machines_differ_where_they_should() {
+    let three = shipped("fanuc-3path-lathe");
+    assert_eq!((three.channels.len(), three.sync.paths), (3, PathsForm::List));
+    let mill = shipped("fanuc-mill");
+    assert_eq!((mill.kind, mill.channels.len(), mill.sync.dialect), (MachineKind::Mill, 1, SyncDialect::None));
+    assert_eq!(meaning(&mill, 'G', 91.0), ["CODE_POSITION_RELATIVE"]);
+    assert_eq!(meaning(&mill, 'G', 98.0), ["CODE_CYCLE_RETRACT_INITIAL"]);
+    assert_eq!(meaning(&mill, 'T', 12.0), ["CODE_TOOL_SELECT"]);
+    assert_eq!(meaning(&mill, 'M', 6.0), ["CODE_TOOL_LOAD"]);
+    assert_eq!(mill.tables.letter[usize::from(b'U')], None);
+    let letters: String = mill.registers.iter().map(|register| register.name.as_str()).collect();
+    assert_eq!(letters, "ONGXYZABCIJKRPQLFSTMHD");
+    let axes: Vec<&str> = mill.axes.iter().map(|axis| axis.letter.as_str()).collect();
+    assert_eq!(axes, ["X", "Y", "Z"]);
+}
+
+#[test]
+fn a_user_may_extend_a_shipped_machine_and_replace_a_family() {
+    let mut user = Memory::default();
+    user.insert("mine/machine.toml", "extends = \"fanuc-2path-lathe\"\n[ce]\nname = \"mine\"\n[time]\ntool_change = 2");
+    let files = package::Overlay::over_shipped(user.clone());
+    let mine = load(&files, "mine").machine.unwrap();
+    assert_eq!((mine.name.as_str(), mine.time.tool_change, mine.channels.len()), ("mine", 2.0, 2));
+    assert!(files.list().contains(&"fanuc-mill/machine.toml".to_owned()));
+    user.insert("fanuc-2path-lathe/machine.toml", BASE);
+    let files = package::Overlay::over_shipped(user);
+    assert_eq!(load(&files, "mine").machine.unwrap().channels.len(), 1);
+}
+
+#[test]
+fn the_example_of_the_documentation_is_complete() {
+    let text = include_str!("../../../../../docs/machine-definition.md");
+    let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let mut user = Memory::default();
+    user.insert("small/machine.toml", example);
+    let loaded = load(&package::Overlay::over_shipped(user), "small");
+    assert_eq!(loaded.findings, []);
+    assert_eq!(loaded.machine.map(|machine| machine.name).as_deref(), Some("small lathe"));
+}

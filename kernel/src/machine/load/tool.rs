@@ -1,0 +1,66 @@
+//! `[tool]`, `[[tool.offsets]]` and `[[work_offsets]]`.
+//!
+//! Invariant: every offset has one value per axis of the machine; tool offsets stand in ascending number.
+
+use super::values::by_axis;
+use crate::machine::model::{Axis, Tool, ToolOffset};
+use crate::machine::toml::check::Check;
+use crate::machine::toml::section::Section;
+
+/// Most offsets of a kind.
+const MOST: usize = 1000;
+
+/// Work offsets that always exist, G54 to G59.
+const STANDARD: usize = 6;
+
+/// Reads `[tool]`.
+pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool {
+    let mut tool = Tool { offset_digits: 0, offsets: Vec::new() };
+    let Some(mut section) = top.table("tool", "[tool]") else { return tool };
+    tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
+    for mut row in section.rows("offsets", "[[tool.offsets]]", MOST) {
+        if let Some(offset) = read_offset(&mut row, axes, check) {
+            if tool.offsets.iter().any(|other| other.number == offset.number) {
+                row.error("number", format!("there is already a tool offset {}", offset.number));
+            }
+            tool.offsets.push(offset);
+        }
+        row.finish();
+    }
+    tool.offsets.sort_by_key(|offset| offset.number);
+    section.finish();
+    tool
+}
+
+fn read_offset(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Option<ToolOffset> {
+    row.require("number", "a whole number from 1 to 9999");
+    let number = row.integer("number", 1..=9999).map(|number| number as u32);
+    let radius = row.at_least_zero("radius").unwrap_or(0.0);
+    let tip = row.integer("tip", 0..=9).unwrap_or(0) as u8;
+    let values = by_axis(row, axes, check);
+    Some(ToolOffset { number: number?, values, radius, tip })
+}
+
+/// Reads `[[work_offsets]]`: G54 first, zeros where the file says nothing.
+pub(super) fn read_work(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<Vec<f64>> {
+    let mut offsets = vec![vec![0.0; axes.len()]; STANDARD];
+    let mut seen: Vec<i64> = Vec::new();
+    for mut row in top.rows("work_offsets", "[[work_offsets]]", MOST) {
+        row.require("number", "a whole number from 1 (G54) to 999");
+        let number = row.integer("number", 1..=999);
+        let values = by_axis(&mut row, axes, check);
+        if let Some(number) = number {
+            if seen.contains(&number) {
+                row.error("number", format!("there is already a work offset {number}"));
+            }
+            seen.push(number);
+            let index = number as usize - 1;
+            offsets.resize(offsets.len().max(index + 1), vec![0.0; axes.len()]);
+            if let Some(slot) = offsets.get_mut(index) {
+                *slot = values;
+            }
+        }
+        row.finish();
+    }
+    offsets
+}

@@ -1,0 +1,39 @@
+//! Small readings that several sections share: factors, and values by axis name.
+//!
+//! Invariant: a list of values by axis has one number per axis of the machine.
+
+use crate::machine::model::Axis;
+use crate::machine::toml::check::Check;
+use crate::machine::toml::section::{Section, number};
+use crate::machine::toml::suggest::did_you_mean;
+
+/// `mul`, not zero.
+pub(super) fn factor(section: &mut Section<'_>) -> f64 {
+    let mul = section.number("mul").unwrap_or(1.0);
+    if mul == 0.0 {
+        section.error("mul", "`mul` must not be zero");
+        return 1.0;
+    }
+    mul
+}
+
+/// `values = { X1 = …, Z1 = … }`: one value per axis of the machine, 0 where none is given.
+pub(super) fn by_axis(section: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<f64> {
+    let mut values = vec![0.0; axes.len()];
+    let Some(table) = section.free_table("values") else { return values };
+    for entry in &table.entries {
+        let value = number(&entry.node, &entry.key, check);
+        match axes.iter().position(|axis| axis.name == entry.key) {
+            Some(index) => {
+                if let (Some(slot), Some(value)) = (values.get_mut(index), value) {
+                    *slot = value;
+                }
+            }
+            None => {
+                let near = did_you_mean(&entry.key, axes.iter().map(|axis| axis.name.as_str()));
+                check.missing(&entry.place, format!("no axis has the name \"{}\"{near}", entry.key.escape_debug()));
+            }
+        }
+    }
+    values
+}

@@ -1,0 +1,141 @@
+//! A machine as text for people and as JSON for programs.
+//!
+//! Invariant: both are made from the checked machine alone, so they show what the control will do, families and
+//! defaults included.
+
+mod json;
+mod text;
+
+pub use json::json;
+
+use super::model::Machine;
+
+/// What to show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Show {
+    /// Everything below, one after the other.
+    All,
+    /// Name, kind, format, synchronisation, times, variables.
+    Summary,
+    /// Registers.
+    Registers,
+    /// Code table.
+    Codes,
+    /// Data table.
+    Data,
+    /// Axes.
+    Axes,
+    /// Channels and spindles.
+    Channels,
+}
+
+/// The machine, or a part of it, as aligned tables.
+#[must_use]
+pub fn show(machine: &Machine, what: Show) -> String {
+    match what {
+        Show::All => {
+            let parts = [Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Data];
+            parts.map(|part| show(machine, part)).join("\n")
+        }
+        Show::Summary => text::summary(machine),
+        Show::Registers => text::registers(machine),
+        Show::Codes => text::codes(machine),
+        Show::Data => text::data(machine),
+        Show::Axes => text::axes(machine),
+        Show::Channels => text::channels(machine),
+    }
+}
+
+/// Name of a register by index.
+fn register(machine: &Machine, index: u8) -> &str {
+    machine.registers.get(usize::from(index)).map_or("?", |register| register.name.as_str())
+}
+
+/// Name of an axis by index.
+fn axis(machine: &Machine, index: usize) -> &str {
+    machine.axes.get(index).map_or("?", |axis| axis.name.as_str())
+}
+
+/// How a code is written (`G1`, `G54-G59`, `"TEXT"`, `-`).
+fn written(machine: &Machine, form: &super::model::CodeForm) -> String {
+    use super::model::CodeForm;
+    match form {
+        CodeForm::NotApplicable => "-".to_owned(),
+        CodeForm::Text(text) => format!("\"{text}\""),
+        CodeForm::Register { register: index, min, max }
+        | CodeForm::RegisterAsData { register: index, min, max, .. } => {
+            let letter = register(machine, *index);
+            if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") }
+        }
+    }
+}
+
+/// A name of an enumeration in the notation of the machine file (`SlowestAxis` as `slowest-axis`).
+fn word(value: impl std::fmt::Debug) -> String {
+    let name = format!("{value:?}");
+    if name.len() == 1 {
+        return name;
+    }
+    let mut word = String::new();
+    for c in name.chars() {
+        if c.is_ascii_uppercase() && !word.is_empty() {
+            word.push('-');
+        }
+        word.push(c.to_ascii_lowercase());
+    }
+    word
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{load, package};
+
+    fn lathe() -> Machine {
+        load(&package::shipped(), "fanuc-2path-lathe").machine.expect("the shipped machine is correct")
+    }
+
+    #[test]
+    fn axes_are_an_aligned_table() {
+        let expected = "\
+axis  letter  data         role    diameter  rapid  acceleration  home  limits
+X1    X       REG_AXIS_X   X       yes       20000  -             300   -
+Z1    Z       REG_AXIS_Z   Z       -         24000  -             500   -
+C1    C       REG_AXIS_CT  rotary  -         36000  -             0     -
+X2    X       REG_AXIS_X   X       yes       20000  -             300   -
+Z2    Z       REG_AXIS_Z   Z       -         24000  -             500   -
+";
+        assert_eq!(show(&lathe(), Show::Axes), expected);
+    }
+
+    #[test]
+    fn codes_name_their_words_conditions_and_source() {
+        let codes = show(&lathe(), Show::Codes);
+        let line = |part: &str| codes.lines().find(|line| line.contains(part)).unwrap_or_default().to_owned();
+        assert!(line("CODE_SPINDLE_MAXRPM").starts_with("G50 "), "{codes}");
+        assert!(line("CODE_SPINDLE_MAXRPM").contains("with S"));
+        assert!(line("CODE_SYNC_REG").contains("M100-M199"));
+        assert!(line("CODE_SYNC_REG").contains("fanuc-2path-lathe/machine.toml:"));
+        assert!(line("CODE_COMP_WORKP_ON").contains("REG_COMP_WORKP"));
+    }
+
+    #[test]
+    fn everything_is_shown_and_no_line_ends_in_blanks() {
+        let all = show(&lathe(), Show::All);
+        for part in ["UPPER", "LOWER", "MAIN", "REG_SYNC_PATHS", "either", "#100-#199", "G-code system A"] {
+            assert!(all.contains(part), "{part} is not in\n{all}");
+        }
+        assert!(all.lines().all(|line| line.trim_end() == line));
+    }
+
+    #[test]
+    fn json_has_the_same_content() {
+        let value = json(&lathe());
+        assert_eq!(value["name"], "fanuc-2path-lathe");
+        assert_eq!(value["channels"][1]["name"], "LOWER");
+        assert_eq!(value["channels"][1]["axes"], serde_json::json!(["X2", "Z2"]));
+        assert_eq!(value["sync"]["paths"], "either");
+        assert_eq!(value["codes"].as_array().map(Vec::len), Some(lathe().codes.len()));
+        assert_eq!(value["initial"][0], "CODE_RAPID");
+    }
+}

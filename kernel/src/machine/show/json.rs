@@ -1,0 +1,201 @@
+//! JSON form.
+//!
+//! Invariant: names instead of indexes, the units of the machine file; rows carry the file and line that define them.
+
+use serde_json::{Value, json};
+
+use super::{axis, register, word, written};
+use crate::machine::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Machine, NumberFormat, Register};
+
+/// The whole machine.
+#[must_use]
+pub fn json(machine: &Machine) -> Value {
+    json!({
+        "name": machine.name,
+        "number": machine.number,
+        "revision": machine.revision,
+        "author": machine.author,
+        "description": machine.description,
+        "units": word(machine.unit),
+        "type": word(machine.kind),
+        "preprocessor": word(machine.preprocessor),
+        "format": format(machine),
+        "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
+        "codes": machine.codes.iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
+        "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
+        "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
+        "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
+        "spindles": spindles(machine),
+        "initial": machine.initial.iter().map(|id| machine.code_name(*id)).collect::<Vec<_>>(),
+        "subprograms": subprograms(machine),
+        "sync": sync(machine),
+        "time": time(machine),
+        "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
+        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
+        "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
+    })
+}
+
+fn format(machine: &Machine) -> Value {
+    let format = &machine.format;
+    json!({
+        "rws": format.rws,
+        "rws_at": word(format.rws_at),
+        "comment": format.comment,
+        "message": format.message,
+        "opskip": { "mark": format.opskip_mark, "default": format.opskip_default },
+        "eob": format.eob,
+    })
+}
+
+fn number_format(format: &NumberFormat) -> Value {
+    json!({
+        "whole": format.whole,
+        "frac": format.frac,
+        "point": word(format.point),
+        "lead": word(format.lead),
+        "trail": word(format.trail),
+        "plus": format.plus,
+    })
+}
+
+fn register_json(register: &Register) -> Value {
+    json!({
+        "index": register.index,
+        "name": register.name,
+        "second": register.second,
+        "format": number_format(&register.format),
+        "secondary": number_format(&register.secondary),
+        "signed": register.signed,
+    })
+}
+
+fn code(machine: &Machine, row: &CodeRow) -> Value {
+    let names = |list: &[u8]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
+    let as_data = match &row.form {
+        CodeForm::RegisterAsData { data, .. } => Some(machine.data_name(*data)),
+        _ => None,
+    };
+    json!({
+        "id": machine.code_name(row.id),
+        "word": written(machine, &row.form),
+        "as_data": as_data,
+        "enable": row.enable,
+        "process": row.process,
+        "order": row.order,
+        "group": row.group,
+        "modality": word(row.modality),
+        "mul": row.mul,
+        "add": row.add,
+        "with": names(&row.with),
+        "without": names(&row.without),
+        "seconds": row.seconds,
+        "file": row.file,
+        "line": row.line,
+    })
+}
+
+fn data(machine: &Machine, row: &DataRow) -> Value {
+    json!({
+        "id": machine.data_name(row.id),
+        "register": row.register.map(|index| register(machine, index)),
+        "enable": row.enable,
+        "process": row.process,
+        "modal": row.modal,
+        "min": row.min,
+        "max": row.max,
+        "mul": row.mul,
+        "add": row.add,
+        "dimension": word(row.dimension),
+        "file": row.file,
+        "line": row.line,
+    })
+}
+
+fn axis_json(machine: &Machine, axis: &Axis) -> Value {
+    json!({
+        "name": axis.name,
+        "letter": axis.letter,
+        "data": machine.data_name(axis.data),
+        "role": word(axis.role),
+        "diameter": axis.diameter,
+        "rapid": axis.rapid,
+        "acceleration": axis.acceleration,
+        "home": axis.home,
+        "references": axis.references,
+        "limits": axis.limits,
+    })
+}
+
+fn channel(machine: &Machine, channel: &Channel) -> Value {
+    json!({
+        "number": channel.number,
+        "name": channel.name,
+        "axes": channel.axes.iter().map(|index| axis(machine, *index)).collect::<Vec<_>>(),
+        "spindle": channel.spindle,
+    })
+}
+
+fn spindles(machine: &Machine) -> Vec<Value> {
+    let spindle = |spindle: &crate::machine::model::Spindle| {
+        json!({
+            "number": spindle.number,
+            "name": spindle.name,
+            "max": spindle.max,
+            "min": spindle.min,
+            "run_up": spindle.run_up,
+        })
+    };
+    machine.spindles.iter().map(spindle).collect()
+}
+
+fn subprograms(machine: &Machine) -> Value {
+    let subprograms = &machine.subprograms;
+    json!({
+        "placement": word(subprograms.placement),
+        "extension": subprograms.extension,
+        "call": word(subprograms.call),
+        "repeat_is_executions": subprograms.repeat_is_executions,
+        "main_return": word(subprograms.main_return),
+    })
+}
+
+fn sync(machine: &Machine) -> Value {
+    let sync = &machine.sync;
+    json!({
+        "dialect": word(sync.dialect),
+        "paths": word(sync.paths),
+        "alarm_scope": word(sync.alarm_scope),
+        "release_ns": sync.release_ns,
+        "poll_ns": sync.poll_ns,
+    })
+}
+
+fn time(machine: &Machine) -> Value {
+    let time = &machine.time;
+    json!({
+        "tool_change": time.tool_change,
+        "tool_step": time.tool_step,
+        "stations": time.stations,
+        "rapid": word(time.rapid),
+        "spindle_speed": time.spindle_speed,
+    })
+}
+
+fn tool_offsets(machine: &Machine) -> Vec<Value> {
+    let offset = |offset: &crate::machine::model::ToolOffset| {
+        json!({
+            "number": offset.number,
+            "radius": offset.radius,
+            "tip": offset.tip,
+            "values": by_axis(machine, &offset.values),
+        })
+    };
+    machine.tool.offsets.iter().map(offset).collect()
+}
+
+/// Values with the names of their axes.
+fn by_axis(machine: &Machine, values: &[f64]) -> Value {
+    let named = machine.axes.iter().zip(values).map(|(axis, value)| (axis.name.clone(), json!(value)));
+    Value::Object(named.collect())
+}

@@ -1,0 +1,429 @@
+//! Dense lookups compiled from the rows when a machine is loaded: what the block loop asks for every word.
+//!
+//! Invariant: rows that are switched off are in none of these tables, and candidates stand in matching order: lowest
+//! order first, equal orders as in the file. Facts: reference control-emulator.md 1.2, 1.3.
+
+use std::collections::HashMap;
+
+use super::ident::{self, DataId};
+use super::model::{CodeForm, CodeRow, DataRow, Register};
+
+/// Register (index into `Machine::registers`) a letter belongs to, and whether it is the register's second,
+/// incremental name; `None` = no regular register.
+pub type LetterEntry = Option<(u8, bool)>;
+
+/// Code numbers below this one may have one decimal and are looked up directly.
+const DENSE: u32 = 1000;
+
+/// How far a value may be from a code number.
+const TOLERANCE: f64 = 1e-9;
+
+/// The lookups.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tables {
+    /// Per ASCII byte: the regular register it names.
+    pub letter: [LetterEntry; 128],
+    /// Enabled data rows per register (index into `Machine::registers`), in file order.
+    pub data_of_register: Vec<Vec<u16>>,
+    /// Enabled data rows per data identifier (`DataId.0`, custom ones included), in file order.
+    pub rows_of_data: Vec<Vec<u16>>,
+    /// Enabled rows of literal text: longest text first, then in matching order.
+    pub texts: Vec<u16>,
+    codes: Vec<Option<Codes>>,
+}
+
+/// Code rows of one register.
+#[derive(Debug, Clone, PartialEq)]
+struct Codes {
+    /// Row lists; the first is empty.
+    lists: Vec<Vec<u16>>,
+    /// List per value times ten, below [`DENSE`].
+    dense: Vec<u16>,
+    /// List from a whole value on, ascending; from [`DENSE`] on.
+    steps: Vec<(u32, u16)>,
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Self::new(&[], &[], &[], 0)
+    }
+}
+
+impl Tables {
+    /// Compiles the rows; `custom_data` is the number of custom data identifiers.
+    #[must_use]
+    pub fn new(registers: &[Register], codes: &[CodeRow], data: &[DataRow], custom_data: usize) -> Self {
+        Self {
+            letter: letters(registers),
+            data_of_register: data_of_register(registers, data),
+            rows_of_data: rows_of_data(data, custom_data),
+            texts: texts(codes),
+            codes: (0..registers.len()).map(|register| Codes::new(register, codes)).collect(),
+        }
+    }
+
+    /// Code rows that a word of this register and value may mean, in matching order; empty when it is no code. The
+    /// rows' conditions on other words (`with`, `without`) are the caller's to check.
+    #[must_use]
+    pub fn code(&self, register: u8, value: f64) -> &[u16] {
+        self.codes.get(usize::from(register)).and_then(Option::as_ref).map_or(&[], |codes| codes.at(value))
+    }
+
+    /// Whether any code is written with this register.
+    #[must_use]
+    pub fn has_codes(&self, register: u8) -> bool {
+        self.codes.get(usize::from(register)).is_some_and(Option::is_some)
+    }
+
+    /// Enabled rows of a data identifier.
+    #[must_use]
+    pub fn data(&self, id: DataId) -> &[u16] {
+        self.rows_of_data.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Enabled data rows of a register.
+    #[must_use]
+    pub fn data_of(&self, register: u8) -> &[u16] {
+        self.data_of_register.get(usize::from(register)).map_or(&[], Vec::as_slice)
+    }
+}
+
+impl Codes {
+    fn new(register: usize, codes: &[CodeRow]) -> Option<Self> {
+        let rows = rows_of_register(register, codes);
+        if rows.is_empty() {
+            return None;
+        }
+        let mut lists = Lists::default();
+        let dense = (0..DENSE * 10).map(|tenth| lists.intern(&rows, |row| row.matches(u64::from(tenth)))).collect();
+        let mut starts: Vec<u32> = rows.iter().flat_map(Range::breaks).filter(|start| *start > DENSE).collect();
+        starts.push(DENSE);
+        starts.sort_unstable();
+        starts.dedup();
+        let steps = starts
+            .into_iter()
+            .map(|start| (start, lists.intern(&rows, |row| row.matches(u64::from(start) * 10))))
+            .collect();
+        Some(Self { lists: lists.lists, dense, steps })
+    }
+
+    fn at(&self, value: f64) -> &[u16] {
+        let list = if value < f64::from(DENSE) { self.dense_list(value) } else { self.step_list(value) };
+        list.and_then(|list| self.lists.get(usize::from(list))).map_or(&[], Vec::as_slice)
+    }
+
+    fn dense_list(&self, value: f64) -> Option<u16> {
+        let tenth = (value * 10.0).round();
+        if tenth < 0.0 || (tenth / 10.0 - value).abs() > TOLERANCE {
+            return None;
+        }
+        // `as` saturates and turns NaN into 0; NaN never gets here because it is not below DENSE.
+        let index = tenth as usize;
+        if index == self.dense.len() { self.step_list(f64::from(DENSE)) } else { self.dense.get(index).copied() }
+    }
+
+    fn step_list(&self, value: f64) -> Option<u16> {
+        let whole = value.round();
+        if (whole - value).abs() <= TOLERANCE && whole <= f64::from(u32::MAX) {
+            let number = whole as u32;
+            let after = self.steps.partition_point(|(start, _)| *start <= number);
+            return self.steps.get(after.checked_sub(1)?).map(|(_, list)| *list);
+        }
+        None
+    }
+}
+
+/// Each list of rows once.
+struct Lists {
+    lists: Vec<Vec<u16>>,
+    known: HashMap<Vec<u16>, u16>,
+}
+
+impl Default for Lists {
+    fn default() -> Self {
+        Self { lists: vec![Vec::new()], known: HashMap::from([(Vec::new(), 0)]) }
+    }
+}
+
+impl Lists {
+    fn intern(&mut self, rows: &[Range], matches: impl Fn(&Range) -> bool) -> u16 {
+        let list: Vec<u16> = rows.iter().filter(|row| matches(row)).map(|row| row.row).collect();
+        if let Some(known) = self.known.get(&list) {
+            return *known;
+        }
+        let number = u16::try_from(self.lists.len()).unwrap_or(0);
+        self.lists.push(list.clone());
+        self.known.insert(list, number);
+        number
+    }
+}
+
+/// Values of a code row in tenths.
+struct Range {
+    row: u16,
+    order: u16,
+    min: u64,
+    max: u64,
+    /// Values with a decimal match too.
+    decimals: bool,
+}
+
+impl Range {
+    fn matches(&self, tenth: u64) -> bool {
+        (self.min..=self.max).contains(&tenth) && (self.decimals || tenth.is_multiple_of(10))
+    }
+
+    /// Whole values at which matching may change.
+    fn breaks(&self) -> [u32; 2] {
+        let whole = |tenth: u64| u32::try_from(tenth.div_ceil(10)).unwrap_or(u32::MAX);
+        [whole(self.min), whole(self.max + 1)]
+    }
+}
+
+fn rows_of_register(register: usize, codes: &[CodeRow]) -> Vec<Range> {
+    let mut rows: Vec<Range> = Vec::new();
+    for (row, code) in numbered(codes) {
+        if let Some((of, min, max)) = form_range(&code.form)
+            && code.enable
+            && usize::from(of) == register
+        {
+            let (min, max) = (tenths(min), tenths(max));
+            let decimals = !(min.is_multiple_of(10) && max.is_multiple_of(10));
+            rows.push(Range { row, order: code.order, min, max, decimals });
+        }
+    }
+    rows.sort_by_key(|row| (row.order, row.row));
+    rows
+}
+
+/// Register and value range of a code's form.
+#[must_use]
+pub fn form_range(form: &CodeForm) -> Option<(u8, f64, f64)> {
+    match form {
+        CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {
+            Some((*register, *min, *max))
+        }
+        CodeForm::NotApplicable | CodeForm::Text(_) => None,
+    }
+}
+
+/// Whether two rows have a value in common that both match.
+pub(super) fn overlap(a: (f64, f64), b: (f64, f64)) -> bool {
+    let (from, to) = (tenths(a.0).max(tenths(b.0)), tenths(a.1).min(tenths(b.1)));
+    let decimals = |range: (f64, f64)| !(tenths(range.0).is_multiple_of(10) && tenths(range.1).is_multiple_of(10));
+    if decimals(a) && decimals(b) { from <= to } else { from.div_ceil(10) * 10 <= to }
+}
+
+fn tenths(value: f64) -> u64 {
+    (value * 10.0).round() as u64
+}
+
+fn letters(registers: &[Register]) -> [LetterEntry; 128] {
+    let mut letters = [None; 128];
+    for (register, incremental) in [(registers, true), (registers, false)] {
+        for (index, definition) in (0u8..).zip(register) {
+            let name = if incremental { definition.second.as_deref() } else { Some(definition.name.as_str()) };
+            if let Some(slot) = name.and_then(single_capital).and_then(|byte| letters.get_mut(usize::from(byte))) {
+                *slot = Some((index, incremental));
+            }
+        }
+    }
+    letters
+}
+
+fn single_capital(name: &str) -> Option<u8> {
+    match name.as_bytes() {
+        [byte] if byte.is_ascii_uppercase() => Some(*byte),
+        _ => None,
+    }
+}
+
+fn data_of_register(registers: &[Register], data: &[DataRow]) -> Vec<Vec<u16>> {
+    let mut lists = vec![Vec::new(); registers.len()];
+    for (row, definition) in numbered(data) {
+        if let Some(list) = definition.register.and_then(|register| lists.get_mut(usize::from(register)))
+            && definition.enable
+        {
+            list.push(row);
+        }
+    }
+    lists
+}
+
+fn rows_of_data(data: &[DataRow], custom_data: usize) -> Vec<Vec<u16>> {
+    let mut lists = vec![Vec::new(); ident::data::TABLE.len() + custom_data];
+    for (row, definition) in numbered(data) {
+        if let Some(list) = lists.get_mut(usize::from(definition.id.0))
+            && definition.enable
+        {
+            list.push(row);
+        }
+    }
+    lists
+}
+
+fn texts(codes: &[CodeRow]) -> Vec<u16> {
+    let mut rows: Vec<(usize, u16, u16)> = numbered(codes)
+        .filter_map(|(row, code)| match &code.form {
+            CodeForm::Text(text) if code.enable => Some((usize::MAX - text.len(), code.order, row)),
+            _ => None,
+        })
+        .collect();
+    rows.sort_unstable();
+    rows.into_iter().map(|(_, _, row)| row).collect()
+}
+
+fn numbered<T>(rows: &[T]) -> impl Iterator<Item = (u16, &T)> {
+    (0u16..=u16::MAX).zip(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ident::codes;
+    use super::super::model::{Dimension, Modality, NumberFormat, Point, Zeros};
+    use super::*;
+
+    fn register(name: &str, second: Option<&str>) -> Register {
+        let format =
+            NumberFormat { whole: 4, frac: 3, point: Point::Keep, lead: Zeros::Omit, trail: Zeros::Omit, plus: false };
+        let second = second.map(str::to_owned);
+        Register { index: 1, name: name.into(), second, format, secondary: format, signed: true }
+    }
+
+    fn code(register: u8, min: f64, max: f64, order: u16) -> CodeRow {
+        CodeRow {
+            id: codes::RAPID,
+            form: CodeForm::Register { register, min, max },
+            enable: true,
+            process: true,
+            order,
+            group: 0,
+            modality: Modality::NonModal,
+            mul: 1.0,
+            add: 0.0,
+            with: Vec::new(),
+            without: Vec::new(),
+            seconds: 0.0,
+            line: 0,
+            file: String::new(),
+        }
+    }
+
+    fn data(id: DataId, register: Option<u8>, enable: bool) -> DataRow {
+        DataRow {
+            id,
+            register,
+            enable,
+            process: true,
+            modal: false,
+            min: None,
+            max: None,
+            mul: 1.0,
+            add: 0.0,
+            dimension: Dimension::None,
+            line: 0,
+            file: String::new(),
+        }
+    }
+
+    fn of_codes(codes: &[CodeRow]) -> Tables {
+        Tables::new(&[register("G", None), register("M", None)], codes, &[], 0)
+    }
+
+    #[test]
+    fn letters_name_registers_and_second_names_are_incremental() {
+        let tables = Tables::new(&[register("X", Some("U")), register("Z", Some("W"))], &[], &[], 0);
+        let letter = |c: char| tables.letter[c as usize];
+        assert_eq!(letter('X'), Some((0, false)));
+        assert_eq!(letter('U'), Some((0, true)));
+        assert_eq!(letter('W'), Some((1, true)));
+        assert_eq!(letter('x'), None);
+        assert_eq!(letter('G'), None);
+    }
+
+    #[test]
+    fn a_first_name_wins_over_a_second_name_and_special_names_are_no_letters() {
+        let tables = Tables::new(&[register("X", Some("U")), register("U", None), register("C1=", None)], &[], &[], 0);
+        assert_eq!(tables.letter[usize::from(b'U')], Some((1, false)));
+        assert_eq!(tables.letter[usize::from(b'C')], None);
+    }
+
+    #[test]
+    fn the_lowest_order_comes_first_then_the_file() {
+        let tables = of_codes(&[code(0, 50.0, 50.0, 450), code(0, 50.0, 50.0, 100), code(0, 1.0, 99.0, 450)]);
+        assert_eq!(tables.code(0, 50.0), [1, 0, 2]);
+        assert_eq!(tables.code(0, 51.0), [2]);
+        assert_eq!(tables.code(0, 100.0), [0u16; 0]);
+        assert_eq!(tables.code(1, 50.0), [0u16; 0]);
+        assert!(tables.has_codes(0) && !tables.has_codes(1));
+    }
+
+    #[test]
+    fn decimals_match_only_rows_with_decimals() {
+        let tables = of_codes(&[code(0, 54.0, 59.0, 100), code(0, 54.1, 54.1, 100), code(0, 60.0, 60.5, 100)]);
+        assert_eq!(tables.code(0, 54.0), [0]);
+        assert_eq!(tables.code(0, 54.1), [1]);
+        assert_eq!(tables.code(0, 54.1 + 1e-12), [1]);
+        assert_eq!(tables.code(0, 54.100_001), [0u16; 0]);
+        assert_eq!(tables.code(0, 55.5), [0u16; 0]);
+        assert_eq!(tables.code(0, 60.0), [2]);
+        assert_eq!(tables.code(0, 60.3), [2]);
+        assert_eq!(tables.code(0, 60.6), [0u16; 0]);
+    }
+
+    #[test]
+    fn large_numbers_match_whole_values_up_to_both_ends() {
+        let tables =
+            of_codes(&[code(1, 900.0, 1100.0, 100), code(1, 0.0, 99_999_999.0, 200), code(1, 2000.0, 2000.0, 100)]);
+        assert_eq!(tables.code(1, 899.0), [1]);
+        assert_eq!(tables.code(1, 999.0), [0, 1]);
+        assert_eq!(tables.code(1, 1000.0), [0, 1]);
+        assert_eq!(tables.code(1, 1000.0 - 1e-12), [0, 1]);
+        assert_eq!(tables.code(1, 1100.0), [0, 1]);
+        assert_eq!(tables.code(1, 1101.0), [1]);
+        assert_eq!(tables.code(1, 2000.0), [2, 1]);
+        assert_eq!(tables.code(1, 2000.5), [0u16; 0]);
+        assert_eq!(tables.code(1, 99_999_999.0), [1]);
+        assert_eq!(tables.code(1, 100_000_000.0), [0u16; 0]);
+    }
+
+    #[test]
+    fn nonsense_is_no_code() {
+        let tables = of_codes(&[code(0, 0.0, 99_999_999.0, 100)]);
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -0.04, 1e300, 0.05, 999.96] {
+            assert_eq!(tables.code(0, value), [0u16; 0], "{value}");
+        }
+        assert_eq!(tables.code(0, -0.0), [0]);
+        assert_eq!(tables.code(77, 0.0), [0u16; 0]);
+    }
+
+    #[test]
+    fn rows_that_are_off_are_nowhere() {
+        let mut off = code(0, 5.0, 5.0, 100);
+        off.enable = false;
+        let mut text = code(0, 0.0, 0.0, 300);
+        text.form = CodeForm::Text("G7".into());
+        let mut longer = text.clone();
+        longer.form = CodeForm::Text("G710".into());
+        let mut off_text = text.clone();
+        off_text.enable = false;
+        let rows = [data(DataId(3), Some(1), true), data(DataId(3), None, true), data(DataId(4), Some(1), false)];
+        let registers = [register("G", None), register("M", None)];
+        let tables = Tables::new(&registers, &[off, text, longer, off_text], &rows, 1);
+        assert_eq!(tables.code(0, 5.0), [0u16; 0]);
+        assert_eq!(tables.texts, [2, 1]);
+        assert_eq!(tables.data_of(1), [0]);
+        assert_eq!(tables.data_of(0), [0u16; 0]);
+        assert_eq!(tables.data(DataId(3)), [0, 1]);
+        assert_eq!(tables.data(DataId(4)), [0u16; 0]);
+        assert_eq!(tables.rows_of_data.len(), ident::data::TABLE.len() + 1);
+    }
+
+    #[test]
+    fn overlap_needs_a_common_value_that_both_match() {
+        assert!(overlap((54.0, 59.0), (59.0, 60.0)));
+        assert!(!overlap((54.0, 59.0), (54.1, 54.1)));
+        assert!(overlap((54.0, 54.5), (54.2, 54.9)));
+        assert!(!overlap((1.0, 2.0), (3.0, 4.0)));
+    }
+}

@@ -1,0 +1,504 @@
+//! Shared operations in tag order, waiting, and the end of everything.
+//!
+//! Each kernel publishes a lower bound of its future tags once per block. A kernel that wants a shared operation
+//! parks until no running kernel can still come before its tag. Invariants: a shared operation runs under the lock
+//! with the smallest tag of all that are still possible; a blocked kernel wakes only by a shared operation of
+//! another one; `need` of a running kernel is at most the time of any parked tag it still stands before.
+
+use std::sync::atomic::{AtomicI64, AtomicU32, Ordering::SeqCst};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+use crossbeam_channel::Sender;
+
+use super::merge::Message;
+use super::shared::Shared;
+use super::tag::Tag;
+use super::waits::Waits;
+
+/// Where a kernel stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// Executing; its bound is in its slot.
+    Running,
+    /// Wants a shared operation.
+    Parked(Tag),
+    /// Stands at a meeting point.
+    Blocked,
+    /// Finished in whatever way.
+    Done,
+}
+
+/// Why a kernel was woken from a wait.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Wake {
+    /// The meeting took place; go on at this tag.
+    Released {
+        /// Where to go on.
+        tag: Tag,
+        /// Ordinal of the meeting.
+        meeting: u64,
+    },
+    /// The control raised an alarm for this wait.
+    Alarm {
+        /// When.
+        tag: Tag,
+        /// Text of the alarm.
+        text: String,
+    },
+    /// Everything has stopped; this wait will never end.
+    Over,
+    /// The job was stopped.
+    Stopped,
+}
+
+/// The job was stopped; the kernel has to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Stopped;
+
+#[repr(align(128))]
+struct Slot {
+    bound: AtomicI64,
+    need: AtomicI64,
+    /// Counts wake-ups; a kernel spins on it before it sleeps.
+    signal: AtomicU32,
+    condvar: Condvar,
+}
+
+/// Everything under the lock.
+pub(crate) struct Inner {
+    status: Vec<Status>,
+    wakes: Vec<Option<Wake>>,
+    /// The merger has been told that the stream is blocked.
+    told: Vec<bool>,
+    pub(crate) shared: Shared,
+    pub(crate) waits: Waits,
+    /// A verdict has been given.
+    pub(crate) judged: bool,
+    stop: Option<Tag>,
+    permits: usize,
+    /// Kernels that wait for a permit, with their bound.
+    queue: Vec<(i64, u16)>,
+    messages: Sender<Message>,
+}
+
+/// The meeting place of the kernels of one job.
+pub(crate) struct Coordinator {
+    slots: Box<[Slot]>,
+    inner: Mutex<Inner>,
+    /// Time of the stop, read by running kernels once per block.
+    stop_t: AtomicI64,
+    /// Kernels waiting for a permit.
+    waiting_permits: AtomicU32,
+    /// Fewer permits than kernels.
+    limited: bool,
+    spin: u32,
+}
+
+/// Lock of a shared operation that may run now.
+pub(crate) type Guard<'a> = MutexGuard<'a, Inner>;
+
+fn index(rank: u16) -> usize {
+    usize::from(rank).wrapping_sub(1)
+}
+
+impl Inner {
+    fn status(&self, rank: u16) -> Status {
+        self.status.get(index(rank)).copied().unwrap_or(Status::Done)
+    }
+
+    fn set(&mut self, rank: u16, status: Status) {
+        if let Some(slot) = self.status.get_mut(index(rank)) {
+            *slot = status;
+        }
+    }
+
+    fn tell(&self, message: Message) {
+        let _ = self.messages.send(message);
+    }
+
+    /// No other kernel runs or is about to act.
+    pub(crate) fn alone(&self, rank: u16) -> bool {
+        self.status.iter().zip(1_u16..).all(|(s, r)| r == rank || matches!(s, Status::Blocked | Status::Done))
+    }
+
+    /// Nothing runs, nothing is parked: whoever is blocked stays blocked.
+    fn quiet(&self) -> bool {
+        self.status.iter().all(|s| matches!(s, Status::Blocked | Status::Done))
+    }
+}
+
+impl Coordinator {
+    /// For `kernels` channels of which `threads` may run at once (0 = all).
+    pub(crate) fn new(kernels: usize, threads: usize, shared: Shared, waits: Waits, messages: Sender<Message>) -> Self {
+        let permits = if threads == 0 { kernels } else { threads.min(kernels) };
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            slots: (0..kernels)
+                .map(|_| Slot {
+                    bound: AtomicI64::new(0),
+                    need: AtomicI64::new(i64::MAX),
+                    signal: AtomicU32::new(0),
+                    condvar: Condvar::new(),
+                })
+                .collect(),
+            inner: Mutex::new(Inner {
+                status: vec![Status::Running; kernels],
+                wakes: vec![None; kernels],
+                told: vec![false; kernels],
+                shared,
+                waits,
+                judged: false,
+                stop: None,
+                permits,
+                queue: Vec::new(),
+                messages,
+            }),
+            stop_t: AtomicI64::new(i64::MAX),
+            waiting_permits: AtomicU32::new(0),
+            limited: permits < kernels,
+            spin: if permits > 1 && cores > 1 { 3000 } else { 0 },
+        }
+    }
+
+    /// Number of kernels.
+    pub(crate) fn kernels(&self) -> usize {
+        self.slots.len()
+    }
+
+    fn slot(&self, rank: u16) -> Option<&Slot> {
+        self.slots.get(index(rank))
+    }
+
+    /// The lock; a poisoned one is taken over, since every change under it is complete.
+    pub(crate) fn lock(&self) -> Guard<'_> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
+    pub(crate) fn publish(&self, rank: u16, t: i64) -> bool {
+        if let Some(slot) = self.slot(rank) {
+            slot.bound.store(t, SeqCst);
+            if t > slot.need.load(SeqCst) {
+                let inner = self.lock();
+                slot.need.store(i64::MAX, SeqCst);
+                self.wake_parked(&inner);
+            }
+        }
+        t <= self.stop_t.load(SeqCst)
+    }
+
+    /// Some other kernel waits for a permit and stands before `t`.
+    pub(crate) fn should_yield(&self) -> bool {
+        self.limited && self.waiting_permits.load(SeqCst) > 0
+    }
+
+    /// Gives the permit to the kernel that is furthest behind, if that is not this one.
+    pub(crate) fn yield_permit(&self, rank: u16) {
+        let mut inner = self.lock();
+        let own = self.bound(rank);
+        if inner.queue.iter().any(|&(bound, _)| bound < own) {
+            self.release_permit(&mut inner);
+            drop(self.acquire_permit(rank, inner));
+        }
+    }
+
+    /// Takes the first permit of a kernel.
+    pub(crate) fn begin(&self, rank: u16) {
+        let inner = self.lock();
+        drop(self.acquire_permit(rank, inner));
+    }
+
+    /// Waits for the merger to give chunks back. Meanwhile a running kernel counts as parked at `tag`: it will do
+    /// nothing before that, and whoever stands before it may go, which is what lets the merger move on. A kernel
+    /// that is already blocked at a meeting holds nobody back and keeps its status.
+    pub(crate) fn wait_credit<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
+        let running = {
+            let mut inner = self.lock();
+            let running = inner.status(tag.rank) == Status::Running;
+            if running {
+                inner.set(tag.rank, Status::Parked(tag));
+            }
+            if self.limited {
+                self.release_permit(&mut inner);
+            }
+            self.wake_parked(&inner);
+            running
+        };
+        let result = wait();
+        let mut inner = self.acquire_permit(tag.rank, self.lock());
+        if running {
+            inner.set(tag.rank, Status::Running);
+        }
+        self.wake_parked(&inner);
+        result
+    }
+
+    fn bound(&self, rank: u16) -> i64 {
+        self.slot(rank).map_or(i64::MAX, |s| s.bound.load(SeqCst))
+    }
+
+    fn release_permit(&self, inner: &mut Inner) {
+        inner.permits += 1;
+        if let Some(&(_, rank)) = inner.queue.iter().min() {
+            self.signal(rank);
+        }
+    }
+
+    fn acquire_permit<'a>(&'a self, rank: u16, mut inner: Guard<'a>) -> Guard<'a> {
+        if !self.limited {
+            return inner;
+        }
+        let own = (self.bound(rank), rank);
+        inner.queue.push(own);
+        self.waiting_permits.fetch_add(1, SeqCst);
+        while inner.permits == 0 || inner.queue.iter().min() != Some(&own) {
+            inner = self.sleep(rank, inner);
+        }
+        inner.permits -= 1;
+        inner.queue.retain(|entry| *entry != own);
+        self.waiting_permits.fetch_sub(1, SeqCst);
+        if inner.permits > 0
+            && let Some(&(_, next)) = inner.queue.iter().min()
+        {
+            self.signal(next);
+        }
+        inner
+    }
+
+    fn signal(&self, rank: u16) {
+        if let Some(slot) = self.slot(rank) {
+            slot.signal.fetch_add(1, SeqCst);
+            slot.condvar.notify_one();
+        }
+    }
+
+    /// Waits for a signal, spinning for a short while first.
+    fn sleep<'a>(&'a self, rank: u16, inner: Guard<'a>) -> Guard<'a> {
+        let Some(slot) = self.slot(rank) else { return inner };
+        let seen = slot.signal.load(SeqCst);
+        if self.spin > 0 {
+            drop(inner);
+            for _ in 0..self.spin {
+                if slot.signal.load(SeqCst) != seen {
+                    return self.lock();
+                }
+                std::hint::spin_loop();
+            }
+            let inner = self.lock();
+            if slot.signal.load(SeqCst) != seen {
+                return inner;
+            }
+            return slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
+        }
+        slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// No other kernel can still act before `tag`.
+    fn eligible(&self, inner: &Inner, tag: Tag) -> bool {
+        inner.status.iter().zip(&self.slots).zip(1_u16..).all(|((status, slot), rank)| {
+            rank == tag.rank
+                || match status {
+                    Status::Running => slot.bound.load(SeqCst) > tag.t,
+                    Status::Parked(other) => *other > tag,
+                    Status::Blocked | Status::Done => true,
+                }
+        })
+    }
+
+    /// Asks every running kernel that still stands before `tag` to report when it has passed it.
+    fn ask(&self, inner: &Inner, tag: Tag) {
+        for ((status, slot), rank) in inner.status.iter().zip(&self.slots).zip(1_u16..) {
+            if rank != tag.rank && *status == Status::Running && slot.bound.load(SeqCst) <= tag.t {
+                slot.need.fetch_min(tag.t, SeqCst);
+            }
+        }
+    }
+
+    /// Wakes the kernel with the smallest parked tag if it may go; else makes sure it will hear of it.
+    fn wake_parked(&self, inner: &Inner) {
+        let smallest =
+            inner.status.iter().filter_map(|s| if let Status::Parked(tag) = s { Some(*tag) } else { None }).min();
+        if let Some(tag) = smallest {
+            self.ask(inner, tag);
+            if self.eligible(inner, tag) {
+                self.signal(tag.rank);
+            }
+        }
+    }
+
+    /// Enters a shared operation if it may run at once; else `None` (flush, then [`enter`](Self::enter)).
+    pub(crate) fn try_enter(&self, tag: Tag) -> Option<Guard<'_>> {
+        let inner = self.lock();
+        (inner.stop.is_none() && self.eligible(&inner, tag)).then_some(inner)
+    }
+
+    /// Enters a shared operation: waits until it has the smallest tag.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the job was stopped before this tag.
+    pub(crate) fn enter(&self, tag: Tag) -> Result<Guard<'_>, Stopped> {
+        let rank = tag.rank;
+        let mut inner = self.lock();
+        inner.set(rank, Status::Parked(tag));
+        let mut gave_permit = false;
+        loop {
+            if inner.stop.is_some_and(|stop| stop < tag) {
+                inner.set(rank, Status::Running);
+                break;
+            }
+            self.ask(&inner, tag);
+            if self.eligible(&inner, tag) {
+                inner.set(rank, Status::Running);
+                break;
+            }
+            self.wake_parked(&inner);
+            if self.limited && !gave_permit {
+                gave_permit = true;
+                self.release_permit(&mut inner);
+            }
+            inner = self.sleep(rank, inner);
+        }
+        if let Some(slot) = self.slot(rank) {
+            slot.bound.fetch_max(tag.t, SeqCst);
+        }
+        if gave_permit {
+            // The operation itself is done at once; only what follows needs the permit. Taking it first would be
+            // wrong: another kernel could be the only one with a permit and wait for this operation.
+            inner = self.reacquire(rank, inner, tag);
+        }
+        if inner.stop.is_some_and(|stop| stop < tag) { Err(Stopped) } else { Ok(inner) }
+    }
+
+    /// Gets the permit back while keeping the place in tag order.
+    fn reacquire<'a>(&'a self, rank: u16, mut inner: Guard<'a>, tag: Tag) -> Guard<'a> {
+        inner.set(rank, Status::Parked(tag));
+        inner = self.acquire_permit(rank, inner);
+        inner.set(rank, Status::Running);
+        inner
+    }
+
+    /// Ends a shared operation: tells parked kernels that this one goes on.
+    pub(crate) fn leave(&self, inner: &Inner) {
+        self.wake_parked(inner);
+    }
+
+    /// The kernel stands still from now on; another one's operation will wake it.
+    pub(crate) fn block(&self, inner: &mut Inner, rank: u16) {
+        inner.set(rank, Status::Blocked);
+        self.settle(inner);
+    }
+
+    /// Resumes a blocked kernel.
+    pub(crate) fn resume(&self, inner: &mut Inner, rank: u16, wake: Wake) {
+        let tag = match &wake {
+            Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => Some(*tag),
+            Wake::Over | Wake::Stopped => None,
+        };
+        if let (Some(slot), Some(tag)) = (self.slot(rank), tag) {
+            slot.bound.store(tag.t, SeqCst);
+            slot.need.store(i64::MAX, SeqCst);
+        }
+        if let Some(tag) = tag
+            && inner.told.get(index(rank)).copied().unwrap_or(false)
+        {
+            inner.tell(Message::Resumed(rank, tag));
+        }
+        if let Some(told) = inner.told.get_mut(index(rank)) {
+            *told = false;
+        }
+        if let Some(slot) = inner.wakes.get_mut(index(rank)) {
+            *slot = Some(wake);
+        }
+        inner.set(rank, Status::Running);
+        self.signal(rank);
+    }
+
+    /// Waits until another kernel resumes this one. The kernel's events up to its arrival must have been sent.
+    pub(crate) fn wait(&self, rank: u16) -> Wake {
+        let mut inner = self.lock();
+        if inner.status(rank) == Status::Blocked {
+            inner.tell(Message::Blocked(rank));
+            if let Some(told) = inner.told.get_mut(index(rank)) {
+                *told = true;
+            }
+        }
+        let mut gave_permit = false;
+        loop {
+            if let Some(wake) = inner.wakes.get_mut(index(rank)).and_then(Option::take) {
+                if gave_permit {
+                    inner = self.acquire_permit(rank, inner);
+                }
+                self.wake_parked(&inner);
+                return wake;
+            }
+            if self.limited && !gave_permit {
+                gave_permit = true;
+                self.release_permit(&mut inner);
+            }
+            inner = self.sleep(rank, inner);
+        }
+    }
+
+    /// The kernel is finished.
+    pub(crate) fn done(&self, inner: &mut Inner, rank: u16) {
+        inner.set(rank, Status::Done);
+        if self.limited {
+            self.release_permit(inner);
+        }
+        self.settle(inner);
+    }
+
+    /// A channel that never runs.
+    pub(crate) fn absent(&self, rank: u16) {
+        let mut inner = self.lock();
+        inner.set(rank, Status::Done);
+    }
+
+    /// The stream of the kernel is complete.
+    pub(crate) fn closed(&self, rank: u16) {
+        self.lock().tell(Message::Done(rank));
+    }
+
+    /// Stops the job at `tag`: nothing after it happens.
+    pub(crate) fn stop(&self, inner: &mut Inner, tag: Tag) {
+        if inner.stop.is_some_and(|stop| stop <= tag) {
+            return;
+        }
+        inner.stop = Some(tag);
+        self.stop_t.fetch_min(tag.t, SeqCst);
+        inner.tell(Message::StopAt(tag));
+        self.wake_all(inner);
+    }
+
+    /// Stops the job wherever it stands (cancel, full log): the log is cut by whoever asked.
+    pub(crate) fn abort(&self) {
+        let mut inner = self.lock();
+        inner.stop = Some(Tag { t: i64::MIN, micro: 0, rank: 0 });
+        self.stop_t.store(i64::MIN, SeqCst);
+        self.wake_all(&mut inner);
+    }
+
+    fn wake_all(&self, inner: &mut Inner) {
+        for rank in (1..).take(self.kernels()) {
+            match inner.status(rank) {
+                Status::Blocked => self.resume(inner, rank, Wake::Stopped),
+                Status::Parked(_) | Status::Running => self.signal(rank),
+                Status::Done => {}
+            }
+        }
+    }
+
+    /// After a kernel stopped running: lets the next parked one go, or ends all waits when nothing can happen any
+    /// more.
+    fn settle(&self, inner: &mut Inner) {
+        if inner.quiet() {
+            for rank in (1..).take(self.kernels()) {
+                if inner.status(rank) == Status::Blocked {
+                    self.resume(inner, rank, Wake::Over);
+                }
+            }
+        } else {
+            self.wake_parked(inner);
+        }
+    }
+}

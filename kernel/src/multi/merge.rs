@@ -1,0 +1,276 @@
+//! From the kernels' own event streams to the one ordered log.
+//!
+//! Each kernel sends chunks in its own order with a promise `upto`: nothing earlier will follow. An event goes out
+//! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
+//! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
+//! later. A kernel may have only [`CREDIT`] chunks on the way; beyond that it waits for empty ones to come back.
+
+use std::collections::VecDeque;
+
+use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
+
+use super::tag::Tag;
+use crate::job::Sink;
+use crate::log::event::Event;
+
+/// Events in a full chunk.
+pub(crate) const CHUNK: usize = 256;
+/// Chunks a kernel may have on the way.
+const CREDIT: usize = 48;
+
+/// What kernels tell the merger.
+pub(crate) enum Message {
+    /// Events of a stream, and the promise that later ones are not before `upto`.
+    Chunk {
+        /// Stream.
+        rank: u16,
+        /// Events in order.
+        events: Vec<Event>,
+        /// Promise.
+        upto: Tag,
+    },
+    /// The stream produces nothing until it is resumed.
+    Blocked(u16),
+    /// The stream goes on, not before the tag.
+    Resumed(u16, Tag),
+    /// The stream is complete.
+    Done(u16),
+    /// Nothing after this tag belongs to the log.
+    StopAt(Tag),
+}
+
+/// A kernel's end of the merger.
+pub(crate) struct Feeder {
+    pub(crate) messages: Sender<Message>,
+    empties: Receiver<Vec<Event>>,
+    made: usize,
+}
+
+impl Feeder {
+    /// An empty chunk, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
+    pub(crate) fn try_empty(&mut self) -> Option<Vec<Event>> {
+        if let Ok(chunk) = self.empties.try_recv() {
+            return Some(chunk);
+        }
+        if self.made < CREDIT {
+            self.made += 1;
+            return Some(Vec::with_capacity(CHUNK));
+        }
+        None
+    }
+
+    /// Waits for a chunk to come back.
+    pub(crate) fn wait_empty(&mut self) -> Vec<Event> {
+        self.empties.recv().unwrap_or_default()
+    }
+}
+
+enum State {
+    Active(Tag),
+    Blocked,
+    Done,
+}
+
+struct Stream {
+    rank: u16,
+    chunks: VecDeque<(Vec<Event>, usize)>,
+    state: State,
+    empties: Sender<Vec<Event>>,
+}
+
+impl Stream {
+    fn head(&self) -> Option<Tag> {
+        let (events, at) = self.chunks.front()?;
+        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, rank: self.rank })
+    }
+
+    /// No event of this stream that is not yet out is before this tag.
+    fn floor(&self) -> Tag {
+        match (self.head(), &self.state) {
+            (Some(head), _) => head,
+            (None, State::Active(upto)) => *upto,
+            (None, _) => Tag::END,
+        }
+    }
+}
+
+/// The merger: owned by the thread that runs the job.
+pub(crate) struct Merger {
+    streams: Vec<Stream>,
+    messages: Receiver<Message>,
+    stop: Tag,
+    /// Number of the next event.
+    pub(crate) next_seq: u64,
+    /// Time and micro of the last event out.
+    pub(crate) last: (i64, u32),
+    /// Events the log may hold.
+    limit: u64,
+}
+
+/// Why the merger returned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    /// All streams are complete.
+    Complete,
+    /// The log holds as many events as it may.
+    Full,
+    /// The sink refused events.
+    Refused,
+}
+
+impl Merger {
+    /// A merger for the given ranks, a feeder for each, and a sender for messages about streams.
+    pub(crate) fn new(ranks: impl Iterator<Item = u16>, limit: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+        let (sender, messages) = unbounded();
+        let mut streams = Vec::new();
+        let mut feeders = Vec::new();
+        for rank in ranks {
+            let (back, empties) = bounded(CREDIT);
+            let floor = Tag { t: 0, micro: 0, rank };
+            streams.push(Stream {
+                rank,
+                chunks: VecDeque::with_capacity(CREDIT),
+                state: State::Active(floor),
+                empties: back,
+            });
+            feeders.push(Feeder { messages: sender.clone(), empties, made: 0 });
+        }
+        (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), limit }, feeders, sender)
+    }
+
+    /// Sends one event outside the streams (lifecycle of the master), before or after the merge.
+    pub(crate) fn direct(&mut self, event: &Event, sink: &mut dyn Sink) -> bool {
+        let seq = self.next_seq;
+        self.next_seq += 1;
+        sink.events(seq, std::slice::from_ref(event))
+    }
+
+    /// Receives and merges until all streams are complete. After [`End::Full`] or [`End::Refused`] the streams are
+    /// still drained (kernels must come to their end), but nothing more goes to the sink.
+    pub(crate) fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut(End)) -> End {
+        let mut end = End::Complete;
+        while let Ok(message) = self.messages.recv() {
+            self.take(message);
+            while let Ok(message) = self.messages.try_recv() {
+                self.take(message);
+            }
+            if end == End::Complete {
+                end = self.emit(sink);
+                if end != End::Complete {
+                    on_stop(end);
+                }
+            }
+            if end != End::Complete {
+                self.discard();
+            }
+            if self.streams.iter().all(|s| matches!(s.state, State::Done) && s.chunks.is_empty()) {
+                break;
+            }
+        }
+        end
+    }
+
+    fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
+        self.streams.iter_mut().find(|s| s.rank == rank)
+    }
+
+    fn take(&mut self, message: Message) {
+        match message {
+            Message::Chunk { rank, events, upto } => {
+                if let Some(stream) = self.stream(rank) {
+                    stream.state = State::Active(upto);
+                    if events.is_empty() {
+                        let _ = stream.empties.try_send(events);
+                    } else {
+                        stream.chunks.push_back((events, 0));
+                    }
+                }
+            }
+            Message::Blocked(rank) => self.set(rank, State::Blocked),
+            Message::Resumed(rank, tag) => self.set(rank, State::Active(tag)),
+            Message::Done(rank) => self.set(rank, State::Done),
+            Message::StopAt(tag) => self.stop = self.stop.min(tag),
+        }
+    }
+
+    fn set(&mut self, rank: u16, state: State) {
+        if let Some(stream) = self.stream(rank) {
+            stream.state = state;
+        }
+    }
+
+    fn discard(&mut self) {
+        for stream in &mut self.streams {
+            while let Some((events, _)) = stream.chunks.pop_front() {
+                recycle(stream, events);
+            }
+        }
+    }
+
+    /// Sends out everything that can be ordered now.
+    fn emit(&mut self, sink: &mut dyn Sink) -> End {
+        loop {
+            let Some(index) = (0..self.streams.len())
+                .filter(|&i| self.streams.get(i).is_some_and(|s| s.head().is_some()))
+                .min_by_key(|&i| self.streams.get(i).map(Stream::floor))
+            else {
+                return End::Complete;
+            };
+            let bound = self
+                .streams
+                .iter()
+                .enumerate()
+                .filter(|&(i, _)| i != index)
+                .map(|(_, s)| s.floor())
+                .min()
+                .unwrap_or(Tag::END);
+            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            if stream.floor() > self.stop {
+                // Everything left is after the stop.
+                for stream in &mut self.streams {
+                    while let Some((events, _)) = stream.chunks.pop_front() {
+                        recycle(stream, events);
+                    }
+                }
+                return End::Complete;
+            }
+            let rank = stream.rank;
+            let stop = self.stop;
+            let Some((events, at)) = stream.chunks.front_mut() else { return End::Complete };
+            let rest = events.get(*at..).unwrap_or_default();
+            let run = rest
+                .iter()
+                .position(|e| {
+                    let tag = Tag { t: e.t_ns, micro: e.micro, rank };
+                    tag > bound || tag > stop
+                })
+                .unwrap_or(rest.len());
+            if run == 0 {
+                return End::Complete;
+            }
+            let room = self.limit.saturating_sub(self.next_seq - 1);
+            let batch = rest.get(..run.min(usize::try_from(room).unwrap_or(usize::MAX))).unwrap_or_default();
+            if let Some(last) = batch.last() {
+                self.last = (last.t_ns, last.micro);
+                if !sink.events(self.next_seq, batch) {
+                    return End::Refused;
+                }
+            }
+            self.next_seq += batch.len() as u64;
+            if batch.len() < run {
+                return End::Full;
+            }
+            *at += run;
+            if *at >= events.len()
+                && let Some((events, _)) = stream.chunks.pop_front()
+            {
+                recycle(stream, events);
+            }
+        }
+    }
+}
+
+fn recycle(stream: &Stream, mut events: Vec<Event>) {
+    events.clear();
+    let _ = stream.empties.try_send(events);
+}

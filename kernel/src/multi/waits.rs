@@ -1,0 +1,341 @@
+//! Meeting points: who waits where, what matches, and who can never go on.
+//!
+//! Facts: reference channel-synchronisation.md 1.1, 1.3 (Fanuc), 2.3 (fix-point). Invariant: arrivals come in tag
+//! order, so the outcome depends on simulated time alone.
+
+use std::fmt::Write as _;
+
+use super::tag::Tag;
+use crate::log::event::{FileId, Member, Primitive};
+
+/// Set of channels, bit `n − 1` for channel `n`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Set(pub(crate) u64);
+
+impl Set {
+    /// All channels up to `count`.
+    pub(crate) fn up_to(count: u16) -> Self {
+        Self(if count >= 64 { u64::MAX } else { (1 << count) - 1 })
+    }
+
+    /// With one more channel; numbers outside 1–64 are ignored.
+    pub(crate) fn with(self, channel: u16) -> Self {
+        if (1..=64).contains(&channel) { Self(self.0 | 1 << (channel - 1)) } else { self }
+    }
+
+    /// Membership.
+    pub(crate) fn has(self, channel: u16) -> bool {
+        (1..=64).contains(&channel) && self.0 & (1 << (channel - 1)) != 0
+    }
+
+    /// Channels, ascending.
+    pub(crate) fn iter(self) -> impl Iterator<Item = u16> {
+        (1..=64_u16).filter(move |&c| self.has(c))
+    }
+}
+
+/// `1, 2 and 3`.
+pub(crate) fn words(channels: &[u16]) -> String {
+    let mut out = String::new();
+    for (index, channel) in channels.iter().enumerate() {
+        let separator = match index {
+            0 => "",
+            i if i + 1 == channels.len() => " and ",
+            _ => ", ",
+        };
+        let _ = write!(out, "{separator}{channel}");
+    }
+    out
+}
+
+/// How the channel list was written; Fanuc compares it too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Style {
+    /// Not at all.
+    NoList,
+    /// As a list or a sum, which is the same set.
+    Listed,
+}
+
+/// A wait as programmed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Spec {
+    /// Primitive.
+    pub(crate) primitive: Primitive,
+    /// Letter of the code.
+    pub(crate) letter: char,
+    /// Its number.
+    pub(crate) number: u32,
+    /// Channels as written.
+    pub(crate) named: Set,
+    /// Channels that take part, own one included.
+    pub(crate) parts: Set,
+    /// Form.
+    pub(crate) style: Style,
+}
+
+impl Spec {
+    /// `M101` or `M101 P12`.
+    pub(crate) fn text(&self) -> String {
+        let mut out = format!("{}{}", self.letter, self.number);
+        if self.style == Style::Listed {
+            out.push_str(" P");
+            for channel in self.named.iter() {
+                let _ = write!(out, "{}", if channel == 10 { 0 } else { channel });
+            }
+        }
+        out
+    }
+
+    fn matches(&self, other: &Self) -> bool {
+        self.letter == other.letter
+            && self.number == other.number
+            && self.style == other.style
+            && self.named == other.named
+            && self.parts == other.parts
+    }
+
+    /// Case of PS0160 when both stand at the same time.
+    fn mismatch(&self, other: &Self) -> Option<&'static str> {
+        let same_code = self.letter == other.letter && self.number == other.number;
+        match (self.style, other.style) {
+            (Style::NoList, Style::NoList) if !same_code => Some("different codes without P"),
+            (Style::NoList, Style::Listed) | (Style::Listed, Style::NoList) => Some("one with P, one without"),
+            (Style::Listed, Style::Listed) if same_code && self.named != other.named => {
+                Some("the same code with different P")
+            }
+            (Style::Listed, Style::Listed) if !same_code && self.named == other.named => {
+                Some("different codes with the same P")
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A channel that stands at a wait.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Waiting {
+    pub(crate) spec: Spec,
+    pub(crate) tag: Tag,
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+}
+
+/// How a channel came to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Terminal {
+    Ended,
+    Alarmed,
+    NeverStarted,
+    Stopped,
+}
+
+/// The end of a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Finish {
+    pub(crate) how: Terminal,
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+}
+
+/// What an arrival leads to.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Arrival {
+    /// The meeting is complete: these channels go on at this time.
+    Released { channels: Set, t: i64, micro: u32, meeting: u64 },
+    /// The channel stands.
+    Blocked,
+    /// The control refuses: these channels (the arriving one included) alarm.
+    Mismatch { channels: Set, members: Vec<Member>, text: String },
+}
+
+/// All waits of the job.
+#[derive(Debug)]
+pub(crate) struct Waits {
+    waiting: Vec<Option<Waiting>>,
+    finished: Vec<Option<Finish>>,
+    meetings: u64,
+    release_ns: i64,
+}
+
+fn index(rank: u16) -> usize {
+    usize::from(rank).wrapping_sub(1)
+}
+
+impl Waits {
+    pub(crate) fn new(channels: usize, release_ns: i64) -> Self {
+        Self { waiting: vec![None; channels], finished: vec![None; channels], meetings: 0, release_ns }
+    }
+
+    /// The wait of a channel.
+    pub(crate) fn at(&self, rank: u16) -> Option<&Waiting> {
+        self.waiting.get(index(rank)).and_then(Option::as_ref)
+    }
+
+    /// How a channel ended.
+    pub(crate) fn end(&self, rank: u16) -> Option<Finish> {
+        self.finished.get(index(rank)).copied().flatten()
+    }
+
+    /// All channels.
+    pub(crate) fn channels(&self) -> impl Iterator<Item = u16> + use<> {
+        1..=u16::try_from(self.waiting.len()).unwrap_or(u16::MAX)
+    }
+
+    pub(crate) fn finish(&mut self, rank: u16, finish: Finish) {
+        if let Some(slot) = self.finished.get_mut(index(rank)) {
+            *slot = Some(finish);
+        }
+        self.leave(rank);
+    }
+
+    fn leave(&mut self, rank: u16) {
+        if let Some(slot) = self.waiting.get_mut(index(rank)) {
+            *slot = None;
+        }
+    }
+
+    /// A channel arrives.
+    pub(crate) fn arrive(&mut self, arriving: Waiting) -> Arrival {
+        let rank = arriving.tag.rank;
+        let mut refused = Set::default();
+        let mut text = String::new();
+        let mut members = Vec::new();
+        for other in self.waiting.iter().flatten() {
+            if let Some(case) = arriving.spec.mismatch(&other.spec) {
+                refused = refused.with(other.tag.rank);
+                members.push(Member {
+                    channel: other.tag.rank,
+                    file: other.file,
+                    line: other.line,
+                    waiting_for: Vec::new(),
+                });
+                let _ = write!(
+                    text,
+                    "{}channel {rank} waits at {}, channel {} at {}: {case}",
+                    if text.is_empty() { "" } else { "; " },
+                    arriving.spec.text(),
+                    other.tag.rank,
+                    other.spec.text()
+                );
+            }
+        }
+        if refused != Set::default() {
+            for channel in refused.iter() {
+                self.leave(channel);
+            }
+            return Arrival::Mismatch { channels: refused.with(rank), members, text };
+        }
+        let parts = arriving.spec.parts;
+        if let Some(slot) = self.waiting.get_mut(index(rank)) {
+            *slot = Some(arriving);
+        }
+        if self.missing(rank) != Set::default() {
+            return Arrival::Blocked;
+        }
+        let (mut t, mut micro) = (0, 0);
+        for tag in parts.iter().filter_map(|c| self.at(c)).map(|w| w.tag) {
+            (t, micro) = (t, micro).max((tag.t, tag.micro));
+        }
+        for channel in parts.iter() {
+            self.leave(channel);
+        }
+        self.meetings += 1;
+        if self.release_ns > 0 {
+            (t, micro) = (t + self.release_ns, 0);
+        } else {
+            micro += 1;
+        }
+        Arrival::Released { channels: parts, t, micro, meeting: self.meetings }
+    }
+
+    /// Participants of a channel's wait that have not arrived at the same meeting.
+    pub(crate) fn missing(&self, rank: u16) -> Set {
+        let Some(own) = self.at(rank) else { return Set::default() };
+        let mut missing = Set::default();
+        for channel in own.spec.parts.iter() {
+            if !self.at(channel).is_some_and(|other| other.spec.matches(&own.spec)) {
+                missing = missing.with(channel);
+            }
+        }
+        missing
+    }
+
+    /// Channels that wait and can never go on: the complement of the fix-point over what can still arrive.
+    pub(crate) fn dead(&self) -> Set {
+        let mut live = Set::default();
+        for channel in self.channels() {
+            if self.at(channel).is_none() && self.end(channel).is_none() {
+                live = live.with(channel);
+            }
+        }
+        loop {
+            let before = live;
+            for channel in self.channels() {
+                if self.at(channel).is_some() && self.missing(channel).iter().all(|m| live.has(m)) {
+                    live = live.with(channel);
+                }
+            }
+            if live == before {
+                break;
+            }
+        }
+        let mut dead = Set::default();
+        for channel in self.channels() {
+            if self.at(channel).is_some() && !live.has(channel) {
+                dead = dead.with(channel);
+            }
+        }
+        dead
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn waiting(rank: u16, t: i64, number: u32, named: &[u16]) -> Waiting {
+        let named_set = named.iter().fold(Set::default(), |s, &c| s.with(c));
+        let (parts, style) =
+            if named.is_empty() { (Set::up_to(2), Style::NoList) } else { (named_set.with(rank), Style::Listed) };
+        let spec = Spec { primitive: Primitive::Barrier, letter: 'M', number, named: named_set, parts, style };
+        Waiting { spec, tag: Tag { t, micro: 0, rank }, file: 0, line: 1 }
+    }
+
+    #[test]
+    fn a_meeting_releases_at_the_latest_arrival() {
+        let mut waits = Waits::new(3, 0);
+        assert_eq!(waits.arrive(waiting(1, 1, 101, &[1, 2, 3])), Arrival::Blocked);
+        assert_eq!(waits.arrive(waiting(2, 5, 101, &[1, 2, 3])), Arrival::Blocked);
+        let Arrival::Released { channels, t, micro, meeting } = waits.arrive(waiting(3, 7, 101, &[1, 2, 3])) else {
+            panic!("not released");
+        };
+        assert_eq!((channels, t, micro, meeting), (Set::up_to(3), 7, 1, 1));
+    }
+
+    #[test]
+    fn fanuc_cases_of_the_alarm() {
+        for (first, second, alarm) in [
+            (waiting(1, 0, 101, &[]), waiting(2, 0, 102, &[]), true),
+            (waiting(1, 0, 101, &[1, 2]), waiting(2, 0, 102, &[1, 2]), true),
+            (waiting(1, 0, 101, &[1, 2, 3]), waiting(2, 0, 101, &[1, 2]), true),
+            (waiting(1, 0, 101, &[]), waiting(2, 0, 101, &[1, 2]), true),
+            (waiting(1, 0, 101, &[1, 2]), waiting(2, 0, 102, &[2, 3]), false),
+        ] {
+            let mut waits = Waits::new(3, 0);
+            assert_eq!(waits.arrive(first), Arrival::Blocked);
+            let arrival = waits.arrive(second.clone());
+            assert_eq!(matches!(arrival, Arrival::Mismatch { .. }), alarm, "{second:?}: {arrival:?}");
+        }
+    }
+
+    #[test]
+    fn a_circle_of_three_is_dead_only_when_closed() {
+        let mut waits = Waits::new(3, 0);
+        waits.arrive(waiting(1, 1, 101, &[1, 2]));
+        waits.arrive(waiting(2, 2, 102, &[2, 3]));
+        assert_eq!(waits.dead(), Set::default());
+        waits.arrive(waiting(3, 3, 103, &[1, 3]));
+        assert_eq!(waits.dead(), Set::up_to(3));
+    }
+}
