@@ -1,6 +1,13 @@
 //! The server through its wire contract, over loopback, with a scripted runner.
 
-#![allow(missing_docs, unreachable_pub)]
+#![allow(
+    missing_docs,
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
 
 mod life;
 mod submit;
