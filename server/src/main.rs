@@ -55,7 +55,8 @@ fn fail(code: u8, error: &dyn std::error::Error) -> ExitCode {
 fn logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("COUNTERPOINT_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let colours = std::io::IsTerminal::is_terminal(&std::io::stderr());
+    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colours).with_writer(std::io::stderr).init();
 }
 
 async fn serve(options: Options) -> Result<(), service::Error> {

@@ -14,8 +14,8 @@ use counterpoint_proto::v1::jobs_server::JobsServer;
 use counterpoint_proto::v1::machines_server::MachinesServer;
 use counterpoint_proto::v1::results_server::ResultsServer;
 use tokio::net::TcpListener;
-use tokio_stream::wrappers::TcpListenerStream;
 use tonic::transport::Server;
+use tonic::transport::server::TcpIncoming;
 use tonic_health::server::HealthReporter;
 
 use crate::jobs::Core;
@@ -142,10 +142,9 @@ impl Service {
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
             .build_v1()?;
         let (close, closed) = tokio::sync::oneshot::channel::<()>();
-        let incoming = TcpListenerStream::new(listener);
+        let incoming =
+            TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(Duration::from_secs(60)));
         let server = Server::builder()
-            .tcp_nodelay(true)
-            .tcp_keepalive(Some(Duration::from_secs(60)))
             .http2_keepalive_interval(Some(Duration::from_secs(30)))
             .http2_keepalive_timeout(Some(Duration::from_secs(10)))
             .initial_stream_window_size(1 << 20)
