@@ -84,9 +84,12 @@ impl Core {
     /// Puts back into the queue what a server before this one left unfinished.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
         for record in self.ledger.unfinished()? {
+            let before = record.state;
             let record = recovered(record, self.options.attempts);
             tracing::info!(job = record.id, state = ?record.state, attempt = record.attempt, "recovered");
-            self.ledger.update_blocking(record.clone())?;
+            if record.state != before {
+                self.ledger.update_blocking(record.clone())?;
+            }
             if !record.state.ended() {
                 self.admit(Arc::new(Live::new(record)));
             }
