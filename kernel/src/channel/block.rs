@@ -52,6 +52,8 @@ pub(crate) struct Block {
     pub(crate) sequence: Option<u32>,
     /// A comment or message without its end was met.
     pub(crate) open_comment: bool,
+    /// A number with more whole digits than its register's format.
+    pub(crate) too_many_digits: bool,
     /// Control characters were met.
     pub(crate) bad_bytes: bool,
     /// This block's positions are in the machine frame.
@@ -72,6 +74,7 @@ impl Default for Block {
             slots: [0; REGISTERS],
             sequence: None,
             open_comment: false,
+            too_many_digits: false,
             bad_bytes: false,
             machine_frame: false,
             exact_stop: false,
@@ -94,6 +97,7 @@ impl Block {
         self.texts.clear();
         self.sequence = None;
         self.open_comment = false;
+        self.too_many_digits = false;
         self.bad_bytes = false;
         self.machine_frame = false;
         self.exact_stop = false;

@@ -27,6 +27,10 @@ impl Kernel<'_> {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
+        if self.block.too_many_digits {
+            let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
+            self.diagnose(&diag::TOO_MANY_DIGITS, text);
+        }
         if self.block.bad_bytes {
             let text = format!("control characters in line {} are passed over", self.line);
             self.diagnose(&diag::BAD_BYTES, text);

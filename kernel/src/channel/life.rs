@@ -12,7 +12,7 @@ use crate::multi::waits::{Finish, Terminal};
 
 impl Kernel<'_> {
     /// Runs the kernel's whole life.
-    pub(crate) fn live(mut self, start: (u16, Range, Box<str>)) {
+    pub(crate) fn live(mut self, start: (u16, Range, Box<str>)) -> Halt {
         let (file, range, name) = start;
         self.coordinator.begin(self.rank);
         self.progress.set_state(State::Running);
@@ -26,6 +26,7 @@ impl Kernel<'_> {
             Err(halt) => halt,
         };
         self.finish(halt);
+        halt
     }
 
     /// Says how it ended and lets the others know.

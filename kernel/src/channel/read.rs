@@ -6,6 +6,7 @@ use super::scan::Kind as LineKind;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FileId, Kind};
+use crate::machine::model::RewindStop;
 use crate::mcd::source::Source;
 
 impl Kernel<'_> {
@@ -43,7 +44,15 @@ impl Kernel<'_> {
         if self.is_rewind_stop(text) {
             return self.rewind_stop(source, line);
         }
-        self.flow.opened = true;
+        if !self.flow.opened {
+            self.flow.opened = true;
+            if self.machine.format.rws_at == RewindStop::Start {
+                self.diagnose(
+                    &diag::NO_REWIND_STOP,
+                    "there is no rewind-stop before the program, it starts with its first block",
+                );
+            }
+        }
         match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
             LineKind::Words => self.act_block()?,
             LineKind::Macro => self.macro_line(text)?,

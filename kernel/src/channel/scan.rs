@@ -121,31 +121,30 @@ impl Scanner {
         Kind::Words
     }
 
-    /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor.
+    /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
+    /// brackets and in statements a skip character after the first word is a division.
     pub(crate) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
         block.clear();
         out.clear();
         out.extend_from_slice(line);
-        let (mut at, mut depth) = (0, 0_usize);
+        let (mut at, mut depth, mut statement) = (0, 0_usize, false);
         while let Some(&byte) = line.get(at) {
-            let next = match byte {
-                b'[' => {
-                    depth += 1;
-                    at + 1
-                }
-                b']' => {
-                    depth = depth.saturating_sub(1);
-                    at + 1
-                }
-                _ if depth == 0 => self.skip(line, at, byte, block).unwrap_or(at + 1),
-                _ => at + 1,
-            };
-            if depth == 0 && byte != b']' && self.skip(line, at, byte, block).is_some() {
+            let division = Some(byte) == self.opskip && (depth > 0 || statement);
+            let next = if depth > 0 && byte == b'(' || division { None } else { self.skip(line, at, byte, block) };
+            if let Some(next) = next {
                 out.get_mut(at..next.min(line.len())).unwrap_or_default().fill(b' ');
+                at = next;
+                continue;
             }
-            at = next;
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth = depth.saturating_sub(1),
+                b'#' => statement = true,
+                _ if !statement && is_keyword(line, at) => statement = true,
+                _ => {}
+            }
+            at += 1;
         }
-        block.unknown.clear();
     }
 
     /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
@@ -253,12 +252,13 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let value = if number.point {
-            number.value
-        } else {
-            let (primary, second) = self.formats.get(usize::from(register))?;
-            implied(number, if secondary { second } else { primary })
-        };
+        let (primary, second) = self.formats.get(usize::from(register))?;
+        let format = if secondary { second } else { primary };
+        let value = if number.point { number.value } else { implied(number, format) };
+        let room = POW10.get(usize::from(whole_room(number, format))).copied().unwrap_or(f64::INFINITY);
+        if number.value.abs() >= room {
+            block.too_many_digits = true;
+        }
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -352,6 +352,11 @@ fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
     };
     let value = if negative { -magnitude } else { magnitude };
     Some((Number { value, point, digits: digits.min(255) as u8 }, cursor))
+}
+
+/// Digits that may stand before the point: without a written point, an implied one leaves room for the fraction too.
+fn whole_room(number: Number, format: &NumberFormat) -> u8 {
+    if number.point || format.point != Point::Omit { format.whole } else { format.whole.saturating_add(format.frac) }
 }
 
 /// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).

@@ -39,7 +39,6 @@ diagnostics! {
     DATA_MISSING 2900005 8 false "code without a value it needs";
     TOO_MANY_DIGITS 2900006 4 false "more digits than the register's format";
     COMMENT_OPEN 2900010 4 false "comment or message without its end";
-    EMPTY_FILE 2900011 8 false "program without any block";
     NO_REWIND_STOP 2900012 0 false "program without the expected rewind-stop";
     REWIND_STOP_INSIDE 2900013 4 false "rewind-stop inside the program";
     BLOCK_TOO_LONG 2900014 8 true "block longer than the limit";
@@ -59,7 +58,6 @@ diagnostics! {
     AXIS_NOT_IN_CHANNEL 2900028 8 false "word of an axis that the channel does not have";
     RETURN_WITHOUT_HOME 2900029 8 false "return from reference without an intermediate point";
     NO_SPINDLE 2900030 8 false "spindle code in a channel without a spindle";
-    EXTRA_PROGRAM 2900031 4 false "program in the file that no channel runs";
     SUBPROGRAM_MISSING 2900040 12 true "subprogram that is nowhere to be found";
     NESTING 2900041 12 true "subprograms nested too deeply";
     JUMP_TARGET 2900042 12 true "sequence number of a jump is not in the program";
@@ -74,7 +72,6 @@ diagnostics! {
     MACRO_CALL 2900066 12 true "macro call that cannot be made";
     LIMIT_REACHED 2900070 16 false "limit of the job";
     DEADLOCK 2900071 16 false "channels that can never go on";
-    BLOCKED 2900072 12 false "channel still waiting when everything else has stopped";
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! nothing prints on the side. Invariant: an event is complete when it is emitted and is never changed later,
 //! and the log is sorted by `(t_ns, micro, stream rank, order within the stream)`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Most axes one channel can command. Positions are arrays of this length in the axis order of the channel.
 pub const MAX_AXES: usize = 8;
@@ -256,7 +256,7 @@ pub struct Wait {
 }
 
 /// The primitives of channel synchronisation (reference: channel-synchronisation.md 0 and 1.1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Primitive {
     /// All named channels meet.
@@ -298,7 +298,7 @@ pub struct Diagnostic {
 }
 
 /// Why channels can never go on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum VerdictKind {
     /// Each waits for another one of the circle.

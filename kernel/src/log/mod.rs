@@ -1,4 +1,13 @@
 //! The ordered event log of a job and what is read off it.
+//!
+//! Every result is a fold over the events in log order: nothing here runs a job, and nothing holds the log.
 
+pub mod digest;
 pub mod event;
 pub mod info;
+mod meetings;
+pub mod summary;
+pub mod work;
+
+#[cfg(test)]
+pub(crate) mod testing;

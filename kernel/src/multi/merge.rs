@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
 
 use super::tag::Tag;
 use crate::job::Sink;
-use crate::log::event::Event;
+use crate::log::event::{Event, Kind, Phase};
 
 /// Events in a full chunk.
 pub(crate) const CHUNK: usize = 256;
@@ -75,6 +75,8 @@ struct Stream {
     rank: u16,
     chunks: VecDeque<(Vec<Event>, usize)>,
     state: State,
+    /// The end of the channel is in the log.
+    ended: bool,
     empties: Sender<Vec<Event>>,
 }
 
@@ -131,6 +133,7 @@ impl Merger {
                 rank,
                 chunks: VecDeque::with_capacity(CREDIT),
                 state: State::Active(floor),
+                ended: false,
                 empties: back,
             });
             feeders.push(Feeder { messages: sender.clone(), empties, made: 0 });
@@ -143,6 +146,11 @@ impl Merger {
         let seq = self.next_seq;
         self.next_seq += 1;
         sink.events(seq, std::slice::from_ref(event))
+    }
+
+    /// The end of this channel's program is in the log.
+    pub(crate) fn ended(&self, rank: u16) -> bool {
+        self.streams.iter().any(|s| s.rank == rank && s.ended)
     }
 
     /// Receives and merges until all streams are complete. After [`End::Full`] or [`End::Refused`] the streams are
@@ -250,6 +258,7 @@ impl Merger {
             }
             let room = self.limit.saturating_sub(self.next_seq - 1);
             let batch = rest.get(..run.min(usize::try_from(room).unwrap_or(usize::MAX))).unwrap_or_default();
+            stream.ended |= batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)));
             if let Some(last) = batch.last() {
                 self.last = (last.t_ns, last.micro);
                 if !sink.events(self.next_seq, batch) {

@@ -16,7 +16,7 @@ use shared::{Shared, Spindle};
 use waits::Waits;
 
 use crate::channel::plan::Plan;
-use crate::channel::{Kernel, block::Block, emit::Emitter, flow::Flow, life, state, variables::ChannelVariables};
+use crate::channel::{Halt, Kernel, block::Block, emit::Emitter, flow::Flow, life, state, variables::ChannelVariables};
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
 use crate::job::{Job, Outcome, Sink};
@@ -38,7 +38,9 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
     let mut refused = !merger.direct(&master(0, Kind::Lifecycle(Phase::MachineStart)), sink);
     let fallback = Progress::default();
     let fallback = &fallback;
-    std::thread::scope(|scope| {
+    let mut full = false;
+    let halts: Vec<(u16, Halt)> = std::thread::scope(|scope| {
+        let mut running = Vec::new();
         let mut starting = Vec::new();
         for (index, (channel, feeder)) in machine.channels.iter().zip(feeders).enumerate() {
             let progress = control.progress().get(index).unwrap_or(fallback);
@@ -62,11 +64,14 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
         for (number, kernel, start) in starting {
             let spawned =
                 std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, || kernel.live(start));
-            if spawned.is_err() {
-                // The operating system refuses a thread: the job cannot be run and counts as cancelled.
-                control.cancel();
-                coordinator.closed(number);
-                coordinator.done(&mut coordinator.lock(), number);
+            match spawned {
+                Ok(handle) => running.push((number, handle)),
+                Err(_) => {
+                    // The operating system refuses a thread: the job cannot be run and counts as cancelled.
+                    control.cancel();
+                    coordinator.closed(number);
+                    coordinator.done(&mut coordinator.lock(), number);
+                }
             }
         }
         if refused {
@@ -74,13 +79,26 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
         }
         let end = merger.run(sink, |_| coordinator.abort());
         refused |= end == End::Refused;
-        if end == End::Full {
+        full = end == End::Full;
+        if full {
             for event in full_log(&merger, spec.options.limits.events) {
                 refused |= !merger.direct(&event, sink);
             }
         }
+        running.into_iter().map(|(number, handle)| (number, handle.join().unwrap_or(Halt::Stopped))).collect()
     });
     let (t_ns, micro) = merger.last;
+    // How far a thread got beyond a cut of the log is chance; only what is in the log counts.
+    for (channel, halt) in halts {
+        if merger.ended(channel) {
+            continue;
+        }
+        let phase = if halt == Halt::Blocked && !full { Phase::Blocked } else { Phase::Stopped };
+        if !refused {
+            let event = Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) };
+            refused = !merger.direct(&event, sink);
+        }
+    }
     if !refused {
         let close = Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) };
         refused = !merger.direct(&close, sink);

@@ -9,12 +9,14 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::log::digest::Digest;
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::log::summary;
 use serde::Serialize;
 
 use crate::log::reader::{Events, Reader};
-use standin::{jsonl, listing, summary, timeline, toolpath};
+use standin::{jsonl, listing, timeline, toolpath};
 
 /// A result that has a file of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +43,7 @@ impl Document {
 
 /// Results in the making.
 pub(crate) struct Folds {
+    digest: Digest,
     summary: summary::Builder,
     timeline: Option<timeline::Builder>,
     toolpath: Option<toolpath::Builder>,
@@ -70,6 +73,7 @@ pub(crate) struct Key {
 impl Folds {
     pub(crate) fn new(info: &Arc<Info>, timeline: bool, toolpath: bool) -> Self {
         Self {
+            digest: Digest::new(),
             summary: summary::Builder::new(info),
             timeline: timeline.then(|| timeline::Builder::new(info)),
             toolpath: toolpath.then(|| toolpath::Builder::new(info)),
@@ -77,6 +81,7 @@ impl Folds {
     }
 
     pub(crate) fn event(&mut self, seq: u64, event: &Event) {
+        self.digest.event(event);
         self.summary.event(seq, event);
         if let Some(timeline) = &mut self.timeline {
             timeline.event(seq, event);
@@ -88,7 +93,7 @@ impl Folds {
 
     pub(crate) fn finish(self, outcome: &Outcome) -> Finished {
         Finished {
-            summary: self.summary.finish(outcome),
+            summary: self.summary.finish(outcome, self.digest.hex()),
             timeline: self.timeline.map(timeline::Builder::finish),
             toolpath: self.toolpath.map(toolpath::Builder::finish),
         }

@@ -1,91 +1,5 @@
-// replaced when kernel::log::{summary, timeline, toolpath, listing, jsonl} lands
+// replaced when kernel::log::{timeline, toolpath, listing, jsonl} lands
 //! Stand-ins for what is read off the event log: right in form, thin in content.
-
-pub(crate) mod summary {
-    use std::sync::Arc;
-
-    use counterpoint_kernel::job::Outcome;
-    use counterpoint_kernel::log::event::{Event, Kind, MotionKind, Phase};
-    use counterpoint_kernel::log::info::Info;
-    use serde_json::{Value, json};
-
-    #[derive(serde::Serialize)]
-    #[serde(transparent)]
-    pub(crate) struct Summary(Value);
-
-    #[derive(Default, Clone)]
-    struct Channel {
-        state: &'static str,
-        blocks: u64,
-        end: i64,
-        feed: i64,
-        rapid: i64,
-        misc: i64,
-        wait: i64,
-    }
-
-    pub(crate) struct Builder {
-        info: Arc<Info>,
-        channels: Vec<Channel>,
-        diagnostics: Vec<Value>,
-        verdict: Value,
-        severity: u8,
-    }
-
-    impl Builder {
-        pub(crate) fn new(info: &Arc<Info>) -> Self {
-            let channels = vec![Channel { state: "NOT_STARTED", ..Channel::default() }; info.channels.len()];
-            Self { info: info.clone(), channels, diagnostics: Vec::new(), verdict: Value::Null, severity: 0 }
-        }
-
-        pub(crate) fn event(&mut self, _seq: u64, e: &Event) {
-            if let Kind::Diagnostic(d) = &e.kind {
-                self.severity = self.severity.max(d.severity);
-                self.diagnostics.push(json!({
-                    "number": d.number, "severity": d.severity, "channel": e.channel,
-                    "file": self.info.file_name(e.file), "line": e.line,
-                    "block": self.info.line_text(e.file, e.line), "text": d.text, "t_ns": e.t_ns,
-                }));
-            }
-            if let Kind::Verdict(v) = &e.kind {
-                self.verdict = json!({"kind": v.kind, "at_ns": v.at_ns, "text": v.text, "members": []});
-            }
-            let index = self.info.channels.iter().position(|c| c.number == e.channel);
-            let Some(channel) = index.and_then(|i| self.channels.get_mut(i)) else { return };
-            channel.end = channel.end.max(e.t_ns + e.dur_ns);
-            match &e.kind {
-                Kind::Block { number } => channel.blocks = *number,
-                Kind::Motion(m) if m.kind == MotionKind::Rapid => channel.rapid += e.dur_ns,
-                Kind::Motion(_) => channel.feed += e.dur_ns,
-                Kind::Release(r) => channel.wait += e.t_ns - r.since_ns,
-                Kind::Lifecycle(Phase::ProgramEnd) => channel.state = "ENDED",
-                Kind::Lifecycle(Phase::Alarmed) => channel.state = "ALARMED",
-                Kind::Lifecycle(Phase::Blocked) => channel.state = "BLOCKED",
-                Kind::Lifecycle(Phase::Stopped) => channel.state = "STOPPED",
-                _ => channel.misc += e.dur_ns,
-            }
-        }
-
-        pub(crate) fn finish(self, outcome: &Outcome) -> Summary {
-            let state = match () {
-                () if outcome.cancelled => "CANCELLED",
-                () if self.severity >= 8 || !self.verdict.is_null() => "FAILED",
-                () => "SUCCEEDED",
-            };
-            let makespan = self.channels.iter().map(|c| c.end).max().unwrap_or(0);
-            let channels: Vec<Value> = (self.info.channels.iter().zip(&self.channels))
-                .map(|(info, c)| {
-                    json!({"channel": info.number, "name": info.name, "program": info.program, "state": c.state,
-                        "blocks": c.blocks, "end_ns": c.end, "feed_ns": c.feed, "rapid_ns": c.rapid,
-                        "misc_ns": c.misc, "wait_ns": c.wait})
-                })
-                .collect();
-            Summary(json!({"state": state, "highest_severity": self.severity, "makespan_ns": makespan,
-                "log_digest": "", "channels": channels, "waits": [], "verdict": self.verdict,
-                "diagnostics": self.diagnostics}))
-        }
-    }
-}
 
 pub(crate) mod timeline {
     use std::sync::Arc;
@@ -181,7 +95,7 @@ pub(crate) mod listing {
     use counterpoint_kernel::log::event::Event;
     use counterpoint_kernel::log::info::Info;
 
-    use super::summary::Summary;
+    use counterpoint_kernel::log::summary::Summary;
 
     pub(crate) fn render(
         info: &Info,

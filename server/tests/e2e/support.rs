@@ -70,6 +70,13 @@ impl Runner for Script {
     }
 }
 
+/// A position of two axes; the others do not exist and are zero.
+fn position(value: f64) -> Position {
+    let mut position = [0.0; MAX_AXES];
+    position[..2].fill(value);
+    position
+}
+
 pub fn event(seq: u64) -> Event {
     let line = (seq % 100) as u32 + 1;
     let kind = match seq % 50 {
@@ -78,8 +85,8 @@ pub fn event(seq: u64) -> Event {
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
             moving: 3,
-            from: [seq as f64; MAX_AXES],
-            to: [seq as f64 + 1.0; MAX_AXES],
+            from: position(seq as f64),
+            to: position(seq as f64 + 1.0),
             center: [0.0; 2],
             plane_axes: [255; 2],
             turns: 0,

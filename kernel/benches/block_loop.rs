@@ -1,0 +1,111 @@
+//! The block loop: blocks a second of one channel, two channels with meetings, statements.
+//!
+//! The programs are made here, so the bench needs nothing else. Figures and their meaning: docs/performance.md.
+
+#![allow(clippy::expect_used, missing_docs, reason = "a bench stops on what cannot happen")]
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::log::digest::Digest;
+use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::machine::{Machine, load, package};
+use counterpoint_kernel::options::Options;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+
+struct Count(u64);
+
+impl Sink for Count {
+    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
+        self.0 += batch.len() as u64;
+        true
+    }
+}
+
+struct Hash(Digest);
+
+impl Sink for Hash {
+    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
+        batch.iter().for_each(|event| self.0.event(event));
+        true
+    }
+}
+
+fn machine(name: &str) -> Arc<Machine> {
+    Arc::new(load(&package::shipped(), name).machine.expect("a shipped machine"))
+}
+
+fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
+    let mut files = Memory::default();
+    let mut programs = Vec::new();
+    for (index, text) in texts.iter().enumerate() {
+        let file = format!("p{index}.nc");
+        files.insert(file.clone(), text);
+        programs.push(Program { file, number: None, channel: None });
+    }
+    let spec = Spec { machine: machine.clone(), programs, options: Options::default() };
+    (Job::prepare(spec, &files).expect("a job"), files)
+}
+
+fn mill(blocks: usize) -> String {
+    let mut text = "G17 G21 G90 G94 G40\nG0 X0. Y0. Z5.\nS3000 M3\nG1 Z-1. F500.\n".to_owned();
+    for k in 0..blocks {
+        let x = 50.0 + (k % 977) as f64 * 0.0173;
+        let y = 40.0 + (k % 613) as f64 * 0.0291;
+        let _ = match k % 5 {
+            0 => writeln!(text, "G1 X{x:.4} Y{y:.4} Z-{:.3} F{}.", (k % 1000) as f64 * 0.001, 500 + k % 200),
+            1 => writeln!(text, "X{x:.4} Y{y:.4}"),
+            2 => writeln!(text, "X{x:.4}"),
+            3 => writeln!(text, "G1 X{x:.4} Y{y:.4}"),
+            _ => writeln!(text, "G3 X{:.4} Y{y:.4} R{:.2}", x + 2.0, 2.0 + (k % 7) as f64 * 0.25),
+        };
+    }
+    text.push_str("G0 Z5.\nM5\nM30\n");
+    text
+}
+
+fn lathe(blocks: usize, path: usize, waits: bool) -> String {
+    let mut text = format!("O{path}\nG18 G21 G97 G98 G40\nF200.\n");
+    for k in 0..blocks {
+        let (z, x) = ((k % 50) as f64 * 0.5, 40.0 - (k % 20) as f64 * 0.2 + path as f64);
+        let _ = if k % 3 == 0 {
+            writeln!(text, "G0 X{:.1} Z-{z:.1}", x + 5.0)
+        } else {
+            writeln!(text, "G1 X{x:.1} Z-{z:.1}")
+        };
+        if waits && k % 20 == 19 {
+            let _ = writeln!(text, "M{} P12", 101 + k / 20 % 90);
+        }
+    }
+    text.push_str("M30\n");
+    text
+}
+
+fn block_loop(c: &mut Criterion) {
+    let mut group = c.benchmark_group("block_loop");
+    let blocks = 20_000;
+    group.throughput(Throughput::Elements(blocks as u64));
+    group.sample_size(20);
+    let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
+    group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
+    group.bench_function("milling_with_digest", |b| {
+        b.iter(|| mill_job.run(&files, &Control::new(1), &mut Hash(Digest::new())));
+    });
+    let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
+    group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
+    let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
+    group.bench_function("two_channels_1000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
+    let text = format!(
+        "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
+        blocks / 5
+    );
+    let (statements, files) = job(&machine("fanuc-mill"), &[text]);
+    group.bench_function("statements", |b| b.iter(|| statements.run(&files, &Control::new(1), &mut Count(0))));
+    group.finish();
+}
+
+criterion_group!(benches, block_loop);
+criterion_main!(benches);

@@ -1,0 +1,142 @@
+//! Tests of the log's fingerprint.
+
+use super::*;
+use crate::log::event::{Diagnostic, Member, Release, Spindle, Wait};
+
+fn event(kind: Kind) -> Event {
+    Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }
+}
+
+fn motion() -> Motion {
+    Motion {
+        kind: MotionKind::Linear,
+        moving: 3,
+        from: [0.0; MAX_AXES],
+        to: [1.0, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        center: [0.0; 2],
+        plane_axes: [255; 2],
+        turns: 0,
+        feed: 0.2,
+        feed_unit: FeedUnit::PerRevolution,
+        length: 2.6,
+    }
+}
+
+fn digest(events: &[Event]) -> String {
+    let mut digest = Digest::new();
+    events.iter().for_each(|e| digest.event(e));
+    digest.hex()
+}
+
+#[test]
+fn an_empty_log_has_the_digest_of_no_bytes() {
+    assert_eq!(digest(&[]), blake3::hash(b"").to_hex().to_string());
+}
+
+#[test]
+fn the_form_is_fixed() {
+    let mut bytes = Vec::new();
+    write_event(&mut bytes, &event(Kind::Block { number: 258 }));
+    let head = [7, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 40, 0, 0, 0];
+    assert_eq!(bytes, [&head[..], &[1, 2, 1, 0, 0, 0, 0, 0, 0]].concat());
+    bytes.clear();
+    write_event(&mut bytes, &event(Kind::Message { text: "ab".into() }));
+    assert_eq!(bytes, [&head[..], &[13, 2, 0, 0, 0, b'a', b'b']].concat());
+}
+
+#[test]
+fn minus_zero_counts_as_zero() {
+    let mut other = motion();
+    other.from[1] = -0.0;
+    other.center = [-0.0, -0.0];
+    assert_eq!(digest(&[event(Kind::Motion(motion()))]), digest(&[event(Kind::Motion(other))]));
+}
+
+#[test]
+fn every_field_counts() {
+    let spindle =
+        Spindle { spindle: 1, direction: Direction::Clockwise, css: false, speed: 900.0, limit: f64::INFINITY };
+    let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
+    let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
+    let wait = Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: vec![1, 2] };
+    let release = Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 1 };
+    let motions = [
+        motion(),
+        Motion { kind: MotionKind::Thread, ..motion() },
+        Motion { moving: 1, ..motion() },
+        Motion { from: [0.5; MAX_AXES], ..motion() },
+        Motion { to: [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..motion() },
+        Motion { center: [1.0, 0.0], ..motion() },
+        Motion { plane_axes: [0, 1], ..motion() },
+        Motion { turns: 256, ..motion() },
+        Motion { turns: 1, ..motion() },
+        Motion { feed: 0.3, ..motion() },
+        Motion { feed_unit: FeedUnit::PerMinute, ..motion() },
+        Motion { length: 2.7, ..motion() },
+    ];
+    let mut kinds: Vec<Kind> = motions.into_iter().map(Kind::Motion).collect();
+    kinds.extend([
+        Kind::Lifecycle(Phase::MachineStart),
+        Kind::Lifecycle(Phase::ProgramEnd),
+        Kind::Dwell,
+        Kind::Tool { action: ToolAction::Load, tool: 1, offset: 1 },
+        Kind::Tool { action: ToolAction::Select, tool: 1, offset: 1 },
+        Kind::Tool { action: ToolAction::Load, tool: 2, offset: 1 },
+        Kind::Tool { action: ToolAction::Load, tool: 1, offset: 2 },
+        Kind::Spindle(spindle),
+        Kind::Spindle(Spindle { spindle: 2, ..spindle }),
+        Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),
+        Kind::Spindle(Spindle { css: true, ..spindle }),
+        Kind::Spindle(Spindle { speed: 901.0, ..spindle }),
+        Kind::Spindle(Spindle { limit: 2000.0, ..spindle }),
+        Kind::Coolant { on: true },
+        Kind::Coolant { on: false },
+        Kind::Function { letter: 'M', value: 8.0 },
+        Kind::Function { letter: 'N', value: 8.0 },
+        Kind::Function { letter: 'M', value: 9.0 },
+        Kind::Mode { text: "plane zx".into() },
+        Kind::Frame { shift: Box::new([0.0; MAX_AXES]) },
+        Kind::Frame { shift: Box::new([1.0; MAX_AXES]) },
+        Kind::Stop(Stop::End),
+        Kind::Stop(Stop::Rewind),
+        Kind::Call { program: "O1".into(), level: 1 },
+        Kind::Call { program: "O1".into(), level: 2 },
+        Kind::Return { level: 1 },
+        Kind::Message { text: "plane zx".into() },
+        Kind::Wait(Box::new(wait.clone())),
+        Kind::Wait(Box::new(Wait { participants: vec![1, 3], ..wait.clone() })),
+        Kind::Wait(Box::new(Wait { primitive: Primitive::Join, ..wait })),
+        Kind::Release(Box::new(release.clone())),
+        Kind::Release(Box::new(Release { since_ns: 6, ..release.clone() })),
+        Kind::Release(Box::new(Release { meeting: 2, ..release })),
+        Kind::Diagnostic(Box::new(Diagnostic { number: 1, severity: 4, text: "t".into() })),
+        Kind::Diagnostic(Box::new(Diagnostic { number: 1, severity: 8, text: "t".into() })),
+        Kind::Verdict(Box::new(verdict.clone())),
+        Kind::Verdict(Box::new(Verdict { members: vec![], ..verdict.clone() })),
+        Kind::Verdict(Box::new(Verdict { members: vec![Member { waiting_for: vec![3], ..member }], ..verdict })),
+    ]);
+    let mut events: Vec<Event> = kinds.into_iter().map(event).collect();
+    let base = event(Kind::Dwell);
+    events.extend([
+        Event { t_ns: 8, ..base.clone() },
+        Event { micro: 2, ..base.clone() },
+        Event { dur_ns: 4, ..base.clone() },
+        Event { channel: 3, ..base.clone() },
+        Event { file: 2, ..base.clone() },
+        Event { line: 41, ..base },
+    ]);
+    let mut digests: Vec<String> = events.iter().map(|e| digest(std::slice::from_ref(e))).collect();
+    let count = digests.len();
+    digests.sort();
+    digests.dedup();
+    assert_eq!(digests.len(), count);
+}
+
+#[test]
+fn chunking_does_not_show() {
+    let events: Vec<Event> = (0..5000).map(|n| Event { t_ns: n, ..event(Kind::Motion(motion())) }).collect();
+    let mut bytes = Vec::new();
+    events.iter().for_each(|e| write_event(&mut bytes, e));
+    assert!(bytes.len() > 4 * CHUNK);
+    assert_eq!(digest(&events), blake3::hash(&bytes).to_hex().to_string());
+}

@@ -1,0 +1,285 @@
+//! The summary of a job: how it ended, how long everything took, who waited for whom.
+//!
+//! Facts: reference control-emulator.md 6.9 (classes of time). Invariant: for every channel
+//! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait
+//! that never came true counts up to where its channel ends.
+
+mod tally;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+pub use crate::log::meetings::{Arrival, Meeting};
+
+use crate::job::Outcome;
+use crate::log::event::{Event, FileId, Kind, VerdictKind};
+use crate::log::info::Info;
+use crate::log::meetings::Meetings;
+use crate::log::work::Work;
+use tally::Tally;
+
+/// Diagnostics that a summary lists; the log holds them all.
+pub const MAX_DIAGNOSTICS: usize = 10_000;
+
+/// How a job ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum State {
+    /// All programs ended without an error.
+    Succeeded,
+    /// A verdict or a diagnostic of severity 8 or more.
+    Failed,
+    /// Cancelled before its end.
+    Cancelled,
+}
+
+/// How a channel ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum ChannelState {
+    /// Its program has ended.
+    Ended,
+    /// It stands on an alarm.
+    Alarmed,
+    /// It stands at a wait that never came true.
+    Blocked,
+    /// It has no program.
+    NotStarted,
+    /// It was stopped by a limit, an alarm of the machine or a cancel.
+    Stopped,
+}
+
+/// Summary of a job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How it ended.
+    pub state: State,
+    /// Highest severity of all diagnostics, 0 without any.
+    pub highest_severity: u8,
+    /// When the last channel came to its end, ns.
+    pub makespan_ns: i64,
+    /// Fingerprint of the log.
+    pub log_digest: String,
+    /// Channels, ascending.
+    pub channels: Vec<Channel>,
+    /// Meetings in order of their number, then waits that never came true.
+    pub waits: Vec<Meeting>,
+    /// Why channels can never go on.
+    pub verdict: Option<Verdict>,
+    /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A channel in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Number.
+    pub channel: u16,
+    /// Name.
+    pub name: String,
+    /// Its program, empty when it has none.
+    pub program: String,
+    /// How it ended.
+    pub state: ChannelState,
+    /// Blocks read.
+    pub blocks: u64,
+    /// When it ended, ns: of a blocked channel its arrival at the wait.
+    pub end_ns: i64,
+    /// Straight feed, arcs, threads, ns.
+    pub feed_ns: i64,
+    /// Positioning, ns.
+    pub rapid_ns: i64,
+    /// Dwell, tool changes, run-up, functions, ns.
+    pub misc_ns: i64,
+    /// Standing at meeting points, ns.
+    pub wait_ns: i64,
+}
+
+/// The verdict in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Its class.
+    pub kind: VerdictKind,
+    /// When it became certain, ns.
+    pub at_ns: i64,
+    /// The story for people.
+    pub text: String,
+    /// Channels concerned, ascending.
+    pub members: Vec<Member>,
+}
+
+/// A channel in the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Channel number.
+    pub channel: u16,
+    /// File name, empty when it stands at no line.
+    pub file: String,
+    /// Line, 0 when it stands at none.
+    pub line: u32,
+    /// Text of the block.
+    pub block: String,
+    /// Channels it waits for.
+    pub waiting_for: Vec<u16>,
+}
+
+/// A diagnostic in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Diagnostic {
+    /// Stable number.
+    pub number: u32,
+    /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
+    pub severity: u8,
+    /// Channel, 0 = master.
+    pub channel: u16,
+    /// File name, empty without a line.
+    pub file: String,
+    /// Line, 0 = none.
+    pub line: u32,
+    /// Text of the block.
+    pub block: String,
+    /// Text for people.
+    pub text: String,
+    /// When, ns.
+    pub t_ns: i64,
+}
+
+/// Builds the summary while the log goes by.
+#[derive(Debug)]
+pub struct Builder {
+    info: Arc<Info>,
+    tallies: Vec<Tally>,
+    meetings: Meetings,
+    verdict: Option<Verdict>,
+    diagnostics: Vec<Diagnostic>,
+    highest_severity: u8,
+    last_ns: i64,
+}
+
+impl Builder {
+    /// For a job that has not logged anything yet.
+    #[must_use]
+    pub fn new(info: &Arc<Info>) -> Self {
+        Self {
+            info: info.clone(),
+            tallies: info.channels.iter().map(|_| Tally::default()).collect(),
+            meetings: Meetings::new(info),
+            verdict: None,
+            diagnostics: Vec::new(),
+            highest_severity: 0,
+            last_ns: 0,
+        }
+    }
+
+    /// The next event of the log.
+    pub fn event(&mut self, _seq: u64, event: &Event) {
+        self.last_ns = self.last_ns.max(event.t_ns);
+        match &event.kind {
+            Kind::Wait(_) | Kind::Release(_) => self.meetings.event(event),
+            Kind::Diagnostic(diagnostic) => self.diagnostic(event, diagnostic),
+            Kind::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
+            _ => {}
+        }
+        let index = usize::from(event.channel).wrapping_sub(1);
+        let index = match self.info.channels.get(index) {
+            Some(channel) if channel.number == event.channel => Some(index),
+            _ => self.info.channels.iter().position(|c| c.number == event.channel),
+        };
+        if let Some(tally) = index.and_then(|i| self.tallies.get_mut(i)) {
+            tally.event(event);
+        }
+    }
+
+    /// The log is complete; `log_digest` is its fingerprint.
+    #[must_use]
+    pub fn finish(mut self, outcome: &Outcome, log_digest: String) -> Summary {
+        let meetings = &mut self.meetings;
+        for (channel, ns) in meetings.complete_cut() {
+            let index = self.info.channels.iter().position(|c| c.number == channel);
+            if let Some(tally) = index.and_then(|i| self.tallies.get_mut(i)) {
+                tally.add(Work::Wait, ns);
+            }
+        }
+        let (last_ns, cancelled) = (self.last_ns, outcome.cancelled);
+        let channels: Vec<Channel> = self
+            .info
+            .channels
+            .iter()
+            .zip(&mut self.tallies)
+            .map(|(channel, tally)| {
+                let (state, end_ns) = tally.close(meetings.waiting_since(channel.number), last_ns, cancelled);
+                Channel {
+                    channel: channel.number,
+                    name: channel.name.clone(),
+                    program: channel.program.clone(),
+                    state,
+                    blocks: tally.blocks,
+                    end_ns,
+                    feed_ns: tally.feed_ns,
+                    rapid_ns: tally.rapid_ns,
+                    misc_ns: tally.misc_ns,
+                    wait_ns: tally.wait_ns,
+                }
+            })
+            .collect();
+        let state = if cancelled {
+            State::Cancelled
+        } else if self.verdict.is_some() || self.highest_severity >= 8 {
+            State::Failed
+        } else {
+            State::Succeeded
+        };
+        Summary {
+            state,
+            highest_severity: self.highest_severity,
+            makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
+            log_digest,
+            channels,
+            waits: self.meetings.finish(),
+            verdict: self.verdict,
+            diagnostics: self.diagnostics,
+        }
+    }
+
+    fn diagnostic(&mut self, event: &Event, diagnostic: &crate::log::event::Diagnostic) {
+        self.highest_severity = self.highest_severity.max(diagnostic.severity);
+        if self.diagnostics.len() >= MAX_DIAGNOSTICS {
+            return;
+        }
+        let (file, block) = self.place(event.file, event.line);
+        self.diagnostics.push(Diagnostic {
+            number: diagnostic.number,
+            severity: diagnostic.severity,
+            channel: event.channel,
+            file,
+            line: event.line,
+            block,
+            text: diagnostic.text.to_string(),
+            t_ns: event.t_ns,
+        });
+    }
+
+    fn judged(&self, verdict: &crate::log::event::Verdict) -> Verdict {
+        let member = |m: &crate::log::event::Member| {
+            let (file, block) = self.place(m.file, m.line);
+            Member { channel: m.channel, file, line: m.line, block, waiting_for: m.waiting_for.clone() }
+        };
+        Verdict {
+            kind: verdict.kind,
+            at_ns: verdict.at_ns,
+            text: verdict.text.to_string(),
+            members: verdict.members.iter().map(member).collect(),
+        }
+    }
+
+    /// File name and block text of a line.
+    fn place(&self, file: FileId, line: u32) -> (String, String) {
+        if line == 0 {
+            return (String::new(), String::new());
+        }
+        (self.info.file_name(file).to_owned(), self.info.line_text(file, line).trim().to_owned())
+    }
+}

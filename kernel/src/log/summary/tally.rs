@@ -1,0 +1,79 @@
+//! The times of one channel.
+//!
+//! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
+
+use super::ChannelState;
+use crate::log::event::{Event, Kind, Phase};
+use crate::log::work::Work;
+
+/// Times of one channel while the log goes by.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    end: Option<(ChannelState, i64)>,
+    pub(super) blocks: u64,
+    pub(super) feed_ns: i64,
+    pub(super) rapid_ns: i64,
+    pub(super) misc_ns: i64,
+    pub(super) wait_ns: i64,
+    /// Class and end of the last event that took time: the only one that a stop can cut.
+    last: Option<(Work, i64)>,
+}
+
+impl Tally {
+    pub(super) fn add(&mut self, work: Work, ns: i64) {
+        let sum = match work {
+            Work::Feed => &mut self.feed_ns,
+            Work::Rapid => &mut self.rapid_ns,
+            Work::Wait => &mut self.wait_ns,
+            Work::Tool | Work::Dwell | Work::Misc => &mut self.misc_ns,
+        };
+        *sum = sum.saturating_add(ns);
+    }
+
+    pub(super) fn event(&mut self, event: &Event) {
+        match &event.kind {
+            Kind::Block { number } => self.blocks = self.blocks.max(*number),
+            Kind::Release(release) => self.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns)),
+            Kind::Lifecycle(phase) => {
+                if let Some(state) = terminal(*phase) {
+                    self.end = Some((state, event.t_ns));
+                }
+            }
+            kind if event.dur_ns > 0 => {
+                if let Some(work) = Work::of(kind) {
+                    self.add(work, event.dur_ns);
+                    self.last = Some((work, event.t_ns.saturating_add(event.dur_ns)));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.
+    pub(super) fn close(&mut self, since_ns: Option<i64>, end_ns: i64, cancelled: bool) -> (ChannelState, i64) {
+        let (state, end_ns) = match (self.end, since_ns) {
+            (Some((ChannelState::Blocked, _)), Some(since)) => return (ChannelState::Blocked, since),
+            (Some(end), _) => end,
+            (None, Some(since)) if !cancelled => return (ChannelState::Blocked, since),
+            (None, _) => (ChannelState::Stopped, end_ns),
+        };
+        if let Some((work, over)) = self.last.filter(|(_, until)| *until > end_ns) {
+            self.add(work, end_ns - over);
+        }
+        if let Some(since) = since_ns {
+            self.add(Work::Wait, (end_ns - since).max(0));
+        }
+        (state, end_ns)
+    }
+}
+
+fn terminal(phase: Phase) -> Option<ChannelState> {
+    match phase {
+        Phase::ProgramEnd => Some(ChannelState::Ended),
+        Phase::Alarmed => Some(ChannelState::Alarmed),
+        Phase::NotStarted => Some(ChannelState::NotStarted),
+        Phase::Stopped => Some(ChannelState::Stopped),
+        Phase::Blocked => Some(ChannelState::Blocked),
+        Phase::MachineStart | Phase::ProgramStart | Phase::MachineEnd => None,
+    }
+}

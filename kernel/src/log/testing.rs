@@ -1,0 +1,118 @@
+//! Helpers of the tests in this folder: hand-made jobs and real small ones.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::control::Control;
+use crate::files::Memory;
+use crate::job::{Job, Outcome, Program, Sink, Spec};
+use crate::log::event::{Diagnostic, FeedUnit};
+use crate::log::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
+use crate::log::info::{Axis, Channel, File, Info, Unit};
+use crate::mcd::source::Source;
+use crate::options::Options;
+
+/// A job of a two-turret lathe (X diameter, Z, C on the upper one) with a program text for each channel.
+pub(crate) fn lathe(texts: &[&str]) -> Arc<Info> {
+    info(texts, &[&["X", "Z", "C"], &["X", "Z"], &["X", "Z"]], true)
+}
+
+/// A job of a three-axis mill.
+pub(crate) fn mill(text: &str) -> Arc<Info> {
+    info(&[text], &[&["X", "Y", "Z"]], false)
+}
+
+fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
+    let axis = |name: &&str| Axis { name: (*name).into(), rotary: *name == "C", diameter: diameter && *name == "X" };
+    let channel = |(index, axes): (usize, &&[&str])| Channel {
+        number: index as u16 + 1,
+        name: ["UPPER", "LOWER", "THIRD"][index].into(),
+        program: format!("jobs/p{}.nc", index + 1),
+        lines: (1, 99),
+        file: index as u16,
+        axes: axes.iter().map(axis).collect(),
+    };
+    let file = |(index, text): (usize, &&str)| {
+        let name = format!("jobs/p{}.nc", index + 1);
+        let source = Arc::new(Source::new(name.clone(), text.as_bytes().into()));
+        File { name, source: OnceLock::from(Some(source)) }
+    };
+    Arc::new(Info {
+        machine: "lathe2".into(),
+        machine_number: 2,
+        machine_revision: 1,
+        unit: Unit::Mm,
+        channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
+        files: texts.iter().enumerate().map(file).collect(),
+    })
+}
+
+/// An event of a channel in its own file.
+pub(crate) fn at(channel: u16, line: u32, t_ns: i64, dur_ns: i64, kind: Kind) -> Event {
+    Event { t_ns, micro: 0, dur_ns, channel, file: channel.saturating_sub(1), line, kind }
+}
+
+pub(crate) fn life(channel: u16, t_ns: i64, phase: Phase) -> Event {
+    at(channel, 0, t_ns, 0, Kind::Lifecycle(phase))
+}
+
+pub(crate) fn position(values: &[f64]) -> Position {
+    let mut out = [0.0; MAX_AXES];
+    out[..values.len()].copy_from_slice(values);
+    out
+}
+
+pub(crate) fn motion(kind: MotionKind, from: &[f64], to: &[f64]) -> Motion {
+    let (from, to) = (position(from), position(to));
+    let length = from.iter().zip(&to).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt();
+    let feed_unit = if kind == MotionKind::Rapid { FeedUnit::Rapid } else { FeedUnit::PerMinute };
+    let feed = if kind == MotionKind::Rapid { 0.0 } else { 100.0 };
+    Motion { kind, moving: 1, from, to, center: [0.0; 2], plane_axes: [255; 2], turns: 0, feed, feed_unit, length }
+}
+
+pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: &[u16]) -> Event {
+    let wait = Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.to_vec() };
+    at(channel, line, t_ns, 0, Kind::Wait(Box::new(wait)))
+}
+
+pub(crate) fn release(channel: u16, line: u32, since_ns: i64, t_ns: i64, key: &str, meeting: u64) -> Event {
+    let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting };
+    at(channel, line, t_ns, 0, Kind::Release(Box::new(release)))
+}
+
+pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severity: u8, text: &str) -> Event {
+    at(channel, line, t_ns, 0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into() })))
+}
+
+/// A log in memory.
+#[derive(Default)]
+pub(crate) struct Log(pub(crate) Vec<Event>);
+
+impl Sink for Log {
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        self.0.extend_from_slice(batch);
+        true
+    }
+}
+
+/// Runs programs, one per channel, on a shipped machine.
+pub(crate) fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
+    let loaded = crate::machine::load(&crate::machine::package::shipped(), machine);
+    let machine = loaded.machine.expect("shipped machine");
+    let mut files = Memory::default();
+    let mut list = Vec::new();
+    for (index, text) in programs.iter().enumerate() {
+        let name = format!("jobs/p{}.nc", index + 1);
+        files.insert(name.clone(), text.as_bytes());
+        list.push(Program { file: name, number: None, channel: None });
+    }
+    let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: Options::default() }, &files)
+        .expect("a job that can run");
+    let mut log = Log::default();
+    let outcome = job.run(&files, &Control::new(job.info().channels.len()), &mut log);
+    (job.info().clone(), log.0, outcome)
+}
+
+/// How a complete run of that many events ends.
+pub(crate) fn outcome(events: usize) -> Outcome {
+    Outcome { events: events as u64, cancelled: false, sink_failed: false }
+}

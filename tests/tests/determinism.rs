@@ -1,0 +1,115 @@
+//! The same job gives the same log, whatever the threads do.
+
+use std::cell::Cell;
+use std::time::Duration;
+
+use counterpoint_kernel::options::Options;
+use counterpoint_tests::{Work, machine};
+
+thread_local! {
+    static STATE: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Delays a kernel by a different small time at every shared operation; each thread has its own sequence.
+fn disturb(channel: u16) {
+    let value = STATE.with(|state| {
+        let mut x = state.get();
+        if x == 0 {
+            let start = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+            x = start.subsec_nanos() as u64 ^ (u64::from(channel) << 32) | 1;
+        }
+        x ^= x << 13;
+        x ^= x >> 7;
+        x ^= x << 17;
+        state.set(x);
+        x
+    });
+    match value % 8 {
+        0 => std::thread::sleep(Duration::from_micros(value >> 8 & 127)),
+        1..=3 => std::thread::yield_now(),
+        _ => {}
+    }
+}
+
+/// Three turrets that meet in pairs and all together, share variables, poll, and command one spindle.
+fn busy() -> Work {
+    let path = |own: u16| {
+        let mut text = format!("O{own}\nG98 F200.\n#1=0\nG97 S{}00 M3\n", own + 4);
+        for round in 0..12_u16 {
+            text.push_str(&format!(
+                "G0 X{}. Z{}.\nG1 Z-{}. F{}\n",
+                40 + own,
+                5 + round,
+                10 + own * 3 + round,
+                150 + round
+            ));
+            text.push_str(&format!("#{}=#{}+{}\n", 500 + round % 3, 500 + (round + 1) % 3, own));
+            text.push_str(&format!("IF[#{}GT40]THEN #500=0\n", 500 + round % 3));
+            match round % 4 {
+                0 => text.push_str("M110P123\n"),
+                1 if own != 3 => text.push_str("M111P12\n"),
+                2 if own != 1 => text.push_str("M112P23\n"),
+                _ => text.push_str(&format!("G4P{}\n", 10 * own)),
+            }
+            text.push_str(&format!("G1 X[#{}+30] F{}\n", 500 + round % 3, 300 + own));
+        }
+        text.push_str(match own {
+            1 => "#520=1\nM30\n",
+            _ => "WHILE[#520NE1]DO1\nEND1\nM30\n",
+        });
+        text
+    };
+    let preset = "#500=1\n#501=2\n#502=3\n#520=0\n";
+    let texts: Vec<String> = (1..=3)
+        .map(|own| if own == 1 { format!("{preset}M110P123\n{}", path(1)) } else { format!("M110P123\n{}", path(own)) })
+        .collect();
+    Work::texts(machine("fanuc-3path-lathe", ""), &texts, Options::default())
+}
+
+#[test]
+fn two_hundred_runs_give_one_log() {
+    let mut work = busy();
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    let waits = oracle.summary.waits.len();
+    assert!(waits >= 9, "the job must meet often, it met {waits} times: {:#?}", oracle.summary);
+    assert_eq!(
+        oracle.summary.diagnostics.iter().filter(|d| d.severity >= 8).count(),
+        0,
+        "{:#?}",
+        oracle.summary.diagnostics
+    );
+    for run in 0..200 {
+        work.options.threads = [1, 2, 8, 0][run % 4];
+        let done = work.run((run % 3 != 0).then_some(disturb as fn(u16))).unwrap();
+        assert_eq!(done.summary.log_digest, oracle.summary.log_digest, "run {run}, threads {}", work.options.threads);
+        assert_eq!(done.events, oracle.events, "run {run}");
+    }
+}
+
+#[test]
+fn a_job_that_is_stopped_by_a_limit_gives_one_log() {
+    let mut work = busy();
+    work.options.limits.simulated_ns = 30_000_000_000;
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    assert!(oracle.summary.verdict.is_some());
+    for run in 0..40 {
+        work.options.threads = [0, 2, 1][run % 3];
+        let done = work.run(Some(disturb)).unwrap();
+        assert_eq!(done.events, oracle.events, "run {run}");
+    }
+}
+
+#[test]
+fn a_full_log_is_cut_at_the_same_event() {
+    let mut work = busy();
+    work.options.limits.events = 300;
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    for run in 0..60 {
+        work.options.threads = [0, 2, 1][run % 3];
+        let done = work.run(Some(disturb)).unwrap();
+        assert_eq!(done.events, oracle.events, "run {run}");
+    }
+}

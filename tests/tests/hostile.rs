@@ -1,0 +1,173 @@
+//! Bad input: each gets a diagnostic or a clear error within its limit, never a panic or a hang.
+
+use counterpoint_kernel::job::Program;
+use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_tests::{Done, Work, machine};
+use proptest::prelude::*;
+
+fn limited() -> Options {
+    let limits = Limits { blocks: 20_000, zero_time_blocks: 5_000, events: 200_000, ..Limits::default() };
+    Options { limits, ..Options::default() }
+}
+
+fn run(text: impl AsRef<[u8]>) -> Done {
+    Work::texts(machine("fanuc-2path-lathe", ""), &[text], limited()).run(None).expect("the job can be prepared")
+}
+
+fn numbers(done: &Done) -> Vec<u32> {
+    done.summary.diagnostics.iter().map(|d| d.number).collect()
+}
+
+fn refused(text: impl AsRef<[u8]>) -> String {
+    let error = Work::texts(machine("fanuc-2path-lathe", ""), &[text], limited()).run(None).unwrap_err();
+    error.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+#[test]
+fn an_empty_file_is_refused_by_name() {
+    assert!(refused("").contains("p1.nc: error: the file is empty"));
+    assert!(refused("\r\n  \n\t\r").contains("the file is empty"));
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_an_alarm() {
+    let done = run("G21\nG1 X".to_owned() + &"1".repeat(1 << 20) + "\nM30\n");
+    assert_eq!(numbers(&done), [2900014]);
+    assert_eq!(done.summary.diagnostics[0].line, 2);
+}
+
+#[test]
+fn subprograms_that_call_each_other_for_ever_end_at_the_nesting_limit() {
+    let done = run("O1\nM98 P2\nM30\nO2\nM98 P3\nM99\nO3\nM98 P2\nM99\n");
+    assert_eq!(numbers(&done), [2900041]);
+}
+
+#[test]
+fn subprograms_without_time_end_at_the_limit_of_blocks() {
+    // 9999 passes in 9999 passes: no loop statement, no jump, no time.
+    let done = run("O1\nM98 P99990002\nM30\nO2\nM98 P99990003\nM99\nO3\nG21\nM99\n");
+    assert_eq!(numbers(&done), [2900070]);
+    assert!(done.summary.verdict.is_some());
+}
+
+#[test]
+fn a_missing_subprogram_names_the_places() {
+    let done = run("O1\nM98 P1234\nM30\n");
+    assert_eq!(numbers(&done), [2900040]);
+    assert!(done.summary.diagnostics[0].text.contains("O1234"), "{}", done.summary.diagnostics[0].text);
+}
+
+#[test]
+fn truncated_words_are_told_and_the_rest_acts() {
+    let done = run("G1 X\nG\nN\nG1 X10. Z- F100\nM30\n");
+    assert!(numbers(&done).iter().filter(|n| **n == 2001005).count() >= 3, "{:#?}", done.summary.diagnostics);
+}
+
+#[test]
+fn lone_carriage_returns_end_blocks_and_nul_bytes_are_told() {
+    let done = run("G21\rG4P1000\rM30\r");
+    assert_eq!(done.summary.makespan_ns, 1_000_000_000);
+    assert!(numbers(&done).is_empty());
+    let done = run(b"G21\nG4\0P1000\nM30\n");
+    assert_eq!(numbers(&done), [2900015]);
+    assert_eq!(done.summary.makespan_ns, 1_000_000_000);
+}
+
+#[test]
+fn a_program_beyond_the_machine_is_refused() {
+    let mut work = Work::texts(machine("fanuc-mill", ""), &["M30\n", "M30\n"], limited());
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("there are more programs"));
+    work.programs = vec![Program { file: "p1.nc".into(), number: Some(77), channel: None }];
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("no program O0077"));
+    work.programs = vec![Program { file: "none.nc".into(), number: None, channel: None }];
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("no file 'none.nc'"));
+    work.programs = vec![Program { file: "p1.nc".into(), number: None, channel: Some(9) }];
+    assert!(work.run(None).unwrap_err().findings[0].text.contains("no channel 9"));
+}
+
+#[test]
+fn the_log_limit_ends_a_run_with_a_verdict() {
+    let mut work = Work::texts(machine("fanuc-mill", ""), &["N1 G4P1\nGOTO1\n"], limited());
+    work.options.limits.events = 1000;
+    let done = work.run(None).unwrap();
+    assert_eq!(numbers(&done), [2900070]);
+    // The limit, the diagnostic, the verdict, and the closing events of the channel and the job.
+    assert_eq!(done.outcome.events, 1004);
+}
+
+#[test]
+fn diagnostics_of_a_channel_are_capped() {
+    let mut text = "G98\n".to_owned();
+    text.push_str(&"Y7 Q3 %% ??\n".repeat(5000));
+    let done = run(text + "M30\n");
+    assert!(numbers(&done).contains(&2900018));
+    assert!(done.summary.diagnostics.len() <= 1002);
+}
+
+#[test]
+fn macro_mistakes_are_alarms_with_a_column() {
+    for (text, number) in [
+        ("#1=[1+\nM30\n", 2900060),
+        ("#1=1/0\nM30\n", 2900061),
+        ("#1=SQRT[-1]\nM30\n", 2900062),
+        ("#9999=1\nM30\n", 2900063),
+        ("END1\nM30\n", 2900064),
+        ("#3000=1(LIMIT)\nM30\n", 2900065),
+        ("G65 A1.\nM30\n", 2900066),
+        ("GOTO99\nM30\n", 2900042),
+        ("#1=#[#[#[1.5]]]\nM30\n", 2900063),
+    ] {
+        assert_eq!(numbers(&run(text)), [number], "{text}");
+    }
+}
+
+/// Pieces that programs are made of, good and bad.
+fn piece() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just("G1".to_owned()),
+        Just("G2".to_owned()),
+        Just("G28 U0".to_owned()),
+        Just("M101".to_owned()),
+        Just("M98 P1".to_owned()),
+        Just("M99".to_owned()),
+        Just("IF[#1LT".to_owned()),
+        Just("]GOTO".to_owned()),
+        Just("WHILE[".to_owned()),
+        Just("]DO1".to_owned()),
+        Just("END1".to_owned()),
+        Just("#1=#1+1".to_owned()),
+        Just("(".to_owned()),
+        Just(")".to_owned()),
+        Just("/2".to_owned()),
+        Just("%".to_owned()),
+        Just("\n".to_owned()),
+        "[A-Z]-?[0-9]{0,12}\\.?[0-9]{0,4}",
+        "[#\\[\\]A-Z0-9.+*/=-]{0,12}",
+        any::<char>().prop_map(|c| c.to_string()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 1..2000)) {
+        let _ = Work::texts(machine("fanuc-2path-lathe", ""), &[bytes], limited()).run(None);
+    }
+
+    #[test]
+    fn random_programs_give_the_same_log_in_both_modes(
+        first in prop::collection::vec(piece(), 1..60),
+        second in prop::collection::vec(piece(), 1..60),
+    ) {
+        let texts = [first.join(" ") + "\nM30\n", second.join(" ") + "\nM30\n"];
+        let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, limited());
+        if let Ok(parallel) = work.run(None) {
+            work.options.threads = 1;
+            let sequential = work.run(None).unwrap();
+            prop_assert_eq!(&parallel.events, &sequential.events);
+            // A log tells a complete story.
+            prop_assert!(parallel.summary.makespan_ns >= 0);
+        }
+    }
+}

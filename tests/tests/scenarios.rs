@@ -1,0 +1,133 @@
+//! Runs every file of `scenarios/` and compares it with the result that the control must give.
+
+use std::path::Path;
+
+use counterpoint_kernel::options::Options;
+use counterpoint_tests::{Done, Work, machine};
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Scenario {
+    title: String,
+    machine: String,
+    #[serde(default)]
+    overlay: String,
+    programs: Vec<String>,
+    #[serde(default)]
+    options: Options,
+    expect: Expect,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Expect {
+    state: String,
+    makespan: Option<f64>,
+    /// Value and tolerance, seconds.
+    makespan_about: Option<(f64, f64)>,
+    ends: Option<Vec<f64>>,
+    states: Option<Vec<String>>,
+    waits: Option<Vec<f64>>,
+    meetings: Option<Vec<(String, f64)>>,
+    verdict: Option<Verdict>,
+    #[serde(default)]
+    diagnostics: Vec<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Verdict {
+    kind: String,
+    at: Option<f64>,
+    waiting: Vec<(u16, u32, Vec<u16>)>,
+    #[serde(default)]
+    says: Vec<String>,
+}
+
+fn ns(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+fn word<T: serde::Serialize>(value: &T) -> String {
+    serde_json::to_value(value).unwrap().as_str().unwrap_or_default().to_owned()
+}
+
+fn check(name: &str, scenario: &Scenario, done: &Done) {
+    let summary = &done.summary;
+    let expect = &scenario.expect;
+    let title = &scenario.title;
+    let story = || format!("{name}: {title}\n{}", serde_json::to_string_pretty(summary).unwrap());
+    assert_eq!(word(&summary.state), expect.state, "{}", story());
+    if let Some(makespan) = expect.makespan {
+        assert_eq!(summary.makespan_ns, ns(makespan), "makespan of {}", story());
+    }
+    if let Some((makespan, tolerance)) = expect.makespan_about {
+        assert!((summary.makespan_ns - ns(makespan)).abs() <= ns(tolerance), "makespan of {}", story());
+    }
+    if let Some(ends) = &expect.ends {
+        let found: Vec<i64> = summary.channels.iter().map(|c| c.end_ns).collect();
+        assert_eq!(found, ends.iter().map(|e| ns(*e)).collect::<Vec<_>>(), "ends of {}", story());
+    }
+    if let Some(states) = &expect.states {
+        let found: Vec<String> = summary.channels.iter().map(|c| word(&c.state)).collect();
+        assert_eq!(&found, states, "states of {}", story());
+    }
+    if let Some(waits) = &expect.waits {
+        let found: Vec<i64> = summary.channels.iter().map(|c| c.wait_ns).collect();
+        assert_eq!(found, waits.iter().map(|e| ns(*e)).collect::<Vec<_>>(), "waits of {}", story());
+    }
+    if let Some(meetings) = &expect.meetings {
+        let found: Vec<(String, i64)> =
+            summary.waits.iter().filter_map(|w| Some((w.key.to_string(), w.release_ns?))).collect();
+        assert_eq!(
+            found,
+            meetings.iter().map(|(k, t)| (k.clone(), ns(*t))).collect::<Vec<_>>(),
+            "meetings of {}",
+            story()
+        );
+    }
+    let numbers: Vec<u32> = summary.diagnostics.iter().filter(|d| d.severity >= 8).map(|d| d.number).collect();
+    assert_eq!(numbers, expect.diagnostics, "diagnostics of {}", story());
+    match (&expect.verdict, &summary.verdict) {
+        (None, None) => {}
+        (Some(expected), Some(found)) => {
+            assert_eq!(word(&found.kind), expected.kind, "verdict of {}", story());
+            if let Some(at) = expected.at {
+                assert_eq!(found.at_ns, ns(at), "time of the verdict of {}", story());
+            }
+            let members: Vec<(u16, u32, Vec<u16>)> =
+                found.members.iter().map(|m| (m.channel, m.line, m.waiting_for.clone())).collect();
+            assert_eq!(members, expected.waiting, "members of the verdict of {}", story());
+            for part in &expected.says {
+                assert!(found.text.contains(part), "'{part}' is not in the verdict of {}", story());
+            }
+        }
+        (expected, _) => panic!("verdict expected: {}, {}", expected.is_some(), story()),
+    }
+}
+
+#[test]
+fn every_scenario_ends_as_the_control_would() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    names.sort();
+    let mut count = 0;
+    for path in names.iter().filter(|p| p.extension().is_some_and(|e| e == "toml")) {
+        let name = path.file_stem().unwrap().to_string_lossy();
+        let scenario: Scenario =
+            toml::from_str(&std::fs::read_to_string(path).unwrap()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mut work =
+            Work::texts(machine(&scenario.machine, &scenario.overlay), &scenario.programs, scenario.options.clone());
+        let parallel = work.run(None).unwrap();
+        check(&name, &scenario, &parallel);
+        work.options.threads = 1;
+        let sequential = work.run(None).unwrap();
+        assert_eq!(
+            parallel.summary.log_digest, sequential.summary.log_digest,
+            "{name}: parallel and sequential logs differ"
+        );
+        count += 1;
+    }
+    assert!(count >= 20, "only {count} scenarios were found");
+}
