@@ -1,0 +1,224 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Runs NC programs as the control would, block by block, all channels in parallel
+#[derive(Debug, Parser)]
+#[command(name = "counterpoint", version)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run programs here and now
+    Run(Run),
+    /// Hand programs to a server; prints the job's id
+    Submit(Submit),
+    /// Follow a job to its end
+    Watch(OneJob),
+    /// Wait for the end of a job
+    Wait(OneJob),
+    /// List the jobs of a server
+    Jobs(Jobs),
+    /// Ask a job to stop
+    Cancel(OneJob),
+    /// Remove an ended job with its results
+    Delete(OneJob),
+    /// Read a result of an ended job
+    Result(ResultOf),
+    /// Check, list and show machines
+    #[command(subcommand)]
+    Machine(Machine),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// What a job is made of.
+#[derive(Debug, Args)]
+pub(crate) struct Inputs {
+    /// Programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
+    #[arg(required = true, value_name = "PROGRAM")]
+    pub(crate) programs: Vec<String>,
+    /// Machine: a name or a folder with machine.toml. Without it: fanuc-mill for one program, fanuc-2path-lathe for two
+    #[arg(long, value_name = "NAME|DIR")]
+    pub(crate) machine: Option<String>,
+    /// More files the programs may call; of a folder all files
+    #[arg(long = "with", value_name = "FILE|DIR")]
+    pub(crate) with: Vec<PathBuf>,
+    /// Optional-skip levels that are on
+    #[arg(long, value_delimiter = ',', value_name = "LEVELS")]
+    pub(crate) opskip: Vec<u32>,
+    /// Optional stop (M1) stops
+    #[arg(long)]
+    pub(crate) opstop: bool,
+    /// Channels that pass every meeting point without waiting
+    #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
+    pub(crate) ignore_waits: Vec<u32>,
+    /// Kernels that may run at the same time; 0 = one per channel. The result does not depend on it
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub(crate) threads: u32,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Run {
+    #[command(flatten)]
+    pub(crate) inputs: Inputs,
+    /// Write listings, events, summary, timeline and toolpath into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the summary as JSON instead of the report
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress, no report
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+    /// Draw the timeline in the report (the default)
+    #[arg(long, overrides_with = "no_timeline")]
+    pub(crate) timeline: bool,
+    /// Do not draw the timeline
+    #[arg(long)]
+    pub(crate) no_timeline: bool,
+}
+
+/// Where the server is.
+#[derive(Debug, Args, Clone)]
+pub(crate) struct Remote {
+    /// Address of the server
+    #[arg(long, env = "COUNTERPOINT_SERVER", default_value = "http://127.0.0.1:7878", value_name = "URL")]
+    pub(crate) server: String,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Submit {
+    #[command(flatten)]
+    pub(crate) inputs: Inputs,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// Identity of the request: the same id gives the same job
+    #[arg(long, value_name = "ID")]
+    pub(crate) request_id: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OneJob {
+    /// The job
+    pub(crate) job: String,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// No progress
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Jobs {
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+    /// Only jobs in these states
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub(crate) state: Vec<State>,
+    /// Print JSON, one object per line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// States to filter by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum State {
+    Queued,
+    Running,
+    Succeeded,
+    Failed,
+    Cancelled,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ResultOf {
+    /// The job
+    pub(crate) job: String,
+    /// Which result
+    #[arg(value_enum)]
+    pub(crate) what: What,
+    /// Channel of the listing
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) channel: u32,
+    /// Form of timeline and toolpath
+    #[arg(long, value_enum, default_value = "svg")]
+    pub(crate) format: Format,
+    /// Write to this file instead of standard output
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// Results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum What {
+    Summary,
+    Listing,
+    Timeline,
+    Toolpath,
+    Events,
+}
+
+/// Forms of drawings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    Svg,
+    Json,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Machine {
+    /// Check a machine; findings with file, line and column
+    Check {
+        /// A name or a folder with machine.toml
+        machine: String,
+        #[command(flatten)]
+        at: At,
+    },
+    /// List the machines
+    List {
+        #[command(flatten)]
+        at: At,
+    },
+    /// Show a machine, or a part of it
+    Show {
+        /// A name or a folder with machine.toml
+        machine: String,
+        /// Which part
+        #[arg(value_enum, default_value = "all")]
+        part: Part,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        at: At,
+    },
+}
+
+/// A server, or this program itself.
+#[derive(Debug, Args)]
+pub(crate) struct At {
+    /// Ask this server instead of the machines built in
+    #[arg(long, env = "COUNTERPOINT_SERVER", value_name = "URL")]
+    pub(crate) server: Option<String>,
+}
+
+/// Parts of a machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Part {
+    All,
+    Codes,
+    Data,
+    Axes,
+    Channels,
+}

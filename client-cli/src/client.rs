@@ -1,0 +1,117 @@
+//! A connection to a server, elsewhere or in this process.
+//!
+//! Invariant: an embedded server leaves nothing behind: its data folder is temporary and removed with the client.
+
+use std::time::Duration;
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::blobs_client::BlobsClient;
+use counterpoint_proto::v1::jobs_client::JobsClient;
+use counterpoint_proto::v1::machines_client::MachinesClient;
+use counterpoint_proto::v1::results_client::ResultsClient;
+use counterpoint_server::{options::Options, service};
+use tonic::transport::{Channel, Endpoint};
+
+use crate::error::Error;
+use crate::pack::Blob;
+
+/// Bytes of an upload chunk.
+const CHUNK: usize = 1 << 20;
+/// Digests in one question, so that the message stays small.
+const ASK: usize = 10_000;
+
+/// A client.
+#[derive(Debug)]
+pub(crate) struct Client {
+    channel: Channel,
+    embedded: bool,
+    _data: Option<tempfile::TempDir>,
+}
+
+impl Client {
+    /// Connects to a server.
+    pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
+        let endpoint = Endpoint::from_shared(address.to_owned())
+            .map_err(|error| Error::Usage(format!("server address '{address}': {error}")))?
+            .connect_timeout(Duration::from_secs(5))
+            .tcp_nodelay(true)
+            .http2_keep_alive_interval(Duration::from_secs(30))
+            .keep_alive_timeout(Duration::from_secs(10))
+            .initial_stream_window_size(1 << 20)
+            .initial_connection_window_size(4 << 20);
+        let channel = endpoint.connect().await.map_err(|error| {
+            let cause = std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string);
+            Error::Connection(format!("no connection to {address}: {cause}"))
+        })?;
+        Ok(Self { channel, embedded: false, _data: None })
+    }
+
+    /// Starts a server in this process and connects to it over loopback.
+    pub(crate) async fn embed(timeline: bool) -> Result<Self, Error> {
+        let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
+        let data = data.map_err(Error::file(std::env::temp_dir()))?;
+        let options = Options { live_timeline: timeline, ..Options::ephemeral(data.path().to_owned()) };
+        let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
+        let address = format!("http://{}", service.handle().address());
+        // Ends with the runtime, when the command ends.
+        tokio::spawn(service.run(std::future::pending()));
+        let client = Self::connect(&address).await?;
+        Ok(Self { embedded: true, _data: Some(data), ..client })
+    }
+
+    /// A server at an address, or one in this process.
+    pub(crate) async fn at(address: Option<&str>) -> Result<Self, Error> {
+        match address {
+            Some(address) => Self::connect(address).await,
+            None => Self::embed(false).await,
+        }
+    }
+
+    pub(crate) fn jobs(&self) -> JobsClient<Channel> {
+        JobsClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
+    }
+
+    pub(crate) fn machines(&self) -> MachinesClient<Channel> {
+        MachinesClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
+    }
+
+    pub(crate) fn results(&self) -> ResultsClient<Channel> {
+        ResultsClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
+    }
+
+    fn blobs(&self) -> BlobsClient<Channel> {
+        BlobsClient::new(self.channel.clone())
+    }
+
+    /// Uploads what the server does not have.
+    pub(crate) async fn upload(&self, blobs: &[&Blob]) -> Result<(), Error> {
+        let mut missing: Vec<&&Blob> = Vec::new();
+        for part in blobs.chunks(ASK) {
+            if self.embedded {
+                missing.extend(part);
+                continue;
+            }
+            let digests = part.iter().map(|blob| blob.digest.clone()).collect();
+            let answer = self.blobs().find_missing(v1::FindMissingRequest { digests }).await?.into_inner().digests;
+            missing.extend(part.iter().filter(|blob| answer.contains(&blob.digest)));
+        }
+        missing.sort_by(|a, b| a.digest.cmp(&b.digest));
+        missing.dedup_by(|a, b| a.digest == b.digest);
+        for blob in missing {
+            self.blobs().upload(tokio_stream::iter(chunks(blob))).await?;
+        }
+        Ok(())
+    }
+}
+
+fn chunks(blob: &Blob) -> Vec<v1::UploadRequest> {
+    let mut rest = blob.content.clone();
+    let first: Bytes = rest.split_to(rest.len().min(CHUNK));
+    let mut chunks = vec![v1::UploadRequest { digest: blob.digest.clone(), data: first }];
+    while !rest.is_empty() {
+        let data = rest.split_to(rest.len().min(CHUNK));
+        chunks.push(v1::UploadRequest { digest: String::new(), data });
+    }
+    chunks
+}

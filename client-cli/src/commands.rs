@@ -1,0 +1,268 @@
+//! All commands but `run` and `submit`.
+
+use std::path::Path;
+use std::time::Duration;
+
+use clap::CommandFactory as _;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::event::Kind;
+use counterpoint_proto::v1::watch_job_response::Content;
+use tonic::Code;
+
+use crate::arguments::{Arguments, Command, Jobs, Machine, OneJob, Part, ResultOf, State};
+use crate::client::Client;
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::report::{table, time};
+use crate::say::{self, BAD, WARN, styled};
+use crate::{pack, results, run};
+
+/// Times a broken watch is taken up again.
+const RETRIES: u32 = 8;
+
+/// Does a command; gives the exit code.
+pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
+    match command {
+        Command::Run(arguments) => run::run(arguments).await,
+        Command::Submit(arguments) => run::submit(arguments).await,
+        Command::Watch(arguments) => watch(arguments).await,
+        Command::Wait(arguments) => wait(arguments).await,
+        Command::Jobs(arguments) => jobs(arguments).await,
+        Command::Cancel(arguments) => cancel(arguments).await,
+        Command::Delete(arguments) => delete(arguments).await,
+        Command::Result(arguments) => result(arguments).await,
+        Command::Machine(arguments) => machine(arguments).await,
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "counterpoint", &mut script);
+            say::data(&script)?;
+            Ok(0)
+        }
+    }
+}
+
+/// Findings as talk: file, line, column, text.
+pub(crate) fn say_findings(findings: &[v1::Finding]) {
+    for finding in findings {
+        let word = if finding.error { styled(BAD, "error") } else { styled(WARN, "warning") };
+        let place = match (finding.line, finding.column) {
+            (0, _) => finding.file.clone(),
+            (line, 0) => format!("{}:{line}", finding.file),
+            (line, column) => format!("{}:{line}:{column}", finding.file),
+        };
+        say::talk(format_args!("{place}: {word}: {}", finding.text));
+    }
+}
+
+/// Follows a job, over broken connections too: diagnostics and meetings on standard output.
+async fn watch(arguments: OneJob) -> Result<u8, Error> {
+    let mut progress = Progress::new(arguments.quiet);
+    let (mut cursor, mut failures) = (0, 0);
+    loop {
+        match watch_once(&arguments, &mut cursor, &mut progress, &mut failures).await {
+            Ok(status) => {
+                progress.clear();
+                return Ok(ended(&status));
+            }
+            Err(Error::Refused(status)) if status.code() != Code::Unavailable && status.code() != Code::Unknown => {
+                return Err(Error::Refused(status));
+            }
+            Err(Error::Closed) => return Err(Error::Closed),
+            Err(error) if failures >= RETRIES => return Err(error),
+            Err(_) => {
+                failures += 1;
+                tokio::time::sleep(Duration::from_millis(100 << failures.min(6))).await;
+            }
+        }
+    }
+}
+
+async fn watch_once(
+    arguments: &OneJob,
+    cursor: &mut u64,
+    progress: &mut Progress,
+    failures: &mut u32,
+) -> Result<v1::JobStatus, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let level = v1::WatchLevel::Diagnostics.into();
+    let request = v1::WatchJobRequest { job_id: arguments.job.clone(), after_seq: *cursor, level };
+    let mut stream = client.jobs().watch_job(request).await?.into_inner();
+    while let Some(message) = stream.message().await? {
+        *failures = 0;
+        match message.content {
+            Some(Content::Batch(batch)) => {
+                for line in batch.events.iter().filter_map(line) {
+                    say::data(line.as_bytes())?;
+                }
+                *cursor = batch.last_seq;
+            }
+            Some(Content::Progress(now)) => progress.show(&now),
+            Some(Content::Ended(status)) => return Ok(status),
+            Some(Content::Description(_)) | None => {}
+        }
+    }
+    Err(Error::Connection("the server ended the stream".to_owned()))
+}
+
+/// An event as a line, when it is for people.
+fn line(event: &v1::Event) -> Option<String> {
+    let text = match event.kind.as_ref()? {
+        Kind::Diagnostic(d) => format!("{} {} {}", d.number, d.severity, d.text),
+        Kind::Verdict(v) => format!("verdict {}", v.text),
+        Kind::Message(m) => format!("message {}", m.text),
+        Kind::Wait(w) => format!("waits for {}", w.key),
+        Kind::Release(r) => format!("goes on after {}, waited {}", r.key, time(event.t_ns - r.since_ns)),
+        Kind::Lifecycle(l) => l.phase().as_str_name().trim_start_matches("PHASE_").to_lowercase(),
+        _ => return None,
+    };
+    Some(format!("{} channel {} line {}: {text}\n", time(event.t_ns), event.channel, event.line))
+}
+
+/// Says how a job ended.
+fn ended(status: &v1::JobStatus) -> u8 {
+    if let Some(code) = run::not_run(status) {
+        return code;
+    }
+    let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
+    say::talk(format_args!("{state}  {}  {}", time(status.makespan_ns), status.verdict));
+    run::exit_code(status)
+}
+
+async fn wait(arguments: OneJob) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    loop {
+        let request = v1::WaitJobRequest { job_id: arguments.job.clone(), timeout_ms: 60_000 };
+        let status = client.jobs().wait_job(request).await?.into_inner().status.unwrap_or_default();
+        if status.ended_ms != 0 {
+            return Ok(ended(&status));
+        }
+    }
+}
+
+async fn jobs(arguments: Jobs) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let state = |state: &State| match state {
+        State::Queued => v1::JobState::Queued.into(),
+        State::Running => v1::JobState::Running.into(),
+        State::Succeeded => v1::JobState::Succeeded.into(),
+        State::Failed => v1::JobState::Failed.into(),
+        State::Cancelled => v1::JobState::Cancelled.into(),
+    };
+    let states: Vec<i32> = arguments.state.iter().map(state).collect();
+    let mut request = v1::ListJobsRequest { states, page_size: 500, page_token: String::new() };
+    let mut rows = Vec::new();
+    loop {
+        let page = client.jobs().list_jobs(request.clone()).await?.into_inner();
+        rows.extend(page.jobs);
+        if page.next_page_token.is_empty() {
+            break;
+        }
+        request.page_token = page.next_page_token;
+    }
+    if arguments.json {
+        let lines: String = rows.iter().map(|job| format!("{}\n", as_json(job))).collect();
+        say::data(lines.as_bytes())?;
+        return Ok(0);
+    }
+    let mut lines = vec![["job", "state", "machine", "makespan", "programs"].map(str::to_owned).to_vec()];
+    lines.extend(rows.iter().map(|job| {
+        let programs = job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ");
+        let state = job.state().as_str_name().trim_start_matches("JOB_STATE_").to_owned();
+        vec![job.job_id.clone(), state, job.machine.clone(), time(job.makespan_ns), programs]
+    }));
+    say::data(table(&lines, 3).as_bytes())?;
+    Ok(0)
+}
+
+fn as_json(job: &v1::JobStatus) -> serde_json::Value {
+    serde_json::json!({
+        "job": job.job_id,
+        "request_id": job.request_id,
+        "state": job.state().as_str_name().trim_start_matches("JOB_STATE_"),
+        "machine": job.machine,
+        "programs": job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>(),
+        "makespan_ns": job.makespan_ns,
+        "events": job.events,
+        "highest_severity": job.highest_severity,
+        "verdict": job.verdict,
+        "error": job.error,
+        "log_digest": job.log_digest,
+    })
+}
+
+async fn cancel(arguments: OneJob) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    client.jobs().cancel_job(v1::CancelJobRequest { job_id: arguments.job }).await?;
+    Ok(0)
+}
+
+async fn delete(arguments: OneJob) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    client.jobs().delete_job(v1::DeleteJobRequest { job_id: arguments.job }).await?;
+    Ok(0)
+}
+
+async fn result(arguments: ResultOf) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let ResultOf { job, what, channel, format, .. } = &arguments;
+    match &arguments.output {
+        Some(path) => results::file(&client, job, *what, *channel, *format, path).await?,
+        None => results::each(&client, job, *what, *channel, *format, &mut say::data).await?,
+    }
+    Ok(0)
+}
+
+async fn machine(command: Machine) -> Result<u8, Error> {
+    match command {
+        Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
+        Machine::List { at } => list(at.server.as_deref()).await,
+        Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,
+    }
+}
+
+async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
+    if pack::is_folder(machine) {
+        let (name, files) = pack::machine(Path::new(machine))?;
+        client.upload(&files.blobs()).await?;
+        request = v1::CheckMachineRequest { name, files: run::machine_files(files) };
+    }
+    let answer = client.machines().check_machine(request).await?.into_inner();
+    say_findings(&answer.findings);
+    let verdict = if answer.usable { "usable" } else { "cannot be used" };
+    say::data(format!("{machine}: {verdict}, {} findings\n", answer.findings.len()).as_bytes())?;
+    Ok(if answer.usable { 0 } else { 2 })
+}
+
+async fn list(server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let machines = client.machines().list_machines(v1::ListMachinesRequest {}).await?.into_inner().machines;
+    let mut rows = vec![["machine", "revision", "channels", "description"].map(str::to_owned).to_vec()];
+    rows.extend(machines.into_iter().map(|m| {
+        let revision = if m.shipped { "shipped".to_owned() } else { m.revision };
+        vec![m.name, revision, m.channels.to_string(), m.description]
+    }));
+    say::data(table(&rows, 4).as_bytes())?;
+    Ok(0)
+}
+
+async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let name = if pack::is_folder(machine) {
+        run::put_machine(&client, Path::new(machine)).await?
+    } else {
+        machine.to_owned()
+    };
+    let section = match part {
+        Part::All => v1::MachineSection::All,
+        Part::Codes => v1::MachineSection::Codes,
+        Part::Data => v1::MachineSection::Data,
+        Part::Axes => v1::MachineSection::Axes,
+        Part::Channels => v1::MachineSection::Channels,
+    };
+    let request = v1::GetMachineRequest { name, section: section.into(), json };
+    let text = client.machines().get_machine(request).await?.into_inner().text;
+    say::data(text.as_bytes())?;
+    Ok(0)
+}

@@ -1,0 +1,63 @@
+//! Why a command failed, and the exit code that tells.
+
+use tonic::{Code, Status};
+use tonic_types::StatusExt as _;
+
+/// A failed command.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    /// Bad usage, a bad file or a bad machine.
+    #[error("{0}")]
+    Usage(String),
+    /// The server refused.
+    #[error("{}", refusal(.0))]
+    Refused(Box<Status>),
+    /// No server, or it went away.
+    #[error("{0}")]
+    Connection(String),
+    /// A file cannot be read or written.
+    #[error("{path}: {error}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The reader of standard output has gone: not an error.
+    #[error("closed")]
+    Closed,
+}
+
+fn refusal(status: &Status) -> String {
+    match status.get_error_details().error_info() {
+        Some(info) => format!("{} ({})", status.message(), info.reason),
+        None => status.message().to_owned(),
+    }
+}
+
+impl Error {
+    /// Exit code.
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            Self::Usage(_) | Self::File { .. } => 2,
+            Self::Refused(status) => match status.code() {
+                Code::InvalidArgument | Code::NotFound | Code::AlreadyExists | Code::FailedPrecondition => 2,
+                _ => 3,
+            },
+            Self::Connection(_) => 3,
+            Self::Closed => 0,
+        }
+    }
+
+    /// An error of a file.
+    pub(crate) fn file(path: impl AsRef<std::path::Path>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.as_ref().display().to_string();
+        move |error| Self::File { path, error }
+    }
+}
+
+impl From<Status> for Error {
+    fn from(status: Status) -> Self {
+        Self::Refused(Box::new(status))
+    }
+}

@@ -1,0 +1,41 @@
+//! `counterpoint`: run NC programs, submit them to a server, watch them, read results.
+//!
+//! Invariants: data goes to standard output, talk to standard error; the exit code says how it ended (0 clean,
+//! 1 the job ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
+
+mod arguments;
+mod client;
+mod commands;
+mod error;
+mod pack;
+mod progress;
+mod report;
+mod results;
+mod run;
+mod say;
+mod timeline;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    let arguments = arguments::Arguments::parse();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let result = match runtime {
+        Ok(runtime) => {
+            let result = runtime.block_on(commands::dispatch(arguments.command));
+            runtime.shutdown_background();
+            result
+        }
+        Err(error) => Err(error::Error::Connection(error.to_string())),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error::Error::Closed) => ExitCode::SUCCESS,
+        Err(error) => {
+            say::error(&error);
+            ExitCode::from(error.code())
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! Gathers what a job needs from the file system: programs, their neighbours, machine folders.
+//!
+//! Each file is read and hashed once. Paths inside the job are relative to the folder of the first program; files
+//! from elsewhere come by their name. Invariant: what is packed is exactly what the job may read.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use sha2::{Digest as _, Sha256};
+
+use crate::arguments::Inputs;
+use crate::error::Error;
+
+/// Neighbours above this size are no subprograms.
+const NEIGHBOUR_MAX: u64 = 64 << 20;
+
+/// A file's content and its digest.
+#[derive(Debug, Clone)]
+pub(crate) struct Blob {
+    pub(crate) digest: String,
+    pub(crate) content: Bytes,
+}
+
+impl Blob {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let content = Bytes::from(fs::read(path).map_err(Error::file(path))?);
+        let digest = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { digest, content })
+    }
+}
+
+/// Files by path inside the job or the machines folder.
+#[derive(Debug, Default)]
+pub(crate) struct Files(pub(crate) BTreeMap<String, Blob>);
+
+impl Files {
+    fn add(&mut self, name: String, path: &Path) -> Result<(), Error> {
+        if let Entry::Vacant(place) = self.0.entry(name) {
+            place.insert(Blob::read(path)?);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn blobs(&self) -> Vec<&Blob> {
+        self.0.values().collect()
+    }
+}
+
+/// Programs and files of a job.
+#[derive(Debug, Default)]
+pub(crate) struct Pack {
+    pub(crate) programs: Vec<v1::Program>,
+    pub(crate) files: Files,
+}
+
+/// Gathers the programs and all files they may call.
+pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
+    let mut pack = Pack::default();
+    let mut used: BTreeMap<PathBuf, String> = BTreeMap::new();
+    let mut folders: Vec<(PathBuf, String)> = Vec::new();
+    for text in &inputs.programs {
+        let (path, number) = program(text)?;
+        let name = match used.get(&path) {
+            Some(name) => name.clone(),
+            None => free_name(&pack.files, &path)?,
+        };
+        pack.files.add(name.clone(), &path)?;
+        used.insert(path.clone(), name.clone());
+        pack.programs.push(v1::Program { path: name, number, channel: None });
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        folders.push((path.parent().map(Path::to_owned).unwrap_or_default(), stem));
+    }
+    for (folder, stem) in folders {
+        neighbours(&mut pack.files, &folder, &stem)?;
+    }
+    for with in &inputs.with {
+        if with.is_dir() {
+            for path in files_of(with)? {
+                pack.files.add(file_name(&path)?, &path)?;
+            }
+        } else {
+            pack.files.add(file_name(with)?, with)?;
+        }
+    }
+    Ok(pack)
+}
+
+/// `FILE` or `FILE#2102`; a file whose name has a `#` is meant as it stands.
+fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
+    if let (false, Some((path, number))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
+        let digits = number.trim_start_matches(['O', 'o']);
+        let number = digits.parse().map_err(|_| Error::Usage(format!("'{text}': '{number}' is no program number")))?;
+        return Ok((PathBuf::from(path), Some(number)));
+    }
+    Ok((PathBuf::from(text), None))
+}
+
+fn file_name(path: &Path) -> Result<String, Error> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    name.ok_or_else(|| Error::Usage(format!("'{}' is no file", path.display())))
+}
+
+/// The file's name; a second file of that name from another folder gets its folder in front.
+fn free_name(files: &Files, path: &Path) -> Result<String, Error> {
+    let name = file_name(path)?;
+    if !files.0.contains_key(&name) {
+        return Ok(name);
+    }
+    let folder = path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy();
+    (1..100)
+        .map(|n| if n == 1 { format!("{folder}/{name}") } else { format!("{folder}-{n}/{name}") })
+        .find(|name| !name.starts_with('/') && !files.0.contains_key(name))
+        .ok_or_else(|| Error::Usage(format!("too many files are named '{name}'")))
+}
+
+fn files_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).map_err(Error::file(folder))?;
+    let mut paths: Vec<_> = entries.filter_map(|entry| entry.ok().map(|e| e.path())).filter(|p| p.is_file()).collect();
+    paths.sort();
+    Ok(paths)
+}
+
+/// Adds the files beside a program that look like subprograms.
+fn neighbours(files: &mut Files, folder: &Path, stem: &str) -> Result<(), Error> {
+    for path in files_of(folder)? {
+        let name = file_name(&path)?;
+        let small = || fs::metadata(&path).is_ok_and(|meta| meta.len() <= NEIGHBOUR_MAX);
+        if is_subprogram(&name, stem) && small() {
+            files.add(name, &path)?;
+        }
+    }
+    Ok(())
+}
+
+/// `O` and digits with any ending, `<stem>.tps`, `<stem>_*.tps`.
+fn is_subprogram(name: &str, stem: &str) -> bool {
+    let o_number = name.strip_prefix(['O', 'o']).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    let own = || name.strip_suffix(".tps").and_then(|rest| rest.strip_prefix(stem));
+    o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+}
+
+/// Whether a machine argument means a folder.
+pub(crate) fn is_folder(machine: &str) -> bool {
+    Path::new(machine).join("machine.toml").is_file()
+}
+
+/// Packs a machine folder and the sibling folders it extends; gives its name too.
+pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
+    let folder = fs::canonicalize(folder).map_err(Error::file(folder))?;
+    let name = file_name(&folder)?;
+    let mut files = Files::default();
+    let mut next = Some((name.clone(), folder));
+    while let Some((name, folder)) = next.take() {
+        let definition = folder.join("machine.toml");
+        if files.0.contains_key(&format!("{name}/machine.toml")) || !definition.is_file() {
+            break;
+        }
+        for path in files_of(&folder)? {
+            let file = file_name(&path)?;
+            if !file.starts_with('.') {
+                files.add(format!("{name}/{file}"), &path)?;
+            }
+        }
+        let text = fs::read_to_string(&definition).map_err(Error::file(&definition))?;
+        let parent = toml::from_str::<toml::Table>(&text).ok();
+        let parent = parent.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
+        next = parent.and_then(|parent| Some((parent.clone(), folder.parent()?.join(parent))));
+    }
+    Ok((name, files))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_known_by_their_names() {
+        for name in ["O9001", "o1.nc", "part.tps", "part_2.tps"] {
+            assert!(is_subprogram(name, "part"), "{name}");
+        }
+        for name in ["Other.nc", "part.nc", "partner.tps", "readme.md"] {
+            assert!(!is_subprogram(name, "part"), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_number_behind_the_file_picks_a_program() {
+        assert_eq!(program("a/b.nc#2102").unwrap(), (PathBuf::from("a/b.nc"), Some(2102)));
+        assert_eq!(program("a/b.nc#O0007").unwrap(), (PathBuf::from("a/b.nc"), Some(7)));
+        assert_eq!(program("a/b.nc").unwrap(), (PathBuf::from("a/b.nc"), None));
+        assert!(program("b.nc#x").is_err());
+    }
+
+    #[test]
+    fn a_job_has_programs_neighbours_and_extra_files() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["part.nc", "part_1.tps", "O9001", "notes.txt", "other/part.nc", "lib/macro.nc"] {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, name).unwrap();
+        }
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        let inputs = Inputs {
+            programs: vec![at("part.nc"), at("other/part.nc"), at("part.nc#2")],
+            machine: None,
+            with: vec![folder.path().join("lib")],
+            opskip: vec![],
+            opstop: false,
+            ignore_waits: vec![],
+            threads: 0,
+        };
+        let pack = job(&inputs).unwrap();
+        let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();
+        assert_eq!(names, ["O9001", "macro.nc", "other/part.nc", "part.nc", "part_1.tps"]);
+        let programs: Vec<_> = pack.programs.iter().map(|p| (p.path.as_str(), p.number)).collect();
+        assert_eq!(programs, [("part.nc", None), ("other/part.nc", None), ("part.nc", Some(2))]);
+    }
+}

@@ -1,0 +1,77 @@
+//! Live progress: one bar per channel on a terminal, plain lines otherwise.
+
+use std::io::IsTerminal as _;
+use std::time::{Duration, Instant};
+
+use counterpoint_proto::v1;
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+use crate::report::time;
+use crate::say;
+
+/// Plain lines at most this often.
+const PLAIN_EVERY: Duration = Duration::from_secs(2);
+
+/// Shows progress.
+pub(crate) enum Progress {
+    Quiet,
+    Plain { said: Instant },
+    Bars { all: MultiProgress, bars: Vec<ProgressBar> },
+}
+
+impl Progress {
+    pub(crate) fn new(quiet: bool) -> Self {
+        match () {
+            () if quiet => Self::Quiet,
+            () if std::io::stderr().is_terminal() => Self::Bars { all: MultiProgress::new(), bars: Vec::new() },
+            () => Self::Plain { said: Instant::now() },
+        }
+    }
+
+    pub(crate) fn show(&mut self, progress: &v1::Progress) {
+        match self {
+            Self::Quiet => {}
+            Self::Plain { said } => {
+                if said.elapsed() >= PLAIN_EVERY {
+                    *said = Instant::now();
+                    progress.channels.iter().for_each(|c| say::talk(format_args!("{} {}", c.name, describe(c))));
+                }
+            }
+            Self::Bars { all, bars } => {
+                for (i, channel) in progress.channels.iter().enumerate() {
+                    if bars.len() <= i {
+                        bars.push(all.add(bar(&channel.name)));
+                    }
+                    if let Some(bar) = bars.get(i) {
+                        bar.set_position(channel.percent as u64);
+                        bar.set_message(describe(channel));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Removes the bars.
+    pub(crate) fn clear(&mut self) {
+        if let Self::Bars { all, .. } = self {
+            let _ = all.clear();
+        }
+    }
+}
+
+fn bar(name: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix:>8} {bar:24} {pos:>3}% {wide_msg}");
+    let bar = ProgressBar::new(100).with_prefix(name.to_owned());
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn describe(channel: &v1::ChannelProgress) -> String {
+    let state = match channel.state() {
+        v1::ChannelState::Waiting if !channel.waiting_for.is_empty() => format!("waits for {}", channel.waiting_for),
+        state => state.as_str_name().trim_start_matches("CHANNEL_STATE_").replace('_', " ").to_lowercase(),
+    };
+    format!("block {}  {}  {state}", channel.blocks, time(channel.t_ns))
+}

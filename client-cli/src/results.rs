@@ -1,0 +1,99 @@
+//! Reads results: streams of chunks put together, to memory, a file or standard output.
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use tonic::Streaming;
+
+use crate::arguments::{Format, What};
+use crate::client::Client;
+use crate::error::Error;
+
+/// Something with a chunk in it.
+pub(crate) trait Chunk {
+    fn data(self) -> Bytes;
+}
+
+macro_rules! chunks {
+    ($($type:ident),*) => { $(
+        impl Chunk for v1::$type {
+            fn data(self) -> Bytes {
+                self.data
+            }
+        }
+    )* };
+}
+
+chunks!(GetListingResponse, GetTimelineResponse, GetToolpathResponse, GetSummaryResponse, GetEventsResponse);
+
+/// Hands every chunk of a result to `put`.
+pub(crate) async fn each(
+    client: &Client,
+    job: &str,
+    what: What,
+    channel: u32,
+    format: Format,
+    put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
+) -> Result<(), Error> {
+    let job_id = job.to_owned();
+    let form = match format {
+        Format::Svg => v1::DrawingFormat::Svg,
+        Format::Json => v1::DrawingFormat::Json,
+    };
+    let format = form.into();
+    let mut results = client.results();
+    match what {
+        What::Summary => drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await,
+        What::Listing => {
+            drain(results.get_listing(v1::GetListingRequest { job_id, channel }).await?.into_inner(), put).await
+        }
+        What::Timeline => {
+            drain(results.get_timeline(v1::GetTimelineRequest { job_id, format }).await?.into_inner(), put).await
+        }
+        What::Toolpath => {
+            drain(results.get_toolpath(v1::GetToolpathRequest { job_id, format }).await?.into_inner(), put).await
+        }
+        What::Events => drain(results.get_events(v1::GetEventsRequest { job_id }).await?.into_inner(), put).await,
+    }
+}
+
+async fn drain<T: Chunk>(
+    mut stream: Streaming<T>,
+    put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
+) -> Result<(), Error> {
+    while let Some(chunk) = stream.message().await? {
+        put(&chunk.data())?;
+    }
+    Ok(())
+}
+
+/// A whole result.
+pub(crate) async fn whole(
+    client: &Client,
+    job: &str,
+    what: What,
+    channel: u32,
+    format: Format,
+) -> Result<Vec<u8>, Error> {
+    let mut whole = Vec::new();
+    let mut put = |data: &[u8]| {
+        whole.extend_from_slice(data);
+        Ok(())
+    };
+    each(client, job, what, channel, format, &mut put).await?;
+    Ok(whole)
+}
+
+/// A result into a file.
+pub(crate) async fn file(
+    client: &Client,
+    job: &str,
+    what: What,
+    channel: u32,
+    format: Format,
+    path: &std::path::Path,
+) -> Result<(), Error> {
+    use std::io::Write as _;
+    let mut file = std::fs::File::create(path).map_err(Error::file(path))?;
+    let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(path));
+    each(client, job, what, channel, format, &mut put).await
+}

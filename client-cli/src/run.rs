@@ -1,0 +1,217 @@
+//! `run` and `submit`: pack, upload, submit; `run` then watches and reports.
+
+use std::path::Path;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+
+use crate::arguments::{Format, Inputs, Run, Submit, What};
+use crate::client::Client;
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::report::{Summary, report};
+use crate::say::{self, DIM, styled};
+use crate::timeline::{Timeline, draw};
+use crate::{pack, results};
+
+/// Runs programs on a server in this process.
+pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
+    let pack = pack::job(&arguments.inputs)?;
+    let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
+    let client = Client::embed(draws || arguments.out.is_some()).await?;
+    let name = machine(&client, &arguments.inputs, arguments.quiet).await?;
+    let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
+    let id = uuid::Uuid::now_v7().to_string();
+    let job = submit_pack(&client, &arguments.inputs, pack, name, id).await?;
+    let status = follow(&client, &job, arguments.quiet).await?;
+    if let Some(code) = not_run(&status) {
+        return Ok(code);
+    }
+    let text = results::whole(&client, &job, What::Summary, 0, Format::Json).await?;
+    let summary: Summary = serde_json::from_slice(&text)
+        .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
+    if let Some(folder) = &arguments.out {
+        write(&client, &job, folder, &first, &summary, &text).await?;
+    }
+    if arguments.json {
+        say::data(&text)?;
+    } else if !arguments.quiet {
+        let mut out = report(&summary);
+        if draws {
+            let json = results::whole(&client, &job, What::Timeline, 0, Format::Json).await?;
+            let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
+            out.push_str(&draw(&timeline, width()));
+        }
+        say::data(out.as_bytes())?;
+    }
+    Ok(exit_code(&status))
+}
+
+/// Hands programs to a server.
+pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
+    let pack = pack::job(&arguments.inputs)?;
+    let client = Client::connect(&arguments.remote.server).await?;
+    let name = machine(&client, &arguments.inputs, false).await?;
+    let id = arguments.request_id.unwrap_or_else(|| uuid::Uuid::now_v7().to_string());
+    let job = submit_pack(&client, &arguments.inputs, pack, name, id).await?;
+    say::data(format!("{job}\n").as_bytes())?;
+    Ok(0)
+}
+
+/// The machine to run on; a folder is put on the server first.
+async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
+    let Some(machine) = &inputs.machine else {
+        let name = match inputs.programs.len() {
+            1 => "fanuc-mill",
+            2 => "fanuc-2path-lathe",
+            n => return Err(Error::Usage(format!("there is no default machine for {n} programs, give --machine"))),
+        };
+        if !quiet {
+            let count = inputs.programs.len();
+            let why = format!("machine {name} (default for {count} program{})", if count == 1 { "" } else { "s" });
+            say::talk(styled(DIM, why));
+        }
+        return Ok(name.to_owned());
+    };
+    if pack::is_folder(machine) { put_machine(client, Path::new(machine)).await } else { Ok(machine.clone()) }
+}
+
+/// Puts a machine folder on the server; gives `name@revision`.
+pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
+    let (name, files) = pack::machine(folder)?;
+    client.upload(&files.blobs()).await?;
+    let files = machine_files(files);
+    let request = v1::PutMachineRequest { name: name.clone(), files };
+    match client.machines().put_machine(request).await {
+        Ok(response) => {
+            let response = response.into_inner();
+            crate::commands::say_findings(&response.findings);
+            let machine = response.machine.unwrap_or_default();
+            Ok(format!("{}@{}", machine.name, machine.revision))
+        }
+        Err(status) => {
+            for violation in tonic_types::StatusExt::get_error_details(&status).bad_request().into_iter() {
+                violation.field_violations.iter().for_each(|v| {
+                    say::talk(format_args!("{}: {}", v.field, v.description));
+                });
+            }
+            Err(status.into())
+        }
+    }
+}
+
+/// Files of a machine in wire form.
+pub(crate) fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
+    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest }).collect()
+}
+
+async fn submit_pack(
+    client: &Client,
+    inputs: &Inputs,
+    pack: pack::Pack,
+    machine: String,
+    request_id: String,
+) -> Result<String, Error> {
+    client.upload(&pack.files.blobs()).await?;
+    let file = |(path, blob): (String, pack::Blob)| v1::FileRef { path, digest: blob.digest };
+    let request = v1::SubmitJobRequest {
+        request_id,
+        machine,
+        programs: pack.programs,
+        files: pack.files.0.into_iter().map(file).collect(),
+        options: Some(v1::JobOptions {
+            opskip: inputs.opskip.clone(),
+            opstop: inputs.opstop,
+            ignore_waits: inputs.ignore_waits.clone(),
+            threads: inputs.threads,
+            limits: None,
+        }),
+    };
+    let status = client.jobs().submit_job(request).await?.into_inner().status;
+    Ok(status.unwrap_or_default().job_id)
+}
+
+/// Follows a job to its end; the first interrupt cancels it, the second leaves.
+async fn follow(client: &Client, job: &str, quiet: bool) -> Result<v1::JobStatus, Error> {
+    let level = v1::WatchLevel::Progress.into();
+    let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level };
+    let mut stream = client.jobs().watch_job(request).await?.into_inner();
+    let mut progress = Progress::new(quiet);
+    let mut interrupts = 0;
+    loop {
+        tokio::select! {
+            message = stream.message() => match message?.and_then(|m| m.content) {
+                Some(Content::Progress(now)) => progress.show(&now),
+                Some(Content::Ended(status)) => {
+                    progress.clear();
+                    return Ok(status);
+                }
+                Some(_) => {}
+                None => return Err(Error::Connection("the server ended the stream".to_owned())),
+            },
+            signal = tokio::signal::ctrl_c(), if interrupts < 2 => {
+                interrupts += 1;
+                if signal.is_err() || interrupts == 2 {
+                    return Err(Error::Connection("interrupted".to_owned()));
+                }
+                client.jobs().cancel_job(v1::CancelJobRequest { job_id: job.to_owned() }).await?;
+            }
+        }
+    }
+}
+
+/// Says why a job was not run at all; gives the exit code then.
+pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
+    if !status.findings.is_empty() {
+        crate::commands::say_findings(&status.findings);
+        return Some(2);
+    }
+    if !status.error.is_empty() {
+        say::error(&Error::Usage(status.error.clone()));
+        return Some(1);
+    }
+    None
+}
+
+/// Exit code of an ended job.
+pub(crate) fn exit_code(status: &v1::JobStatus) -> u8 {
+    u8::from(status.state() != v1::JobState::Succeeded)
+}
+
+/// Columns of the terminal.
+fn width() -> usize {
+    let columns = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let (_, terminal) = console::Term::stdout().size_checked().unwrap_or((0, 100));
+    columns.unwrap_or(usize::from(terminal))
+}
+
+/// Writes all results into a folder.
+async fn write(
+    client: &Client,
+    job: &str,
+    folder: &Path,
+    program: &str,
+    summary: &Summary,
+    text: &[u8],
+) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
+    let path = folder.join("summary.json");
+    std::fs::write(&path, text).map_err(Error::file(&path))?;
+    let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
+    let with_program: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
+    for &channel in &with_program {
+        let name = if with_program.len() == 1 { format!("{stem}.lce") } else { format!("{stem}.{channel}.lce") };
+        results::file(client, job, What::Listing, channel, Format::Svg, &folder.join(name)).await?;
+    }
+    let files = [
+        (What::Events, Format::Json, "events.jsonl"),
+        (What::Timeline, Format::Svg, "timeline.svg"),
+        (What::Timeline, Format::Json, "timeline.json"),
+        (What::Toolpath, Format::Svg, "toolpath.svg"),
+        (What::Toolpath, Format::Json, "toolpath.json"),
+    ];
+    for (what, format, name) in files {
+        results::file(client, job, what, 0, format, &folder.join(name)).await?;
+    }
+    Ok(())
+}

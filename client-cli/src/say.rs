@@ -1,0 +1,51 @@
+//! Talk on standard error in colours by meaning, data on standard output.
+//!
+//! Invariant: a closed pipe ends the command quietly.
+
+use std::io::{self, Write as _};
+
+use anstyle::{AnsiColor, Color, Style};
+
+use crate::error::Error;
+
+const fn colour(colour: AnsiColor) -> Style {
+    Style::new().fg_color(Some(Color::Ansi(colour)))
+}
+
+/// Something went wrong.
+pub(crate) const BAD: Style = colour(AnsiColor::Red).bold();
+/// Something to look at.
+pub(crate) const WARN: Style = colour(AnsiColor::Yellow);
+/// All is well.
+pub(crate) const GOOD: Style = colour(AnsiColor::Green).bold();
+/// Of lesser weight.
+pub(crate) const DIM: Style = Style::new().dimmed();
+
+/// A text in a style.
+pub(crate) fn styled(style: Style, text: impl std::fmt::Display) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// A line of talk.
+pub(crate) fn talk(text: impl std::fmt::Display) {
+    let _ = writeln!(anstream::stderr(), "{text}");
+}
+
+/// An error.
+pub(crate) fn error(error: &Error) {
+    talk(format_args!("{} {error}", styled(BAD, "error:")));
+}
+
+/// Data.
+pub(crate) fn data(bytes: &[u8]) -> Result<(), Error> {
+    let mut out = anstream::stdout();
+    out.write_all(bytes).and_then(|()| out.flush()).map_err(broken)
+}
+
+/// What a failed write to standard output means.
+fn broken(error: io::Error) -> Error {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => Error::Closed,
+        _ => Error::File { path: "standard output".to_owned(), error },
+    }
+}

@@ -1,0 +1,100 @@
+//! The command line as a user sees it: exit codes, standard output, files.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn counterpoint(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+    command.args(arguments).env_remove("COUNTERPOINT_SERVER").stdin(Stdio::null()).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn program(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn a_clean_program_gives_a_report_on_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "%\nO1000\nG90 G0 X10. Y5.\nG1 X20. F100.\nM30\n%\n");
+    let output = counterpoint(&["run", &path]);
+    let (out, talk) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(code(&output), 0, "{out}{talk}");
+    assert!(out.starts_with("SUCCEEDED") && out.contains("part.nc"), "{out}");
+    assert!(talk.contains("fanuc-mill"), "the default machine is named: {talk}");
+    let output = counterpoint(&["run", "--quiet", &path]);
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn all_results_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let upper = program(folder.path(), "upper.nc", "O1\nG0 X10. Z5.\nM101 P12\nG1 Z1. F.1\nM30\n");
+    let lower = program(folder.path(), "lower.nc", "O2\nG0 X10. Z5.\nM101 P12\nM30\n");
+    let out = folder.path().join("out");
+    let output = counterpoint(&["run", &upper, &lower, "--json", "--out", &out.display().to_string()]);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["channels"].as_array().unwrap().len(), 2, "{summary}");
+    let mut names: Vec<_> =
+        std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    let expected = "events.jsonl summary.json timeline.json timeline.svg toolpath.json toolpath.svg";
+    let expected: Vec<_> = expected.split(' ').chain(["upper.1.lce", "upper.2.lce"]).collect();
+    assert_eq!(names, expected);
+}
+
+#[test]
+fn exit_codes_tell_what_went_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    assert_eq!(code(&counterpoint(&["run", "no-such-file.nc"])), 2);
+    assert_eq!(code(&counterpoint(&["run", "--machine", "no-such-machine", &path])), 2);
+    assert_eq!(code(&counterpoint(&["run", &path, &path, &path, &path])), 2, "no default machine for four");
+    assert_eq!(code(&counterpoint(&["nonsense"])), 2);
+    assert_eq!(code(&counterpoint(&["jobs", "--server", "http://127.0.0.1:1"])), 3);
+    // A channel that waits for one without a program can never go on.
+    let waits = program(folder.path(), "waits.nc", "O1\nM101 P12\nM30\n");
+    assert_eq!(code(&counterpoint(&["run", "--machine", "fanuc-2path-lathe", &waits])), 1);
+}
+
+#[test]
+fn machines_can_be_listed_shown_checked_and_come_from_a_folder() {
+    let output = counterpoint(&["machine", "list"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("fanuc-mill"));
+    let output = counterpoint(&["machine", "show", "fanuc-mill", "axes", "--json"]);
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(shown["axes"].is_array() && shown.get("codes").is_none());
+    assert_eq!(code(&counterpoint(&["machine", "check", "fanuc-2path-lathe"])), 0);
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    std::fs::write(mine.join("machine.toml"), "nonsense = [").unwrap();
+    let output = counterpoint(&["machine", "check", &mine.display().to_string()]);
+    assert_eq!(code(&output), 2);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("mine/machine.toml:1:"));
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/fanuc-mill");
+    let path = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
+    let output = counterpoint(&["run", "-q", "--machine", &shipped.display().to_string(), &path]);
+    assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+    let mut child = command
+        .args(["machine", "show", "fanuc-2path-lathe"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((code(&output), output.stderr.as_slice()), (0, &b""[..]));
+}

@@ -1,0 +1,141 @@
+//! A job in memory: from its acceptance until it has ended and left the short list of recent ones.
+//!
+//! Invariant: the state in [`Live`] is never ahead of the ledger for an end state; a watcher that sees an end can
+//! read the results.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::info::Info;
+use tokio::sync::watch;
+
+use crate::ledger::record::{Record, State};
+use crate::log::tail::Tail;
+use crate::log::writer::Writer;
+use crate::results::Finished;
+
+/// What exists once a worker has prepared the job.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub(crate) info: Arc<Info>,
+    pub(crate) control: Arc<Control>,
+    /// What each channel waits for, in the order of `info.channels`; empty = nothing.
+    pub(crate) waits: Mutex<Vec<String>>,
+}
+
+/// A job in memory.
+#[derive(Debug)]
+pub(crate) struct Live {
+    pub(crate) id: String,
+    record: Mutex<Record>,
+    state: watch::Sender<State>,
+    cancel: AtomicBool,
+    pub(crate) tail: Arc<Tail>,
+    run: OnceLock<Run>,
+    finished: OnceLock<Arc<Finished>>,
+    /// Log of the running job; locked for the time of one append or write.
+    writer: Mutex<Option<Writer>>,
+}
+
+/// A lock whose holder panicked is used as it is: records are replaced whole.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+impl Live {
+    pub(crate) fn new(record: Record) -> Self {
+        Self {
+            id: record.id.clone(),
+            state: watch::Sender::new(record.state),
+            cancel: AtomicBool::new(record.cancel),
+            record: Mutex::new(record),
+            tail: Arc::new(Tail::new()),
+            run: OnceLock::new(),
+            finished: OnceLock::new(),
+            writer: Mutex::new(None),
+        }
+    }
+
+    pub(crate) fn record(&self) -> Record {
+        lock(&self.record).clone()
+    }
+
+    pub(crate) fn state(&self) -> State {
+        *self.state.borrow()
+    }
+
+    pub(crate) fn follow(&self) -> watch::Receiver<State> {
+        self.state.subscribe()
+    }
+
+    /// Changes the record, then tells those who wait.
+    pub(crate) fn change(&self, change: impl FnOnce(&mut Record)) -> Record {
+        let mut record = lock(&self.record);
+        change(&mut record);
+        self.state.send_if_modified(|state| std::mem::replace(state, record.state) != record.state);
+        record.clone()
+    }
+
+    pub(crate) fn run(&self) -> Option<&Run> {
+        self.run.get()
+    }
+
+    /// Sets what a run has; the job may have been cancelled by then.
+    pub(crate) fn prepared(&self, run: Run) {
+        let control = run.control.clone();
+        let _ = self.run.set(run);
+        if self.cancelled() {
+            control.cancel();
+        }
+    }
+
+    pub(crate) fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::SeqCst)
+    }
+
+    /// Asks the run to stop.
+    pub(crate) fn cancel(&self) {
+        self.cancel.store(true, Ordering::SeqCst);
+        self.interrupt();
+    }
+
+    /// Stops the run without a cancel on the record: the job will be run again.
+    pub(crate) fn interrupt(&self) {
+        if let Some(run) = self.run.get() {
+            run.control.cancel();
+        }
+    }
+
+    /// Hands the log over for the time of the run.
+    pub(crate) fn begin_log(&self, writer: Writer) {
+        *lock(&self.writer) = Some(writer);
+    }
+
+    /// Takes the log back.
+    pub(crate) fn end_log(&self) -> Option<Writer> {
+        lock(&self.writer).take()
+    }
+
+    /// Appends to the log of the running job.
+    pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
+        lock(&self.writer).as_mut().map_or(Ok(()), |writer| writer.append(first_seq, batch))
+    }
+
+    /// Makes events readable that the kernel has handed over a while ago. An error shows at the next append.
+    pub(crate) fn flush_old(&self) {
+        if let Some(writer) = lock(&self.writer).as_mut() {
+            let _ = writer.flush_old();
+        }
+    }
+
+    pub(crate) fn finished(&self) -> Option<&Arc<Finished>> {
+        self.finished.get()
+    }
+
+    pub(crate) fn keep(&self, finished: Arc<Finished>) {
+        let _ = self.finished.set(finished);
+    }
+}

@@ -1,0 +1,169 @@
+//! One job on its own thread.
+//!
+//! Invariant: whatever happens in a run (refusal, error of storage, panic), the job gets an end state and the place
+//! is given back; the server lives on.
+
+use std::any::Any;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex};
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::machine::finding::Finding;
+use prost::Message as _;
+
+use super::Core;
+use super::describe::description;
+use super::files::Sandbox;
+use super::live::{Live, Run};
+use super::sink::JobSink;
+use crate::ledger::record::{Record, State, now_ms};
+use crate::log::writer::Writer;
+use crate::reason::Refusal;
+use crate::results::{Document, Finished, Folds, Key};
+use crate::runner::{Prepared, Task};
+
+/// Starts the worker thread of a job.
+pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
+    let tail = live.id.len().saturating_sub(8);
+    let name = format!("job-{}", live.id.get(tail..).unwrap_or_default());
+    let (spare_core, spare_live) = (core.clone(), live.clone());
+    let started = std::thread::Builder::new().name(name).spawn(move || work(&core, &live));
+    if let Err(error) = started {
+        end(&spare_core, &spare_live, failed(format!("no thread for the job: {error}")));
+    }
+}
+
+fn work(core: &Arc<Core>, live: &Live) {
+    let span = tracing::info_span!("job", id = live.id);
+    let _inside = span.enter();
+    let change = match catch_unwind(AssertUnwindSafe(|| run(core, live))) {
+        Ok(Ok(change)) => change,
+        Ok(Err(refusal)) => failed(refusal.to_string()),
+        Err(panic) => failed(format!("internal error: {}", panic_text(&*panic))),
+    };
+    end(core, live, change);
+}
+
+/// Change of a record at the end of a run.
+type Change = Box<dyn FnOnce(&mut Record)>;
+
+fn failed(error: String) -> Change {
+    Box::new(|record| {
+        record.state = State::Failed;
+        record.error = error;
+    })
+}
+
+fn refused(findings: Vec<Finding>) -> Change {
+    let first = findings.iter().find(|f| f.error).or(findings.first());
+    let error = first.map_or_else(|| "the job cannot be run".to_owned(), ToString::to_string);
+    Box::new(|record| {
+        record.state = State::Failed;
+        record.error = error;
+        record.findings = findings.into_iter().map(Into::into).collect();
+    })
+}
+
+fn panic_text(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
+}
+
+/// Makes the end durable, then visible.
+fn end(core: &Arc<Core>, live: &Live, change: Change) {
+    let mut record = live.record();
+    change(&mut record);
+    if record.state.ended() {
+        record.ended_ms = now_ms();
+    }
+    if let Err(error) = core.ledger.update_blocking(record.clone()) {
+        // The job stays RUNNING in the ledger and is run again by the next server.
+        tracing::error!(%error, "the end of the job could not be kept");
+        record.error = error.to_string();
+        record.state = State::Failed;
+    }
+    tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
+    live.change(|now| *now = Record { cancel: now.cancel, ..record });
+    core.free(live);
+}
+
+fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
+    let record = live.change(|record| {
+        record.state = State::Running;
+        record.attempt += 1;
+        record.started_ms = now_ms();
+    });
+    core.ledger.update_blocking(record.clone())?;
+    let files = Sandbox::new(core.blobs.clone(), &record.files);
+    let prepared = match prepare(core, &record, &files)? {
+        Ok(prepared) => prepared,
+        Err(findings) => return Ok(refused(findings)),
+    };
+    let info = prepared.info().clone();
+    let control = Arc::new(Control::new(info.channels.len()));
+    let waits = Mutex::new(vec![String::new(); info.channels.len()]);
+    live.prepared(Run { info: info.clone(), control: control.clone(), waits });
+    let head = description(&info).encode_to_vec();
+    let writer = Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?;
+    let folds = Folds::new(&info, core.options.live_timeline, !core.options.ephemeral);
+    live.begin_log(writer);
+    let mut sink = JobSink::new(live, folds);
+    let outcome = prepared.run(&files, &control, &mut sink);
+    let JobSink { folds, severity, verdict, error, .. } = sink;
+    let writer = live.end_log();
+    if let Some(error) = error {
+        return Ok(failed(format!("the event log cannot be kept: {error}")));
+    }
+    let events = writer.map_or(Ok(0), |writer| writer.finish(core.store.durable()))?;
+    if outcome.cancelled && !live.cancelled() && core.drain.begun() {
+        return Ok(Box::new(|record| {
+            record.state = State::Queued;
+            record.attempt -= 1;
+        }));
+    }
+    let finished = folds.finish(&outcome);
+    let key = keep(core, live, finished)?;
+    let state = match () {
+        () if outcome.cancelled => State::Cancelled,
+        () if severity >= 8 || verdict.is_some() => State::Failed,
+        () => State::Succeeded,
+    };
+    Ok(Box::new(move |record| {
+        record.state = state;
+        record.events = events;
+        record.makespan_ns = key.makespan_ns;
+        record.log_digest = key.log_digest;
+        record.highest_severity = severity;
+        record.verdict = verdict.unwrap_or_default();
+    }))
+}
+
+/// Loads the machine and the programs of a job.
+pub(crate) fn prepare(
+    core: &Core,
+    record: &Record,
+    files: &Sandbox,
+) -> Result<Result<Box<dyn Prepared>, Vec<Finding>>, Refusal> {
+    let checked = core.machines.load(&record.machine)?;
+    let Some(machine) = checked.machine else { return Ok(Err(checked.findings)) };
+    let task = Task { machine, programs: record.programs.clone(), options: record.options.clone() };
+    Ok(core.runner.prepare(task, files))
+}
+
+/// Stores the results, or keeps them in memory when nothing is to survive.
+fn keep(core: &Core, live: &Live, finished: Finished) -> io::Result<Key> {
+    let summary = finished.document(Document::Summary).unwrap_or_default();
+    let key = serde_json::from_slice(&summary).unwrap_or_default();
+    if !core.options.ephemeral {
+        let folder = core.store.job(&live.id);
+        core.store.write(&folder.join(Document::Summary.file()), &summary)?;
+        for document in [Document::TimelineJson, Document::TimelineSvg, Document::ToolpathJson, Document::ToolpathSvg] {
+            if let Some(text) = finished.document(document) {
+                core.store.write(&folder.join(document.file()), &text)?;
+            }
+        }
+    }
+    live.keep(Arc::new(finished));
+    Ok(key)
+}

@@ -1,0 +1,109 @@
+//! A job as the ledger keeps it.
+//!
+//! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), but for a run that died or was
+//! interrupted by a shutdown: RUNNING → QUEUED.
+
+use counterpoint_kernel::job::Program;
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::options::Options;
+use serde::{Deserialize, Serialize};
+
+use crate::machines::Definition;
+
+/// State of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum State {
+    /// Accepted.
+    Queued,
+    /// A worker runs it.
+    Running,
+    /// Ended without error and verdict.
+    Succeeded,
+    /// Ended with an error or verdict, or could not be run.
+    Failed,
+    /// Stopped on request.
+    Cancelled,
+}
+
+impl State {
+    /// Whether nothing more will happen.
+    #[must_use]
+    pub fn ended(self) -> bool {
+        matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
+    }
+}
+
+/// A reason why a job could not be run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reason {
+    /// `true` = cannot be used.
+    pub error: bool,
+    /// File.
+    pub file: String,
+    /// Line from 1, 0 = none.
+    pub line: u32,
+    /// Column from 1, 0 = unknown.
+    pub column: u32,
+    /// What is wrong.
+    pub text: String,
+}
+
+impl From<Finding> for Reason {
+    fn from(f: Finding) -> Self {
+        Self { error: f.error, file: f.file, line: f.line, column: f.column, text: f.text }
+    }
+}
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Identity, ascending in order of submission.
+    pub id: String,
+    /// Identity given by the client.
+    pub request_id: String,
+    /// Digest of what was submitted, without the request id.
+    pub content: String,
+    /// Machine as the client named it.
+    pub machine_name: String,
+    /// The machine, pinned.
+    pub machine: Definition,
+    /// Programs, left to right.
+    pub programs: Vec<Program>,
+    /// Path and digest of every file.
+    pub files: Vec<(String, String)>,
+    /// Options.
+    pub options: Options,
+    /// State.
+    pub state: State,
+    /// Runs begun.
+    pub attempt: u32,
+    /// A cancel was accepted.
+    pub cancel: bool,
+    /// Milliseconds since 1970.
+    pub submitted_ms: i64,
+    /// Likewise; 0 = never.
+    pub started_ms: i64,
+    /// Likewise; 0 = not ended.
+    pub ended_ms: i64,
+    /// Events in the log.
+    pub events: u64,
+    /// Simulated time, ns.
+    pub makespan_ns: i64,
+    /// Highest severity.
+    pub highest_severity: u8,
+    /// Text of the verdict, empty = none.
+    pub verdict: String,
+    /// Why it could not be run or kept.
+    pub error: String,
+    /// Reasons with places.
+    pub findings: Vec<Reason>,
+    /// Digest of the log.
+    pub log_digest: String,
+}
+
+/// Milliseconds since 1970.
+pub(crate) fn now_ms() -> i64 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
+}

@@ -1,0 +1,64 @@
+//! Event logs: one append-only file per job, in wire encoding.
+//!
+//! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32,
+//! first and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or
+//! 32 KiB: never a bare event per message (HTTP/2 flood guards), never one too large for a small reader. Invariant:
+//! the bytes in the file are the bytes a watcher gets; what was committed never changes while its job lives. A second
+//! run of the same job writes the same events, though batches may be cut elsewhere.
+
+pub(crate) mod decode;
+pub mod encode;
+pub(crate) mod filter;
+pub(crate) mod reader;
+pub(crate) mod tail;
+pub(crate) mod writer;
+
+/// First bytes of a log file; the last digit is the version of the form.
+pub(crate) const MAGIC: &[u8; 8] = b"CPLOG\0\0\x01";
+/// Bytes of a record's frame.
+pub(crate) const FRAME: usize = 24;
+/// Most events of a batch.
+pub(crate) const BATCH_EVENTS: u64 = 256;
+/// Bytes after which a batch is closed.
+pub(crate) const BATCH_BYTES: usize = 32 * 1024;
+/// Largest record that is believed when reading; larger ones are damage.
+pub(crate) const RECORD_MAX: usize = 64 << 20;
+
+/// The frame in front of an encoded batch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Frame {
+    pub(crate) length: u32,
+    pub(crate) crc: u32,
+    pub(crate) first: u64,
+    pub(crate) last: u64,
+}
+
+impl Frame {
+    pub(crate) fn of(body: &[u8], first: u64, last: u64) -> Self {
+        Self { length: body.len() as u32, crc: crc32fast::hash(body), first, last }
+    }
+
+    pub(crate) fn to_bytes(self) -> [u8; FRAME] {
+        let mut bytes = [0; FRAME];
+        let parts = [&self.length.to_le_bytes()[..], &self.crc.to_le_bytes(), &self.first.to_le_bytes()];
+        let values = parts.into_iter().flatten().copied().chain(self.last.to_le_bytes());
+        for (slot, value) in bytes.iter_mut().zip(values) {
+            *slot = value;
+        }
+        bytes
+    }
+
+    /// Reads a frame; `None` when there are not enough bytes.
+    pub(crate) fn read(bytes: &[u8]) -> Option<Self> {
+        let (length, rest) = bytes.split_first_chunk::<4>()?;
+        let (crc, rest) = rest.split_first_chunk::<4>()?;
+        let (first, rest) = rest.split_first_chunk::<8>()?;
+        let (last, _) = rest.split_first_chunk::<8>()?;
+        Some(Self {
+            length: u32::from_le_bytes(*length),
+            crc: u32::from_le_bytes(*crc),
+            first: u64::from_le_bytes(*first),
+            last: u64::from_le_bytes(*last),
+        })
+    }
+}

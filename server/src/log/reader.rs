@@ -1,0 +1,187 @@
+//! Reads a log, live or ended, by cursor.
+//!
+//! Invariant: a reader holds no lock and no more than one piece of the file; a slow one costs nothing but that.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use bytes::{Buf, Bytes, BytesMut};
+use counterpoint_kernel::log::event::Event;
+use counterpoint_proto::v1::JobDescription;
+use prost::Message as _;
+
+use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
+
+const PIECE: usize = 256 * 1024;
+
+/// An encoded batch with the numbers it covers.
+#[derive(Debug, Clone)]
+pub(crate) struct Batch {
+    pub(crate) first: u64,
+    pub(crate) last: u64,
+    pub(crate) body: Bytes,
+}
+
+/// A place in a log.
+#[derive(Debug)]
+pub(crate) struct Reader {
+    file: File,
+    description: JobDescription,
+    /// Bytes read and not yet handed out.
+    piece: BytesMut,
+    /// Offset in the file behind `piece`.
+    read: u64,
+    /// The file's content ends here as far as known.
+    limit: u64,
+    after: u64,
+}
+
+fn damage(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, format!("the event log is damaged: {what}"))
+}
+
+impl Reader {
+    /// Opens a log whose head has been written; batches up to number `after` are passed over.
+    pub(crate) fn open(path: &Path, after: u64) -> io::Result<Self> {
+        let mut file = File::open(path)?;
+        let mut head = [0; MAGIC.len() + FRAME];
+        file.read_exact(&mut head)?;
+        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("head"))?;
+        let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
+        file.read_exact(&mut description)?;
+        let description = JobDescription::decode(description.as_slice()).map_err(|_| damage("description"))?;
+        let read = (head.len() + frame.length as usize) as u64;
+        Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
+    }
+
+    /// Opens an ended log, to be read to the end of the file.
+    pub(crate) fn open_ended(path: &Path, after: u64) -> io::Result<Self> {
+        let mut reader = Self::open(path, after)?;
+        reader.limit = reader.file.metadata()?.len();
+        Ok(reader)
+    }
+
+    pub(crate) fn description(&self) -> &JobDescription {
+        &self.description
+    }
+
+    /// Allows reading up to a committed position.
+    pub(crate) fn extend(&mut self, limit: u64) {
+        self.limit = self.limit.max(limit);
+    }
+
+    /// Next batch behind the cursor; `None` at the end of what may be read.
+    pub(crate) fn next_batch(&mut self) -> io::Result<Option<Batch>> {
+        loop {
+            if !self.fill(FRAME)? {
+                return Ok(None);
+            }
+            let frame = Frame::read(&self.piece).ok_or_else(|| damage("frame"))?;
+            let length = frame.length as usize;
+            if length > RECORD_MAX {
+                return Err(damage("record length"));
+            }
+            if frame.last <= self.after {
+                self.skip(FRAME + length)?;
+                continue;
+            }
+            if !self.fill(FRAME + length)? {
+                return Ok(None);
+            }
+            self.piece.advance(FRAME);
+            let body = self.piece.split_to(length).freeze();
+            if crc32fast::hash(&body) != frame.crc {
+                return Err(damage("checksum"));
+            }
+            let after = std::mem::replace(&mut self.after, frame.last);
+            let batch = Batch { first: frame.first, last: frame.last, body };
+            return Ok(Some(if frame.first <= after { behind(batch, after) } else { batch }));
+        }
+    }
+
+    /// Makes at least `need` bytes available; `false` when the readable part ends before.
+    fn fill(&mut self, need: usize) -> io::Result<bool> {
+        while self.piece.len() < need {
+            let left = usize::try_from(self.limit.saturating_sub(self.read)).unwrap_or(usize::MAX);
+            let want = left.min(PIECE.max(need - self.piece.len()));
+            if want == 0 {
+                return Ok(false);
+            }
+            let old = self.piece.len();
+            self.piece.resize(old + want, 0);
+            let got = self.file.read(self.piece.get_mut(old..).unwrap_or_default())?;
+            self.piece.truncate(old + got);
+            self.read += got as u64;
+            if got == 0 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn skip(&mut self, count: usize) -> io::Result<()> {
+        if let Some(beyond) = count.checked_sub(self.piece.len()) {
+            self.piece.clear();
+            self.read += beyond as u64;
+            self.file.seek(SeekFrom::Start(self.read))?;
+        } else {
+            self.piece.advance(count);
+        }
+        Ok(())
+    }
+}
+
+/// The part of a batch behind a cursor that lies inside it.
+fn behind(batch: Batch, after: u64) -> Batch {
+    let mut body = Vec::with_capacity(batch.body.len());
+    encode::varint_field(&mut body, 1, after + 1);
+    encode::varint_field(&mut body, 2, batch.last);
+    decode::events(&batch.body).filter(|event| decode::seq(event) > after).for_each(|e| encode::encoded(&mut body, e));
+    Batch { first: after + 1, last: batch.last, body: Bytes::from(body) }
+}
+
+/// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
+pub(crate) struct Events {
+    reader: Reader,
+    batch: std::vec::IntoIter<(u64, Event)>,
+    error: Option<io::Error>,
+}
+
+impl Events {
+    pub(crate) fn new(reader: Reader) -> Self {
+        Self { reader, batch: Vec::new().into_iter(), error: None }
+    }
+
+    /// What ended the iteration before the end of the log.
+    pub(crate) fn error(self) -> Option<io::Error> {
+        self.error
+    }
+
+    fn load(&mut self) -> io::Result<bool> {
+        let Some(batch) = self.reader.next_batch()? else { return Ok(false) };
+        let events: Option<Vec<_>> = decode::events(&batch.body).map(decode::event).collect();
+        self.batch = events.ok_or_else(|| damage("event"))?.into_iter();
+        Ok(true)
+    }
+}
+
+impl Iterator for Events {
+    type Item = (u64, Event);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(item) = self.batch.next() {
+                return Some(item);
+            }
+            match self.load() {
+                Ok(true) => {}
+                Ok(false) => return None,
+                Err(error) => {
+                    self.error = Some(error);
+                    return None;
+                }
+            }
+        }
+    }
+}

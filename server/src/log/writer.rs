@@ -1,0 +1,128 @@
+//! Writes the log of a running job.
+//!
+//! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
+//! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
+//! file.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use counterpoint_kernel::log::event::{Event, MAX_AXES};
+use counterpoint_kernel::log::info::Info;
+
+use super::tail::{Position, Tail};
+use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
+
+const WRITE_BYTES: usize = 256 * 1024;
+const WRITE_EVERY: Duration = Duration::from_millis(10);
+
+/// The one writer of a log.
+#[derive(Debug)]
+pub(crate) struct Writer {
+    file: File,
+    tail: Arc<Tail>,
+    /// Axes by channel number.
+    axes: Vec<usize>,
+    /// Closed records and the open one, not yet written.
+    buffer: Vec<u8>,
+    /// Where the open record begins in `buffer`, and its first event.
+    open: Option<(usize, u64)>,
+    position: Position,
+    written: Instant,
+}
+
+impl Writer {
+    /// Begins a log anew, with the encoded description of the job at its head.
+    pub(crate) fn create(path: &Path, tail: Arc<Tail>, info: &Info, description: &[u8]) -> io::Result<Self> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut axes = Vec::new();
+        for channel in &info.channels {
+            let number = usize::from(channel.number);
+            if axes.len() <= number {
+                axes.resize(number + 1, MAX_AXES);
+            }
+            if let Some(slot) = axes.get_mut(number) {
+                *slot = channel.axes.len();
+            }
+        }
+        let mut buffer = Vec::with_capacity(WRITE_BYTES + 2 * BATCH_BYTES);
+        buffer.extend_from_slice(MAGIC);
+        buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
+        buffer.extend_from_slice(description);
+        let file = File::create(path)?;
+        let mut writer =
+            Self { file, tail, axes, buffer, open: None, position: Position::default(), written: Instant::now() };
+        writer.write()?;
+        Ok(writer)
+    }
+
+    /// Appends events in log order.
+    pub(crate) fn append(&mut self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
+        for (seq, event) in (first_seq..).zip(batch) {
+            let (start, first) = match self.open {
+                Some(open) => open,
+                None => self.open_record(seq),
+            };
+            let axes = self.axes.get(usize::from(event.channel)).copied().unwrap_or(MAX_AXES);
+            encode::event(&mut self.buffer, seq, event, axes);
+            self.position.last_seq = seq;
+            if seq - first + 1 >= BATCH_EVENTS || self.buffer.len() - start >= BATCH_BYTES {
+                self.close_record();
+                if self.buffer.len() >= WRITE_BYTES {
+                    self.write()?;
+                }
+            }
+        }
+        self.flush_old()
+    }
+
+    /// Writes what has been gathered for long enough.
+    pub(crate) fn flush_old(&mut self) -> io::Result<()> {
+        if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes everything and makes it durable when asked.
+    pub(crate) fn finish(mut self, durable: bool) -> io::Result<u64> {
+        self.flush()?;
+        if durable {
+            self.file.sync_all()?;
+        }
+        Ok(self.position.last_seq)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.close_record();
+        self.write()
+    }
+
+    fn open_record(&mut self, seq: u64) -> (usize, u64) {
+        let start = self.buffer.len();
+        self.buffer.extend_from_slice(&[0; FRAME]);
+        encode::varint_field(&mut self.buffer, 1, seq);
+        self.open = Some((start, seq));
+        (start, seq)
+    }
+
+    fn close_record(&mut self) {
+        let Some((start, first)) = self.open.take() else { return };
+        encode::varint_field(&mut self.buffer, 2, self.position.last_seq);
+        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.position.last_seq);
+        if let Some(slot) = self.buffer.get_mut(start..start + FRAME) {
+            slot.copy_from_slice(&frame.to_bytes());
+        }
+    }
+
+    fn write(&mut self) -> io::Result<()> {
+        self.file.write_all(&self.buffer)?;
+        self.position.bytes += self.buffer.len() as u64;
+        self.buffer.clear();
+        self.tail.set(self.position);
+        self.written = Instant::now();
+        Ok(())
+    }
+}

@@ -1,0 +1,102 @@
+//! The machines a server knows: shipped ones and those put there.
+//!
+//! A machine put there has a revision, the digest of its files; a job keeps the revision it was submitted with.
+//! Invariant: a stored machine has passed the check of this server.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock};
+
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::machine::package::Overlay;
+use counterpoint_kernel::machine::{load, package};
+use dashmap::DashMap;
+use serde::{Deserialize, Serialize};
+
+use crate::blobs::{Blobs, digest};
+use crate::reason::Refusal;
+
+/// A machine as the ledger keeps it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Definition {
+    /// Its folder.
+    pub name: String,
+    /// Path → digest; empty for a shipped machine.
+    pub files: BTreeMap<String, String>,
+}
+
+impl Definition {
+    pub(crate) fn shipped(name: &str) -> Self {
+        Self { name: name.to_owned(), files: BTreeMap::new() }
+    }
+
+    /// Digest of the files, 16 hexadecimal digits; empty for a shipped machine.
+    pub(crate) fn revision(&self) -> String {
+        if self.files.is_empty() {
+            return String::new();
+        }
+        let text: String = self.files.iter().map(|(path, digest)| format!("{path}\0{digest}\n")).collect();
+        digest(text.as_bytes()).get(..16).unwrap_or_default().to_owned()
+    }
+}
+
+/// Whether a text can be the name of a machine.
+pub(crate) fn is_name(text: &str) -> bool {
+    (1..=64).contains(&text.len())
+        && !text.starts_with('.')
+        && text.bytes().all(|b| b.is_ascii_alphanumeric() || b"._-".contains(&b))
+}
+
+static NAMES: LazyLock<Vec<String>> = LazyLock::new(package::shipped_names);
+
+/// Names of the shipped machines, sorted.
+pub(crate) fn shipped() -> &'static [String] {
+    &NAMES
+}
+
+pub(crate) fn is_shipped(name: &str) -> bool {
+    NAMES.iter().any(|shipped| shipped == name)
+}
+
+/// A loaded machine, if it can be used, with what its check found.
+#[derive(Debug, Clone)]
+pub(crate) struct Checked {
+    pub(crate) machine: Option<Arc<Machine>>,
+    pub(crate) findings: Vec<Finding>,
+}
+
+/// Loads machines and keeps those in use.
+#[derive(Debug)]
+pub(crate) struct Machines {
+    blobs: Blobs,
+    loaded: DashMap<(String, String), Checked>,
+}
+
+/// Machines kept loaded; beyond that the memory is emptied.
+const KEPT: usize = 64;
+
+impl Machines {
+    pub(crate) fn new(blobs: Blobs) -> Self {
+        Self { blobs, loaded: DashMap::new() }
+    }
+
+    /// Loads and checks a definition; all its blobs must be there.
+    pub(crate) fn load(&self, definition: &Definition) -> Result<Checked, Refusal> {
+        let key = (definition.name.clone(), definition.revision());
+        if let Some(known) = self.loaded.get(&key) {
+            return Ok(known.clone());
+        }
+        let mut files = Memory::default();
+        for (path, digest) in &definition.files {
+            files.0.insert(path.clone(), self.blobs.read(digest)?);
+        }
+        let loaded = load(&Overlay::over_shipped(files), &definition.name);
+        let checked = Checked { machine: loaded.machine.map(Arc::new), findings: loaded.findings };
+        if self.loaded.len() >= KEPT {
+            self.loaded.clear();
+        }
+        self.loaded.insert(key, checked.clone());
+        Ok(checked)
+    }
+}

@@ -1,0 +1,94 @@
+//! `counterpointd`: settings, build, announce, serve, drain.
+
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use counterpoint_server::options::{Flags, Options};
+use counterpoint_server::service;
+
+/// The Counterpoint server: runs NC programs as the control would
+#[derive(Debug, Parser)]
+#[command(name = "counterpointd", version)]
+struct Arguments {
+    /// Configuration file; flags and environment win over it
+    #[arg(long, env = "COUNTERPOINT_CONFIG", value_name = "FILE.toml")]
+    config: Option<PathBuf>,
+    /// Print the resulting configuration and stop
+    #[arg(long)]
+    print_config: bool,
+    #[command(flatten)]
+    flags: Flags,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let base = match &arguments.config {
+        Some(path) => Options::from_file(path),
+        None => Ok(Options::default()),
+    };
+    let options = match base {
+        Ok(base) => arguments.flags.over(base),
+        Err(error) => return fail(2, &error),
+    };
+    if arguments.print_config {
+        print!("{}", options.to_toml());
+        return ExitCode::SUCCESS;
+    }
+    logging();
+    match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {
+        Ok(runtime) => match runtime.block_on(serve(options)) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => fail(3, &error),
+        },
+        Err(error) => fail(3, &error),
+    }
+}
+
+fn fail(code: u8, error: &dyn std::error::Error) -> ExitCode {
+    eprintln!("counterpointd: {error}");
+    ExitCode::from(code)
+}
+
+fn logging() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("COUNTERPOINT_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    let colours = std::io::IsTerminal::is_terminal(&std::io::stderr());
+    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colours).with_writer(std::io::stderr).init();
+}
+
+async fn serve(options: Options) -> Result<(), service::Error> {
+    let service = service::build(options).await?;
+    let handle = service.handle();
+    println!("listening on http://{}", handle.address());
+    tokio::select! {
+        result = service.run(std::future::pending()) => result,
+        () = signals(handle) => Ok(()),
+    }
+}
+
+/// Passes stop signals on; ends only when signals cannot be had, and then never.
+#[cfg(unix)]
+async fn signals(handle: service::Handle) {
+    use tokio::signal::unix::{SignalKind, signal};
+    if let (Ok(mut terminate), Ok(mut interrupt)) = (signal(SignalKind::terminate()), signal(SignalKind::interrupt())) {
+        loop {
+            tokio::select! {
+                _ = terminate.recv() => handle.stop(),
+                _ = interrupt.recv() => handle.stop(),
+            }
+        }
+    }
+    std::future::pending().await
+}
+
+/// Passes stop signals on; ends only when signals cannot be had, and then never.
+#[cfg(not(unix))]
+async fn signals(handle: service::Handle) {
+    while tokio::signal::ctrl_c().await.is_ok() {
+        handle.stop();
+    }
+    std::future::pending().await
+}

@@ -1,0 +1,182 @@
+//! What the server can be told: flags over environment over configuration file over defaults.
+//!
+//! Invariant: every option exists in all three forms under one name (`queue` = `--queue` = `COUNTERPOINT_QUEUE`),
+//! and [`Options::to_toml`] prints a file that gives the same options again.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// Options of a server.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Address to listen on; port 0 = any free port.
+    pub listen: SocketAddr,
+    /// Folder of ledger, blobs, logs and results.
+    pub data: PathBuf,
+    /// Jobs that run at the same time; 0 = one per processor core.
+    pub workers: usize,
+    /// Jobs that may wait in the queue.
+    pub queue: usize,
+    /// Runs begun before a job that takes the server down with it is given up.
+    pub attempts: u32,
+    /// Seconds that running jobs get to end after a stop signal.
+    pub grace_s: u64,
+    /// Largest blob, bytes.
+    pub max_blob_bytes: u64,
+    /// Most files of one job or machine.
+    pub max_files: usize,
+    /// Most programs of one job.
+    pub max_programs: usize,
+    /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
+    #[serde(skip)]
+    pub ephemeral: bool,
+    /// Make the timeline while the job runs; otherwise it is made from the log when asked for.
+    #[serde(skip)]
+    pub live_timeline: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from(([127, 0, 0, 1], 7878)),
+            data: PathBuf::from("counterpoint-data"),
+            workers: 0,
+            queue: 1000,
+            attempts: 3,
+            grace_s: 30,
+            max_blob_bytes: 256 << 20,
+            max_files: 1000,
+            max_programs: 64,
+            ephemeral: false,
+            live_timeline: true,
+        }
+    }
+}
+
+/// Why options cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The configuration file cannot be read.
+    #[error("cannot read '{path}': {error}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// It is not what it should be.
+    #[error("{path}: {error}")]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<toml::de::Error>,
+    },
+}
+
+impl Options {
+    /// Options of a configuration file.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is no TOML or has unknown keys.
+    pub fn from_file(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|error| Error::Read { path: path.to_owned(), error })?;
+        toml::from_str(&text).map_err(|error| Error::Parse { path: path.to_owned(), error: Box::new(error) })
+    }
+
+    /// The options as a configuration file.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// For a server inside one command: loopback, free port, nothing kept.
+    #[must_use]
+    pub fn ephemeral(data: PathBuf) -> Self {
+        Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, ephemeral: true, grace_s: 0, ..Self::default() }
+    }
+
+    /// Jobs at the same time, resolved.
+    pub(crate) fn slots(&self) -> usize {
+        match self.workers {
+            0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+            n => n,
+        }
+    }
+}
+
+/// Flags and environment; what is absent is taken from the file or the defaults.
+#[derive(Debug, Default, clap::Args)]
+pub struct Flags {
+    /// Address to listen on; port 0 = any free port
+    #[arg(long, env = "COUNTERPOINT_LISTEN", value_name = "ADDRESS")]
+    pub listen: Option<SocketAddr>,
+    /// Folder of ledger, blobs, logs and results
+    #[arg(long, env = "COUNTERPOINT_DATA", value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// Jobs that run at the same time; 0 = one per processor core
+    #[arg(long, env = "COUNTERPOINT_WORKERS", value_name = "N")]
+    pub workers: Option<usize>,
+    /// Jobs that may wait in the queue
+    #[arg(long, env = "COUNTERPOINT_QUEUE", value_name = "N")]
+    pub queue: Option<usize>,
+    /// Runs begun before a job that takes the server down with it is given up
+    #[arg(long, env = "COUNTERPOINT_ATTEMPTS", value_name = "N")]
+    pub attempts: Option<u32>,
+    /// Seconds that running jobs get to end after a stop signal
+    #[arg(long, env = "COUNTERPOINT_GRACE_S", value_name = "SECONDS")]
+    pub grace_s: Option<u64>,
+    /// Largest blob, bytes
+    #[arg(long, env = "COUNTERPOINT_MAX_BLOB_BYTES", value_name = "BYTES")]
+    pub max_blob_bytes: Option<u64>,
+    /// Most files of one job or machine
+    #[arg(long, env = "COUNTERPOINT_MAX_FILES", value_name = "N")]
+    pub max_files: Option<usize>,
+    /// Most programs of one job
+    #[arg(long, env = "COUNTERPOINT_MAX_PROGRAMS", value_name = "N")]
+    pub max_programs: Option<usize>,
+}
+
+impl Flags {
+    /// Lays the flags over options.
+    #[must_use]
+    pub fn over(self, mut options: Options) -> Options {
+        fn set<T>(target: &mut T, value: Option<T>) {
+            if let Some(value) = value {
+                *target = value;
+            }
+        }
+        set(&mut options.listen, self.listen);
+        set(&mut options.data, self.data);
+        set(&mut options.workers, self.workers);
+        set(&mut options.queue, self.queue);
+        set(&mut options.attempts, self.attempts);
+        set(&mut options.grace_s, self.grace_s);
+        set(&mut options.max_blob_bytes, self.max_blob_bytes);
+        set(&mut options.max_files, self.max_files);
+        set(&mut options.max_programs, self.max_programs);
+        options
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn printed_options_read_back_the_same() {
+        let options = Options { queue: 7, ..Options::default() };
+        let back: Options = toml::from_str(&options.to_toml()).unwrap();
+        assert_eq!(Options { ephemeral: false, live_timeline: true, ..back }, options);
+    }
+
+    #[test]
+    fn flags_win_and_unknown_keys_are_refused() {
+        let flags = Flags { queue: Some(9), ..Flags::default() };
+        assert_eq!(flags.over(Options::default()).queue, 9);
+        assert!(toml::from_str::<Options>("quue = 3").is_err());
+    }
+}

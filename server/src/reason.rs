@@ -1,0 +1,172 @@
+//! Why a call is refused: one variant per stable reason code of docs/api.md.
+//!
+//! Invariant: every status that leaves the server carries an `ErrorInfo` with one of these reasons and the domain
+//! `counterpoint`; a reason never changes its meaning or its gRPC code.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use tonic::{Code, Status};
+use tonic_types::{ErrorDetails, StatusExt};
+
+/// Domain of all reasons.
+pub const DOMAIN: &str = "counterpoint";
+
+/// A refused call.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Refusal {
+    /// A field of the request is wrong.
+    #[error("{field}: {text}")]
+    InvalidField {
+        /// Path of the field in the request.
+        field: String,
+        /// What is wrong and what was expected.
+        text: String,
+    },
+    /// The request id was used for another content.
+    #[error("request_id '{0}' was used for a job with other content")]
+    RequestIdReused(String),
+    /// No such job.
+    #[error("no job '{0}'")]
+    UnknownJob(String),
+    /// No such machine.
+    #[error("no machine '{0}'")]
+    UnknownMachine(String),
+    /// No such channel in the job.
+    #[error("the job has no channel {0}")]
+    UnknownChannel(u32),
+    /// No such blob.
+    #[error("no blob {0}")]
+    UnknownBlob(String),
+    /// Blobs must be uploaded first.
+    #[error("{} blobs are missing, the first is {}", .0.len(), .0.first().map_or("", String::as_str))]
+    MissingBlobs(Vec<String>),
+    /// The content does not have the digest it was announced with.
+    #[error("the content has digest {actual}, announced was {announced}")]
+    DigestMismatch {
+        /// What the client said.
+        announced: String,
+        /// What it is.
+        actual: String,
+    },
+    /// A blob is larger than allowed.
+    #[error("the blob is larger than the limit of {0} bytes (max_blob_bytes)")]
+    BlobTooLarge(u64),
+    /// The machine definition has errors.
+    #[error("the machine cannot be used: {}", .0.first().map_or("", |v| v.1.as_str()))]
+    MachineInvalid(Vec<(String, String)>),
+    /// The job has not ended.
+    #[error("job '{0}' has not ended")]
+    JobNotEnded(String),
+    /// The job has no log, because it could not be run.
+    #[error("job '{0}' has no results: it was never run")]
+    NoResults(String),
+    /// The cursor lies behind the end of the log.
+    #[error("the log ends at {last}, the cursor is {after}")]
+    CursorBeyondLog {
+        /// Cursor of the client.
+        after: u64,
+        /// Last event.
+        last: u64,
+    },
+    /// The admission queue is full.
+    #[error("the queue is full ({0} jobs)")]
+    QueueFull(usize),
+    /// The server is going down; `cursor` is where a watch may go on.
+    #[error("the server is shutting down")]
+    Draining {
+        /// Last sequence number sent on the stream.
+        cursor: u64,
+    },
+    /// Storage failed.
+    #[error("storage failed: {0}")]
+    Storage(String),
+}
+
+impl Refusal {
+    /// A wrong field.
+    pub(crate) fn field(field: impl Into<String>, text: impl Into<String>) -> Self {
+        Self::InvalidField { field: field.into(), text: text.into() }
+    }
+
+    /// Stable reason and gRPC code.
+    #[must_use]
+    pub fn reason(&self) -> (&'static str, Code) {
+        match self {
+            Self::InvalidField { .. } => ("INVALID_REQUEST", Code::InvalidArgument),
+            Self::RequestIdReused(_) => ("REQUEST_ID_REUSED", Code::AlreadyExists),
+            Self::UnknownJob(_) => ("UNKNOWN_JOB", Code::NotFound),
+            Self::UnknownMachine(_) => ("UNKNOWN_MACHINE", Code::NotFound),
+            Self::UnknownChannel(_) => ("UNKNOWN_CHANNEL", Code::NotFound),
+            Self::UnknownBlob(_) => ("UNKNOWN_BLOB", Code::NotFound),
+            Self::MissingBlobs(_) => ("MISSING_BLOBS", Code::FailedPrecondition),
+            Self::DigestMismatch { .. } => ("DIGEST_MISMATCH", Code::InvalidArgument),
+            Self::BlobTooLarge(_) => ("BLOB_TOO_LARGE", Code::InvalidArgument),
+            Self::MachineInvalid(_) => ("MACHINE_INVALID", Code::InvalidArgument),
+            Self::JobNotEnded(_) => ("JOB_NOT_ENDED", Code::FailedPrecondition),
+            Self::NoResults(_) => ("NO_RESULTS", Code::FailedPrecondition),
+            Self::CursorBeyondLog { .. } => ("CURSOR_BEYOND_LOG", Code::OutOfRange),
+            Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),
+            Self::Draining { .. } => ("DRAINING", Code::Unavailable),
+            Self::Storage(_) => ("STORAGE", Code::Internal),
+        }
+    }
+
+    fn metadata(&self) -> HashMap<String, String> {
+        let pair = |key: &str, value: String| HashMap::from([(key.to_owned(), value)]);
+        match self {
+            Self::Draining { cursor } => pair("cursor", cursor.to_string()),
+            Self::CursorBeyondLog { last, .. } => pair("last_seq", last.to_string()),
+            Self::MissingBlobs(digests) => {
+                pair("digests", digests.iter().take(16).cloned().collect::<Vec<_>>().join(","))
+            }
+            _ => HashMap::new(),
+        }
+    }
+}
+
+impl From<Refusal> for Status {
+    fn from(refusal: Refusal) -> Self {
+        let (reason, code) = refusal.reason();
+        let mut details = ErrorDetails::new();
+        details.set_error_info(reason, DOMAIN, refusal.metadata());
+        match &refusal {
+            Refusal::InvalidField { field, text } => {
+                details.add_bad_request_violation(field, text);
+            }
+            Refusal::MachineInvalid(violations) => {
+                for (place, text) in violations.iter().take(20) {
+                    details.add_bad_request_violation(place, text);
+                }
+            }
+            Refusal::QueueFull(_) | Refusal::Draining { .. } => {
+                details.set_retry_info(Some(Duration::from_secs(1)));
+            }
+            _ => {}
+        }
+        Status::with_error_details(code, refusal.to_string(), details)
+    }
+}
+
+impl From<std::io::Error> for Refusal {
+    fn from(error: std::io::Error) -> Self {
+        Self::Storage(error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_status_carries_reason_domain_and_details() {
+        let status = Status::from(Refusal::QueueFull(3));
+        assert_eq!(status.code(), Code::ResourceExhausted);
+        let details = status.get_error_details();
+        let info = details.error_info().unwrap();
+        assert_eq!((info.reason.as_str(), info.domain.as_str()), ("QUEUE_FULL", DOMAIN));
+        assert!(details.retry_info().is_some());
+        let status = Status::from(Refusal::field("programs[0].path", "is absolute"));
+        assert_eq!(status.get_error_details().bad_request().unwrap().field_violations[0].field, "programs[0].path");
+    }
+}

@@ -1,0 +1,79 @@
+//! Service `Blobs`.
+
+use std::io::Read;
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::blobs_server::Blobs as Service;
+use tokio_stream::StreamExt as _;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status, Streaming};
+
+use super::{Blobs, CHUNK, Chunk, blocking, stream};
+use crate::blobs::is_digest;
+use crate::reason::Refusal;
+
+impl Chunk for v1::DownloadResponse {
+    fn chunk(data: Bytes) -> Self {
+        Self { data }
+    }
+}
+
+#[tonic::async_trait]
+impl Service for Blobs {
+    async fn find_missing(
+        &self,
+        request: Request<v1::FindMissingRequest>,
+    ) -> Result<Response<v1::FindMissingResponse>, Status> {
+        let digests = request.into_inner().digests;
+        if let Some(at) = digests.iter().position(|digest| !is_digest(digest)) {
+            let text = "must be 64 lower-case hexadecimal digits";
+            return Err(Refusal::field(format!("digests[{at}]"), text).into());
+        }
+        let blobs = self.0.blobs.clone();
+        let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.has(d)).collect())).await?;
+        Ok(Response::new(v1::FindMissingResponse { digests }))
+    }
+
+    async fn upload(
+        &self,
+        request: Request<Streaming<v1::UploadRequest>>,
+    ) -> Result<Response<v1::UploadResponse>, Status> {
+        let mut chunks = request.into_inner();
+        let first = chunks.next().await.transpose()?.unwrap_or_default();
+        let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());
+        let mut receiver = blocking(move || {
+            let mut receiver = blobs.receive(&first.digest)?;
+            receiver.chunk(&first.data)?;
+            Ok(receiver)
+        })
+        .await?;
+        while let Some(chunk) = chunks.next().await {
+            let chunk = chunk?;
+            receiver = blocking(move || {
+                receiver.chunk(&chunk.data)?;
+                Ok(receiver)
+            })
+            .await?;
+        }
+        let size = blocking(move || receiver.finish()).await?;
+        Ok(Response::new(v1::UploadResponse { digest, size }))
+    }
+
+    type DownloadStream = ReceiverStream<Result<v1::DownloadResponse, Status>>;
+
+    async fn download(&self, request: Request<v1::DownloadRequest>) -> Result<Response<Self::DownloadStream>, Status> {
+        let (blobs, digest) = (self.0.blobs.clone(), request.into_inner().digest);
+        let mut file = blocking(move || blobs.open(&digest)).await?;
+        Ok(stream(move |out| {
+            let mut buffer = vec![0; CHUNK];
+            loop {
+                let got = file.read(&mut buffer)?;
+                if got == 0 {
+                    return Ok(());
+                }
+                out.write_all(buffer.get(..got).unwrap_or_default())?;
+            }
+        }))
+    }
+}

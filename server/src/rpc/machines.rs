@@ -1,0 +1,145 @@
+//! Service `Machines`.
+
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::machine::show::{self, Show};
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::machines_server::Machines as Service;
+use tonic::{Request, Response, Status};
+
+use super::{Machines, blocking, submit};
+use crate::jobs::Core;
+use crate::jobs::describe::finding;
+use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
+use crate::reason::Refusal;
+
+#[tonic::async_trait]
+impl Service for Machines {
+    async fn put_machine(
+        &self,
+        request: Request<v1::PutMachineRequest>,
+    ) -> Result<Response<v1::PutMachineResponse>, Status> {
+        let (core, request) = (self.0.clone(), request.into_inner());
+        let (definition, checked) = blocking(move || {
+            let definition = definition(&core, request.name, request.files)?;
+            let checked = core.machines.load(&definition)?;
+            match checked.machine {
+                Some(_) => Ok((definition, checked)),
+                None => Err(invalid(&checked.findings)),
+            }
+        })
+        .await?;
+        let machine = Some(summary(&definition, &checked));
+        self.0.ledger.put_machine(definition).await?;
+        Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
+    }
+
+    async fn get_machine(
+        &self,
+        request: Request<v1::GetMachineRequest>,
+    ) -> Result<Response<v1::GetMachineResponse>, Status> {
+        let (core, request) = (self.0.clone(), request.into_inner());
+        let answer = blocking(move || {
+            let definition = submit::machine(&core, &request.name)?;
+            let checked = core.machines.load(&definition)?;
+            let machine = Some(summary(&definition, &checked));
+            let text = match &checked.machine {
+                Some(machine) => shown(machine, request.section(), request.json),
+                None => return Err(invalid(&checked.findings)),
+            };
+            let file = |(path, digest)| v1::MachineFile { path, digest };
+            Ok(v1::GetMachineResponse { machine, files: definition.files.into_iter().map(file).collect(), text })
+        });
+        Ok(Response::new(answer.await?))
+    }
+
+    async fn list_machines(
+        &self,
+        _request: Request<v1::ListMachinesRequest>,
+    ) -> Result<Response<v1::ListMachinesResponse>, Status> {
+        let core = self.0.clone();
+        let machines = blocking(move || {
+            let mut all = core.ledger.machines()?;
+            let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
+            let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
+            all.extend(shipped.iter().map(|name| Definition::shipped(name)));
+            all.sort_by(|a, b| a.name.cmp(&b.name));
+            all.iter().map(|definition| Ok(summary(definition, &core.machines.load(definition)?))).collect()
+        });
+        Ok(Response::new(v1::ListMachinesResponse { machines: machines.await? }))
+    }
+
+    async fn check_machine(
+        &self,
+        request: Request<v1::CheckMachineRequest>,
+    ) -> Result<Response<v1::CheckMachineResponse>, Status> {
+        let (core, request) = (self.0.clone(), request.into_inner());
+        let checked = blocking(move || {
+            let definition = if request.files.is_empty() {
+                submit::machine(&core, &request.name)?
+            } else {
+                definition(&core, request.name, request.files)?
+            };
+            core.machines.load(&definition)
+        })
+        .await?;
+        let usable = checked.machine.is_some();
+        Ok(Response::new(v1::CheckMachineResponse { usable, findings: findings(checked.findings) }))
+    }
+}
+
+fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<Definition, Refusal> {
+    if !is_name(&name) {
+        return Err(Refusal::field("name", "must be 1 to 64 characters of A-Z a-z 0-9 . _ - and not begin with a dot"));
+    }
+    if files.is_empty() || files.len() > core.options.max_files {
+        return Err(Refusal::field("files", format!("must be 1 to {}", core.options.max_files)));
+    }
+    for (i, file) in files.iter().enumerate() {
+        submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;
+    }
+    let missing: Vec<_> = files.iter().map(|f| f.digest.clone()).filter(|d| !core.blobs.has(d)).collect();
+    if !missing.is_empty() {
+        return Err(Refusal::MissingBlobs(missing));
+    }
+    Ok(Definition { name, files: files.into_iter().map(|f| (f.path, f.digest)).collect() })
+}
+
+fn invalid(findings: &[Finding]) -> Refusal {
+    let place = |f: &Finding| (format!("{}:{}:{}", f.file, f.line, f.column), f.text.clone());
+    Refusal::MachineInvalid(findings.iter().filter(|f| f.error).map(place).collect())
+}
+
+fn findings(findings: Vec<Finding>) -> Vec<v1::Finding> {
+    findings.into_iter().map(|f| finding(f.into())).collect()
+}
+
+fn summary(definition: &Definition, checked: &Checked) -> v1::MachineSummary {
+    let machine = checked.machine.as_deref();
+    v1::MachineSummary {
+        name: definition.name.clone(),
+        revision: definition.revision(),
+        shipped: definition.files.is_empty() && is_shipped(&definition.name),
+        description: machine.map_or_else(String::new, |m| m.description.clone()),
+        channels: machine.map_or(0, |m| m.channels.len() as u32),
+    }
+}
+
+fn shown(machine: &Machine, section: v1::MachineSection, json: bool) -> String {
+    let (part, keys): (Show, &[&str]) = match section {
+        v1::MachineSection::Unspecified => return String::new(),
+        v1::MachineSection::All => (Show::All, &[]),
+        v1::MachineSection::Codes => (Show::Codes, &["codes"]),
+        v1::MachineSection::Data => (Show::Data, &["data"]),
+        v1::MachineSection::Axes => (Show::Axes, &["axes"]),
+        v1::MachineSection::Channels => (Show::Channels, &["channels", "spindles"]),
+    };
+    if !json {
+        return show::show(machine, part);
+    }
+    let mut value = show::json(machine);
+    if let (false, Some(object)) = (keys.is_empty(), value.as_object_mut()) {
+        object.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    format!("{value:#}\n")
+}

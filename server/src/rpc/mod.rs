@@ -1,0 +1,86 @@
+//! The services of the wire contract over the core of the server.
+//!
+//! Invariant: nothing here blocks the async threads on files or renderers; whatever may, runs on blocking threads.
+
+mod blobs;
+mod jobs;
+mod machines;
+mod results;
+mod submit;
+mod watch;
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::{Bytes, BytesMut};
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Response, Status};
+
+use crate::jobs::Core;
+use crate::reason::Refusal;
+
+/// Service `Jobs`.
+#[derive(Debug)]
+pub(crate) struct Jobs(pub(crate) Arc<Core>);
+/// Service `Blobs`.
+#[derive(Debug)]
+pub(crate) struct Blobs(pub(crate) Arc<Core>);
+/// Service `Machines`.
+#[derive(Debug)]
+pub(crate) struct Machines(pub(crate) Arc<Core>);
+/// Service `Results`.
+#[derive(Debug)]
+pub(crate) struct Results(pub(crate) Arc<Core>);
+
+/// Bytes of a chunk in streams of the server.
+const CHUNK: usize = 64 * 1024;
+
+/// A response that is one chunk of a content.
+trait Chunk: Send + 'static {
+    fn chunk(data: Bytes) -> Self;
+}
+
+/// Does work that may block.
+async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, Refusal> + Send + 'static) -> Result<T, Refusal> {
+    tokio::task::spawn_blocking(work).await.map_err(|error| Refusal::Storage(error.to_string()))?
+}
+
+/// Streams what `make` writes, in chunks; it waits while the client does not read and fails when it has gone.
+fn stream<T: Chunk>(
+    make: impl FnOnce(&mut dyn Write) -> Result<(), Refusal> + Send + 'static,
+) -> Response<ReceiverStream<Result<T, Status>>> {
+    let (send, receive) = mpsc::channel(4);
+    tokio::task::spawn_blocking(move || {
+        let mut writer = Chunks { buffer: BytesMut::with_capacity(CHUNK), send };
+        let result = make(&mut writer).and_then(|()| Ok(writer.flush()?));
+        if let Err(refusal) = result {
+            let _ = writer.send.blocking_send(Err(refusal.into()));
+        }
+    });
+    Response::new(ReceiverStream::new(receive))
+}
+
+struct Chunks<T> {
+    buffer: BytesMut,
+    send: mpsc::Sender<Result<T, Status>>,
+}
+
+impl<T: Chunk> Write for Chunks<T> {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        let take = data.len().min(CHUNK.saturating_sub(self.buffer.len())).max(1).min(data.len());
+        self.buffer.extend_from_slice(data.get(..take).unwrap_or_default());
+        if self.buffer.len() >= CHUNK {
+            self.flush()?;
+        }
+        Ok(take)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.buffer.is_empty() {
+            return Ok(());
+        }
+        let data = std::mem::replace(&mut self.buffer, BytesMut::with_capacity(CHUNK)).freeze();
+        self.send.blocking_send(Ok(T::chunk(data))).map_err(|_| io::ErrorKind::BrokenPipe.into())
+    }
+}

@@ -1,0 +1,162 @@
+//! Service `Results`: stored results from their files, others made from the log.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use bytes::Bytes;
+use counterpoint_kernel::files::Files as _;
+use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::mcd::source;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::results_server::Results as Service;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status};
+
+use super::{Chunk, Results, blocking, stream};
+use crate::Record;
+use crate::jobs::{Core, Sandbox, worker};
+use crate::ledger::record::State;
+use crate::reason::Refusal;
+use crate::results::{Document, Source};
+
+macro_rules! chunks {
+    ($($type:ident),*) => { $(
+        impl Chunk for v1::$type {
+            fn chunk(data: Bytes) -> Self {
+                Self { data }
+            }
+        }
+    )* };
+}
+
+chunks!(GetListingResponse, GetTimelineResponse, GetToolpathResponse, GetSummaryResponse, GetEventsResponse);
+
+type Answer<T> = Result<Response<ReceiverStream<Result<T, Status>>>, Status>;
+
+#[tonic::async_trait]
+impl Service for Results {
+    type GetListingStream = ReceiverStream<Result<v1::GetListingResponse, Status>>;
+
+    async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
+        let request = request.into_inner();
+        let ended = Ended::load(&self.0, request.job_id).await?;
+        let channel = u16::try_from(request.channel).ok().filter(|&number| ended.info.channel(number).is_some());
+        let channel = channel.ok_or(Refusal::UnknownChannel(request.channel))?;
+        Ok(stream(move |out| ended.listing(channel, out)))
+    }
+
+    type GetTimelineStream = ReceiverStream<Result<v1::GetTimelineResponse, Status>>;
+
+    async fn get_timeline(&self, request: Request<v1::GetTimelineRequest>) -> Answer<v1::GetTimelineResponse> {
+        let request = request.into_inner();
+        let document = match request.format() {
+            v1::DrawingFormat::Json => Document::TimelineJson,
+            _ => Document::TimelineSvg,
+        };
+        document_of(&self.0, request.job_id, document).await
+    }
+
+    type GetToolpathStream = ReceiverStream<Result<v1::GetToolpathResponse, Status>>;
+
+    async fn get_toolpath(&self, request: Request<v1::GetToolpathRequest>) -> Answer<v1::GetToolpathResponse> {
+        let request = request.into_inner();
+        let document = match request.format() {
+            v1::DrawingFormat::Json => Document::ToolpathJson,
+            _ => Document::ToolpathSvg,
+        };
+        document_of(&self.0, request.job_id, document).await
+    }
+
+    type GetSummaryStream = ReceiverStream<Result<v1::GetSummaryResponse, Status>>;
+
+    async fn get_summary(&self, request: Request<v1::GetSummaryRequest>) -> Answer<v1::GetSummaryResponse> {
+        document_of(&self.0, request.into_inner().job_id, Document::Summary).await
+    }
+
+    type GetEventsStream = ReceiverStream<Result<v1::GetEventsResponse, Status>>;
+
+    async fn get_events(&self, request: Request<v1::GetEventsRequest>) -> Answer<v1::GetEventsResponse> {
+        let ended = Ended::load(&self.0, request.into_inner().job_id).await?;
+        Ok(stream(move |out| Ok(ended.source().jsonl(out)?)))
+    }
+}
+
+async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document) -> Answer<T> {
+    let record = ended(core, &id)?;
+    let path = core.store.job(&record.id).join(document.file());
+    if let Ok(mut file) = blocking(move || Ok(std::fs::File::open(path)?)).await {
+        return Ok(stream(move |out| Ok(io::copy(&mut file, out).map(drop)?)));
+    }
+    if let Some(finished) = core.live(&id).and_then(|live| live.finished().cloned())
+        && let Some(text) = blocking(move || Ok(finished.document(document))).await?
+    {
+        return Ok(stream(move |out| Ok(out.write_all(&text)?)));
+    }
+    let ended = Ended::load(core, id).await?;
+    let text = blocking(move || Ok(ended.source().document(document)?)).await?;
+    Ok(stream(move |out| Ok(out.write_all(&text)?)))
+}
+
+fn ended(core: &Core, id: &str) -> Result<Record, Refusal> {
+    let record = core.job(id)?;
+    match record.state.ended() {
+        true => Ok(record),
+        false => Err(Refusal::JobNotEnded(id.to_owned())),
+    }
+}
+
+/// An ended job with its description and sources.
+struct Ended {
+    core: Arc<Core>,
+    record: Record,
+    info: Arc<Info>,
+    log: std::path::PathBuf,
+}
+
+impl Ended {
+    async fn load(core: &Arc<Core>, id: String) -> Result<Self, Refusal> {
+        let core = core.clone();
+        blocking(move || {
+            let record = ended(&core, &id)?;
+            let log = core.store.log(&id);
+            if !log.is_file() {
+                return Err(Refusal::NoResults(id));
+            }
+            let sandbox = Sandbox::new(core.blobs.clone(), &record.files);
+            let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
+                Some(info) => info,
+                None => match worker::prepare(&core, &record, &sandbox)? {
+                    Ok(prepared) => prepared.info().clone(),
+                    Err(_) => return Err(Refusal::NoResults(id)),
+                },
+            };
+            load_sources(&info, &sandbox);
+            Ok(Self { core, record, info, log })
+        })
+        .await
+    }
+
+    fn source(&self) -> Source<'_> {
+        let cancelled = self.record.state == State::Cancelled;
+        let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
+        Source { info: &self.info, outcome, log: &self.log }
+    }
+
+    fn listing(&self, channel: u16, out: &mut dyn Write) -> Result<(), Refusal> {
+        let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
+        let finished = match known {
+            Some(finished) => finished,
+            None => Arc::new(self.source().fold(false, false)?),
+        };
+        Ok(self.source().listing(&finished, channel, out)?)
+    }
+}
+
+/// Loads the texts that results quote and that the run did not load.
+fn load_sources(info: &Info, files: &Sandbox) {
+    for file in &info.files {
+        let load = || files.read(&file.name).ok().map(|bytes| Arc::new(source::Source::new(&file.name, bytes)));
+        file.source.get_or_init(load);
+    }
+}

@@ -1,0 +1,171 @@
+//! Turns a submit into a record, or says which field is wrong.
+//!
+//! Invariant: a record that passes names an existing machine, only clean paths, and only blobs that are there.
+
+use std::collections::BTreeMap;
+
+use counterpoint_kernel::job::Program;
+use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_proto::v1;
+use serde::Serialize;
+
+use crate::blobs::{digest, is_digest};
+use crate::jobs::Core;
+use crate::ledger::record::{Record, State, now_ms};
+use crate::machines::{Definition, is_shipped};
+use crate::reason::Refusal;
+use crate::store::path_is_clean;
+
+/// Checks a request and makes the record of a new job.
+pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
+    check_request_id(&request.request_id)?;
+    let files = files(core, &request.files)?;
+    let programs = programs(core, &request.programs, &files)?;
+    let options = options(request.options.unwrap_or_default())?;
+    let machine = machine(core, &request.machine)?;
+    let missing: Vec<String> = files.values().filter(|d| !core.blobs.has(d)).cloned().collect();
+    if !missing.is_empty() {
+        return Err(Refusal::MissingBlobs(missing));
+    }
+    let files: Vec<_> = files.into_iter().collect();
+    Ok(Record {
+        id: uuid::Uuid::now_v7().to_string(),
+        content: content(&request.machine, &programs, &files, &options),
+        request_id: request.request_id,
+        machine_name: request.machine,
+        machine,
+        programs,
+        files,
+        options,
+        state: State::Queued,
+        attempt: 0,
+        cancel: false,
+        submitted_ms: now_ms(),
+        started_ms: 0,
+        ended_ms: 0,
+        events: 0,
+        makespan_ns: 0,
+        highest_severity: 0,
+        verdict: String::new(),
+        error: String::new(),
+        findings: Vec::new(),
+        log_digest: String::new(),
+    })
+}
+
+fn check_request_id(id: &str) -> Result<(), Refusal> {
+    let allowed = |b: u8| b.is_ascii_alphanumeric() || b"._:-".contains(&b);
+    if (1..=128).contains(&id.len()) && id.bytes().all(allowed) {
+        return Ok(());
+    }
+    Err(Refusal::field("request_id", "must be 1 to 128 characters of A-Z a-z 0-9 . _ : -"))
+}
+
+/// Checks paths and digests of a list of files.
+pub(super) fn check_file(field: &str, path: &str, digest: &str) -> Result<(), Refusal> {
+    if !path_is_clean(path) {
+        return Err(Refusal::field(
+            format!("{field}.path"),
+            "must be relative, with / between parts, without . and ..",
+        ));
+    }
+    if !is_digest(digest) {
+        return Err(Refusal::field(format!("{field}.digest"), "must be 64 lower-case hexadecimal digits"));
+    }
+    Ok(())
+}
+
+fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>, Refusal> {
+    if files.len() > core.options.max_files {
+        return Err(Refusal::field("files", format!("at most {} are allowed", core.options.max_files)));
+    }
+    let mut found = BTreeMap::new();
+    for (i, file) in files.iter().enumerate() {
+        let field = format!("files[{i}]");
+        check_file(&field, &file.path, &file.digest)?;
+        if found.insert(file.path.clone(), file.digest.clone()).is_some() {
+            return Err(Refusal::field(format!("{field}.path"), "is there twice"));
+        }
+    }
+    Ok(found)
+}
+
+fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
+    if programs.is_empty() || programs.len() > core.options.max_programs {
+        let text = format!("must be 1 to {}", core.options.max_programs);
+        return Err(Refusal::field("programs", text));
+    }
+    let one = |(i, program): (usize, &v1::Program)| {
+        if !files.contains_key(&program.path) {
+            return Err(Refusal::field(format!("programs[{i}].path"), "is not among the files of the job"));
+        }
+        let channel = program.channel.map(|c| small(&format!("programs[{i}].channel"), u64::from(c), 1, 9999));
+        Ok(Program { file: program.path.clone(), number: program.number, channel: channel.transpose()? })
+    };
+    programs.iter().enumerate().map(one).collect()
+}
+
+fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64) -> Result<T, Refusal> {
+    let refuse = || Refusal::field(field, format!("must be {min} to {max}"));
+    if !(min..=max).contains(&value) {
+        return Err(refuse());
+    }
+    T::try_from(value).map_err(|_| refuse())
+}
+
+fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
+    let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 1, 9));
+    let ignore = options.ignore_waits.iter().map(|&c| small("options.ignore_waits", u64::from(c), 1, 9999));
+    Ok(Options {
+        opskip: opskip.collect::<Result<_, _>>()?,
+        opstop: options.opstop,
+        ignore_waits: ignore.collect::<Result<_, _>>()?,
+        threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
+        limits: limits(options.limits.unwrap_or_default())?,
+    })
+}
+
+fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
+    let default = Limits::default();
+    let or = |value: u64, default: u64| if value == 0 { default } else { value };
+    if asked.simulated_ns < 0 {
+        return Err(Refusal::field("options.limits.simulated_ns", "must not be negative"));
+    }
+    let nesting = small("options.limits.nesting", u64::from(asked.nesting), 0, 1000)?;
+    Ok(Limits {
+        simulated_ns: if asked.simulated_ns == 0 { default.simulated_ns } else { asked.simulated_ns },
+        blocks: or(asked.blocks, default.blocks),
+        zero_time_blocks: or(asked.zero_time_blocks, default.zero_time_blocks),
+        events: or(asked.events, default.events),
+        block_length: match asked.block_length {
+            0 => default.block_length,
+            n => n as usize,
+        },
+        nesting: if nesting == 0 { default.nesting } else { nesting },
+        diagnostics: if asked.diagnostics == 0 { default.diagnostics } else { asked.diagnostics },
+    })
+}
+
+/// The machine a name means, pinned to its revision.
+pub(super) fn machine(core: &Core, name: &str) -> Result<Definition, Refusal> {
+    if let Some(definition) = core.ledger.machine(name)? {
+        return Ok(definition);
+    }
+    if is_shipped(name) {
+        return Ok(Definition::shipped(name));
+    }
+    Err(Refusal::UnknownMachine(name.to_owned()))
+}
+
+/// Digest of what a client submitted, request id left out.
+fn content(machine: &str, programs: &[Program], files: &[(String, String)], options: &Options) -> String {
+    #[derive(Serialize)]
+    struct Content<'a> {
+        machine: &'a str,
+        programs: &'a [Program],
+        files: &'a [(String, String)],
+        options: &'a Options,
+    }
+    let content = serde_json::to_vec(&Content { machine, programs, files, options });
+    digest(&content.unwrap_or_default())
+}

@@ -1,0 +1,246 @@
+//! One watcher of one job.
+//!
+//! It pulls from the log by its cursor, at the pace of its client: four messages may be under way, nothing else is
+//! held for it. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
+//! its cursor exactly once, in order, and the end of the job last.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+use prost::Message as _;
+use tokio::sync::mpsc;
+use tokio::time::Instant;
+use tonic::Status;
+
+use super::blocking;
+use crate::jobs::Core;
+use crate::jobs::describe::{state, status};
+use crate::jobs::live::Live;
+use crate::jobs::progress;
+use crate::ledger::record::State;
+use crate::log::filter::Filter;
+use crate::log::reader::{Batch, Reader};
+use crate::log::tail::Position;
+use crate::reason::Refusal;
+
+/// Progress at most this often.
+const PROGRESS_EVERY: Duration = Duration::from_millis(100);
+/// A sign of life on an idle stream.
+const HEARTBEAT: Duration = Duration::from_secs(5);
+/// Bytes read from the log at once.
+const PULL: usize = 256 * 1024;
+/// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
+const SMALLEST: usize = 256;
+
+type Out = mpsc::Sender<Result<v1::WatchJobResponse, Status>>;
+
+/// A watcher.
+pub(super) struct Watch {
+    core: Arc<Core>,
+    live: Arc<Live>,
+    level: v1::WatchLevel,
+    cursor: u64,
+    log: PathBuf,
+    reader: Option<Reader>,
+    filter: Filter,
+    last_progress: v1::Progress,
+    /// When progress was last looked at, and when it was last sent.
+    looked_at: Instant,
+    sent_at: Instant,
+}
+
+/// Why a watch is over.
+enum Over {
+    /// The client has gone.
+    Gone,
+    /// To be told to the client.
+    Refused(Refusal),
+}
+
+impl From<Refusal> for Over {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl Watch {
+    pub(super) fn new(core: Arc<Core>, request: v1::WatchJobRequest) -> Result<Self, Refusal> {
+        let level = request.level();
+        let live = match core.live(&request.job_id) {
+            Some(live) => live,
+            None => from_ledger(&core, &request.job_id)?,
+        };
+        Ok(Self {
+            log: core.store.log(&live.id),
+            core,
+            live,
+            level,
+            cursor: request.after_seq,
+            reader: None,
+            filter: Filter::new(level),
+            last_progress: v1::Progress::default(),
+            looked_at: Instant::now(),
+            sent_at: Instant::now(),
+        })
+    }
+
+    /// Serves the client until the job has ended, the client has gone, or the server drains.
+    pub(super) async fn run(mut self, out: Out) {
+        if let Err(Over::Refused(refusal)) = self.serve(&out).await {
+            let _ = out.send(Err(refusal.into())).await;
+        }
+    }
+
+    async fn serve(&mut self, out: &Out) -> Result<(), Over> {
+        let (mut states, mut tail) = (self.live.follow(), self.live.tail.follow());
+        let mut drain = self.core.drain.follow();
+        self.progress(out, true).await?;
+        loop {
+            // The state is read before the position: when it says ended, the position is final.
+            let state = *states.borrow_and_update();
+            let position = *tail.borrow_and_update();
+            self.batches(out, position).await?;
+            if state.ended() {
+                return self.end(out, position).await;
+            }
+            if *drain.borrow_and_update() && state != State::Running {
+                return Err(Refusal::Draining { cursor: self.cursor }.into());
+            }
+            self.progress(out, false).await?;
+            let follows_log = self.level > v1::WatchLevel::Progress || self.reader.is_none();
+            tokio::select! {
+                _ = states.changed() => {}
+                _ = tail.changed(), if follows_log => {}
+                _ = drain.changed() => {}
+                () = tokio::time::sleep_until(self.looked_at + PROGRESS_EVERY) => {
+                    if follows_log {
+                        let live = self.live.clone();
+                        blocking(move || {
+                            live.flush_old();
+                            Ok(())
+                        })
+                        .await?;
+                    }
+                }
+                () = out.closed() => return Err(Over::Gone),
+            }
+        }
+    }
+
+    /// Sends what the log has behind the cursor.
+    async fn batches(&mut self, out: &Out, position: Position) -> Result<(), Over> {
+        if position.bytes == 0 {
+            return Ok(());
+        }
+        if self.reader.is_none() {
+            self.open(out).await?;
+        }
+        if self.level <= v1::WatchLevel::Progress {
+            self.cursor = self.cursor.max(position.last_seq);
+            return Ok(());
+        }
+        while let Some(mut reader) = self.reader.take() {
+            reader.extend(position.bytes);
+            let (reader, batches) = blocking(move || pull(reader)).await?;
+            self.reader = Some(reader);
+            if batches.is_empty() {
+                break;
+            }
+            for batch in batches {
+                self.batch(out, batch).await?;
+            }
+        }
+        match self.filter.take() {
+            Some(batch) => send_batch(out, batch).await,
+            None => Ok(()),
+        }
+    }
+
+    async fn open(&mut self, out: &Out) -> Result<(), Over> {
+        let (path, after) = (self.log.clone(), self.cursor);
+        let reader = blocking(move || Ok(Reader::open(&path, after)?)).await?;
+        send(out, Content::Description(reader.description().clone())).await?;
+        self.reader = Some(reader);
+        Ok(())
+    }
+
+    async fn batch(&mut self, out: &Out, batch: Batch) -> Result<(), Over> {
+        self.cursor = batch.last;
+        if self.level == v1::WatchLevel::Everything {
+            return send_batch(out, batch.body).await;
+        }
+        self.filter.add(batch.first, batch.last, &batch.body);
+        if !self.filter.full() {
+            return Ok(());
+        }
+        match self.filter.take() {
+            Some(batch) => send_batch(out, batch).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Sends progress when it is due and has changed, or as a sign of life.
+    async fn progress(&mut self, out: &Out, first: bool) -> Result<(), Over> {
+        if !first && self.looked_at.elapsed() < PROGRESS_EVERY {
+            return Ok(());
+        }
+        self.looked_at = Instant::now();
+        let progress = v1::Progress {
+            state: state(self.live.state()).into(),
+            position: self.cursor,
+            channels: self.live.run().map(progress::channels).unwrap_or_default(),
+            queued_before: self.core.queued_before(&self.live.id) as u32,
+        };
+        if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
+            self.last_progress = progress.clone();
+            self.sent_at = Instant::now();
+            send(out, Content::Progress(progress)).await?;
+        }
+        Ok(())
+    }
+
+    async fn end(&mut self, out: &Out, position: Position) -> Result<(), Over> {
+        if self.cursor > position.last_seq {
+            return Err(Refusal::CursorBeyondLog { after: self.cursor, last: position.last_seq }.into());
+        }
+        self.progress(out, true).await?;
+        send(out, Content::Ended(status(self.live.record()))).await
+    }
+}
+
+/// An ended job that is no longer in memory, as if it had just ended.
+fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
+    let record = core.job(id)?;
+    let bytes = std::fs::metadata(core.store.log(id)).map_or(0, |meta| meta.len());
+    let position = Position { bytes, last_seq: record.events };
+    let live = Live::new(record);
+    live.tail.set(position);
+    Ok(Arc::new(live))
+}
+
+fn pull(mut reader: Reader) -> Result<(Reader, Vec<Batch>), Refusal> {
+    let (mut batches, mut bytes) = (Vec::new(), 0);
+    while bytes < PULL {
+        let Some(batch) = reader.next_batch()? else { break };
+        bytes += batch.body.len();
+        batches.push(batch);
+    }
+    Ok((reader, batches))
+}
+
+async fn send_batch(out: &Out, batch: Bytes) -> Result<(), Over> {
+    send(out, Content::Batch(v1::EventBatch::encoded(batch))).await
+}
+
+async fn send(out: &Out, content: Content) -> Result<(), Over> {
+    let mut response = v1::WatchJobResponse { content: Some(content), padding: Bytes::new() };
+    let length = response.encoded_len();
+    if length < SMALLEST {
+        response.padding = Bytes::from_static(&[0; SMALLEST]).slice(..SMALLEST - length);
+    }
+    out.send(Ok(response)).await.map_err(|_| Over::Gone)
+}

@@ -1,0 +1,67 @@
+//! The seam between the server and what runs a job.
+//!
+//! The server needs two steps: prepare (fast, may refuse with findings) and run. Invariant: the same record and the
+//! same files give the same [`Info`] and the same events, so a run may be repeated and results made again later.
+
+use std::sync::Arc;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::files::Files;
+use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::options::Options;
+
+/// What a job consists of, resolved.
+#[derive(Debug)]
+pub struct Task {
+    /// The checked machine.
+    pub machine: Arc<Machine>,
+    /// Programs, left to right.
+    pub programs: Vec<Program>,
+    /// Options.
+    pub options: Options,
+}
+
+/// Prepares jobs.
+pub trait Runner: Send + Sync + 'static {
+    /// Loads programs and assigns them to channels.
+    ///
+    /// # Errors
+    /// Every reason why the job cannot run.
+    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>>;
+}
+
+/// A job ready to run.
+pub trait Prepared: Send {
+    /// What is fixed about it.
+    fn info(&self) -> &Arc<Info>;
+
+    /// Runs it to its end.
+    fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome;
+}
+
+/// Runs jobs on the control emulator.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Kernel;
+
+impl Runner for Kernel {
+    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+        let spec = Spec { machine: task.machine, programs: task.programs, options: task.options };
+        match Job::prepare(spec, files) {
+            Ok(job) => Ok(Box::new(job)),
+            Err(error) => Err(error.findings),
+        }
+    }
+}
+
+impl Prepared for Job {
+    fn info(&self) -> &Arc<Info> {
+        Job::info(self)
+    }
+
+    fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+        Job::run(self, files, control, sink)
+    }
+}

@@ -1,0 +1,223 @@
+//! The server as a component: [`build`] it, [`Service::run`] it until told to stop.
+//!
+//! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, whatever clients
+//! do (a client that never speaks HTTP/2 would hold tonic's own graceful shutdown forever).
+
+use std::future::Future;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use counterpoint_proto::DESCRIPTORS;
+use counterpoint_proto::v1::blobs_server::BlobsServer;
+use counterpoint_proto::v1::jobs_server::JobsServer;
+use counterpoint_proto::v1::machines_server::MachinesServer;
+use counterpoint_proto::v1::results_server::ResultsServer;
+use tokio::net::TcpListener;
+use tonic::transport::Server;
+use tonic::transport::server::TcpIncoming;
+use tonic_health::server::HealthReporter;
+
+use crate::jobs::Core;
+use crate::options::Options;
+use crate::reason::Refusal;
+use crate::rpc;
+use crate::runner::{Kernel, Runner};
+
+/// Largest message in either direction, bytes.
+pub const MAX_MESSAGE: usize = 4 << 20;
+/// Time that streams and connections get to end after the jobs have.
+const CLOSING: Duration = Duration::from_secs(2);
+
+/// Why a server cannot be built or run.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The address cannot be listened on.
+    #[error("cannot listen on {address}: {error}")]
+    Listen {
+        /// The address.
+        address: SocketAddr,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The data folder cannot be used.
+    #[error("cannot use the data folder '{folder}': {reason}")]
+    Data {
+        /// The folder.
+        folder: String,
+        /// Why.
+        reason: String,
+    },
+    /// The transport failed.
+    #[error("transport: {0}")]
+    Transport(#[from] tonic::transport::Error),
+    /// The descriptor set is unreadable.
+    #[error("reflection: {0}")]
+    Reflection(#[from] tonic_reflection::server::Error),
+}
+
+/// A server that is bound and recovered, not yet serving.
+#[derive(Debug)]
+pub struct Service {
+    core: Arc<Core>,
+    listener: TcpListener,
+    address: SocketAddr,
+    stop: tokio::sync::watch::Sender<Stop>,
+}
+
+/// What a server was asked to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
+enum Stop {
+    No,
+    Drain,
+    Now,
+}
+
+/// A cheap handle on a server.
+#[derive(Debug, Clone)]
+pub struct Handle {
+    address: SocketAddr,
+    stop: tokio::sync::watch::Sender<Stop>,
+}
+
+impl Handle {
+    /// The bound address.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Asks the server to drain; a second call asks it to stop at once.
+    pub fn stop(&self) {
+        self.stop.send_modify(|stop| *stop = if *stop == Stop::No { Stop::Drain } else { Stop::Now });
+    }
+}
+
+/// Builds a server that runs jobs on the control emulator.
+///
+/// # Errors
+/// When the address or the data folder cannot be used.
+pub async fn build(options: Options) -> Result<Service, Error> {
+    build_with(options, Kernel).await
+}
+
+/// Builds a server that runs jobs with `runner`.
+///
+/// # Errors
+/// When the address or the data folder cannot be used.
+pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service, Error> {
+    let address = options.listen;
+    let listen = |error| Error::Listen { address, error };
+    let listener = TcpListener::bind(address).await.map_err(listen)?;
+    let address = listener.local_addr().map_err(listen)?;
+    let folder = options.data.display().to_string();
+    let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
+    let opened = tokio::task::spawn_blocking(move || {
+        let core = Core::open(options, Box::new(runner))?;
+        core.recover()?;
+        Ok::<_, Refusal>(core)
+    });
+    let core = opened.await.map_err(|e| data(e.to_string()))?.map_err(|e| data(e.to_string()))?;
+    Ok(Service { core, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
+}
+
+impl Service {
+    /// A handle on it.
+    #[must_use]
+    pub fn handle(&self) -> Handle {
+        Handle { address: self.address, stop: self.stop.clone() }
+    }
+
+    /// Serves until `shutdown` resolves or [`Handle::stop`] is called, then drains: health NOT_SERVING, no new jobs,
+    /// running jobs end within the grace time or are queued again, streams end with UNAVAILABLE.
+    ///
+    /// # Errors
+    /// When the transport fails.
+    pub async fn run(self, shutdown: impl Future<Output = ()>) -> Result<(), Error> {
+        let Self { core, listener, stop, .. } = self;
+        let (health, health_service) = tonic_health::server::health_reporter();
+        serving(&health).await;
+        let reflection = tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(DESCRIPTORS)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+            .build_v1()?;
+        let (close, closed) = tokio::sync::oneshot::channel::<()>();
+        let incoming =
+            TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(Duration::from_secs(60)));
+        let server = Server::builder()
+            .http2_keepalive_interval(Some(Duration::from_secs(30)))
+            .http2_keepalive_timeout(Some(Duration::from_secs(10)))
+            .initial_stream_window_size(1 << 20)
+            .initial_connection_window_size(4 << 20)
+            .max_concurrent_streams(256)
+            .http2_max_header_list_size(32 * 1024)
+            .http2_max_pending_accept_reset_streams(Some(64))
+            .add_service(health_service)
+            .add_service(reflection)
+            .add_service(JobsServer::new(rpc::Jobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .serve_with_incoming_shutdown(incoming, async move { drop(closed.await) });
+        let mut server = std::pin::pin!(server);
+        let asked = stop.clone();
+        tokio::select! {
+            result = &mut server => return Ok(result?),
+            () = shutdown => asked.send_modify(|s| *s = Stop::Drain),
+            () = reaches(&stop, Stop::Drain) => {}
+        }
+        tracing::info!("draining");
+        let drained = async {
+            not_serving(&health).await;
+            drain(&core, &stop).await;
+            drop(close);
+        };
+        let closing = async {
+            tokio::select! {
+                result = &mut server => result,
+                () = async { drained.await; tokio::time::sleep(CLOSING).await } => Ok(()),
+            }
+        };
+        tokio::select! {
+            result = closing => result?,
+            () = async { reaches(&stop, Stop::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
+        }
+        // Connections that outlive the server may still hold the core; the data folder must be free all the same.
+        let _ = tokio::task::spawn_blocking(move || core.ledger.close()).await;
+        tracing::info!("stopped");
+        Ok(())
+    }
+}
+
+async fn reaches(stop: &tokio::sync::watch::Sender<Stop>, level: Stop) {
+    let _ = stop.subscribe().wait_for(|stop| *stop >= level).await;
+}
+
+/// Lets running jobs end within the grace time, then interrupts them.
+async fn drain(core: &Core, stop: &tokio::sync::watch::Sender<Stop>) {
+    core.drain.begin();
+    let mut running = core.running();
+    let grace = Duration::from_secs(core.options.grace_s);
+    tokio::select! {
+        _ = running.wait_for(|running| *running == 0) => return,
+        () = tokio::time::sleep(grace) => {}
+        () = reaches(stop, Stop::Now) => {}
+    }
+    core.interrupt();
+    let _ = tokio::time::timeout(CLOSING, running.wait_for(|running| *running == 0)).await;
+}
+
+async fn serving(health: &HealthReporter) {
+    health.set_serving::<JobsServer<rpc::Jobs>>().await;
+    health.set_serving::<BlobsServer<rpc::Blobs>>().await;
+    health.set_serving::<MachinesServer<rpc::Machines>>().await;
+    health.set_serving::<ResultsServer<rpc::Results>>().await;
+}
+
+async fn not_serving(health: &HealthReporter) {
+    health.set_service_status("", tonic_health::ServingStatus::NotServing).await;
+    health.set_not_serving::<JobsServer<rpc::Jobs>>().await;
+    health.set_not_serving::<BlobsServer<rpc::Blobs>>().await;
+    health.set_not_serving::<MachinesServer<rpc::Machines>>().await;
+    health.set_not_serving::<ResultsServer<rpc::Results>>().await;
+}

@@ -1,0 +1,127 @@
+//! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
+//! content, never half of it.
+//!
+//! Layout: `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `tmp/`.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The data folder.
+#[derive(Debug, Clone)]
+pub(crate) struct Store {
+    root: PathBuf,
+    durable: bool,
+}
+
+impl Store {
+    /// Creates what is missing and empties `tmp`.
+    pub(crate) fn open(root: PathBuf, durable: bool) -> io::Result<Self> {
+        let store = Self { root, durable };
+        for folder in ["blobs", "jobs"] {
+            fs::create_dir_all(store.root.join(folder))?;
+        }
+        match fs::remove_dir_all(store.tmp()) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => fs::create_dir_all(store.tmp())?,
+        }
+        Ok(store)
+    }
+
+    pub(crate) fn durable(&self) -> bool {
+        self.durable
+    }
+
+    pub(crate) fn ledger(&self) -> PathBuf {
+        self.root.join("ledger.redb")
+    }
+
+    pub(crate) fn tmp(&self) -> PathBuf {
+        self.root.join("tmp")
+    }
+
+    /// Place of a blob; the digest has been checked to be hexadecimal.
+    pub(crate) fn blob(&self, digest: &str) -> PathBuf {
+        self.root.join("blobs").join(digest.get(..2).unwrap_or("xx")).join(digest)
+    }
+
+    /// Folder of a job.
+    pub(crate) fn job(&self, id: &str) -> PathBuf {
+        self.root.join("jobs").join(id)
+    }
+
+    /// Event log of a job.
+    pub(crate) fn log(&self, id: &str) -> PathBuf {
+        self.job(id).join("log")
+    }
+
+    /// Writes a whole file: temporary file, fsync, rename, fsync of the folder.
+    pub(crate) fn write(&self, path: &Path, content: &[u8]) -> io::Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(self.tmp())?;
+        file.write_all(content)?;
+        self.keep(file, path)
+    }
+
+    /// Moves a finished temporary file to its place.
+    pub(crate) fn keep(&self, file: tempfile::NamedTempFile, path: &Path) -> io::Result<()> {
+        if self.durable {
+            file.as_file().sync_all()?;
+        }
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        file.persist(path).map_err(|e| e.error)?;
+        self.sync_folder_of(path)
+    }
+
+    /// Makes names in the folder of `path` durable where the system has the notion.
+    pub(crate) fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
+        if let (true, true, Some(folder)) = (cfg!(unix), self.durable, path.parent()) {
+            File::open(folder)?.sync_all()?;
+        }
+        Ok(())
+    }
+
+    /// Removes a job's folder; not being there is fine.
+    pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
+        match fs::remove_dir_all(self.job(id)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
+    }
+}
+
+/// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
+/// backslash, no colon (drive or stream on some systems), no control character, at most 255 bytes.
+pub(crate) fn path_is_clean(path: &str) -> bool {
+    !path.is_empty()
+        && path.len() <= 255
+        && !path.chars().any(|c| c == '\\' || c == ':' || c.is_control())
+        && path.split('/').all(|part| !matches!(part, "" | "." | ".."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_relative_downward_paths_are_clean() {
+        for path in ["O1000.nc", "sub/O9001", "a b/ü.tps"] {
+            assert!(path_is_clean(path), "{path}");
+        }
+        for path in ["", "/etc/passwd", "../x", "a/../b", "a//b", "a/", "./a", "a\\b", "C:x", "a\nb"] {
+            assert!(!path_is_clean(path), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_written_file_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().join("data"), true).unwrap();
+        let path = store.job("j").join("summary.json");
+        store.write(&path, b"one").unwrap();
+        store.write(&path, b"two").unwrap();
+        assert_eq!(fs::read(path).unwrap(), b"two");
+        assert_eq!(fs::read_dir(store.tmp()).unwrap().count(), 0);
+    }
+}

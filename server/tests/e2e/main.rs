@@ -1,0 +1,15 @@
+//! The server through its wire contract, over loopback, with a scripted runner.
+
+#![allow(
+    missing_docs,
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+
+mod life;
+mod submit;
+mod support;
+mod watch;

@@ -1,0 +1,148 @@
+//! Submitting: identity, admission, blobs, paths, machines.
+
+use counterpoint_proto::v1;
+use tonic::Code;
+use tonic_types::StatusExt;
+
+use crate::support::*;
+
+#[tokio::test]
+async fn the_same_request_gives_the_same_job_and_other_content_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let request = server.request("r-1", "EVENTS 10").await;
+    let first = server.jobs().submit_job(request.clone()).await.unwrap().into_inner();
+    let again = server.jobs().submit_job(request.clone()).await.unwrap().into_inner();
+    assert!(!first.duplicate && again.duplicate);
+    let id = first.status.unwrap().job_id;
+    assert_eq!(id, again.status.unwrap().job_id);
+    let other = v1::SubmitJobRequest {
+        options: Some(v1::JobOptions { opstop: true, ..Default::default() }),
+        ..request.clone()
+    };
+    let refused = server.jobs().submit_job(other).await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::AlreadyExists, "REQUEST_ID_REUSED"));
+    assert_eq!(server.wait(&id).await.state(), v1::JobState::Succeeded);
+    let after = server.jobs().submit_job(request).await.unwrap().into_inner();
+    assert_eq!(after.status.unwrap().state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn many_submits_at_once_under_one_id_make_one_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let request = server.request("r-1", "EVENTS 10").await;
+    let mut calls = tokio::task::JoinSet::new();
+    for _ in 0..32 {
+        let (mut jobs, request) = (server.jobs(), request.clone());
+        calls.spawn(async move { jobs.submit_job(request).await.unwrap().into_inner() });
+    }
+    let answers = calls.join_all().await;
+    assert_eq!(answers.iter().filter(|a| !a.duplicate).count(), 1);
+    let ids: std::collections::BTreeSet<_> = answers.into_iter().map(|a| a.status.unwrap().job_id).collect();
+    assert_eq!(ids.len(), 1);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn wrong_fields_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let good = server.request("r-1", "EVENTS 1").await;
+    let file = |path: &str| v1::FileRef { path: path.into(), digest: good.files[0].digest.clone() };
+    let mut cases = vec![
+        (v1::SubmitJobRequest { request_id: String::new(), ..good.clone() }, "request_id"),
+        (v1::SubmitJobRequest { programs: vec![], ..good.clone() }, "programs"),
+        (
+            v1::SubmitJobRequest {
+                options: Some(v1::JobOptions { opskip: vec![10], ..Default::default() }),
+                ..good.clone()
+            },
+            "options.opskip",
+        ),
+        (v1::SubmitJobRequest { files: vec![file("other.nc")], ..good.clone() }, "programs[0].path"),
+        (v1::SubmitJobRequest { files: vec![file("main.nc"), file("main.nc")], ..good.clone() }, "files[1].path"),
+    ];
+    for path in ["../main.nc", "/etc/passwd", "a\\b", "a/./b", "C:/x"] {
+        cases
+            .push((v1::SubmitJobRequest { files: vec![file("main.nc"), file(path)], ..good.clone() }, "files[1].path"));
+    }
+    for (request, field) in cases {
+        let refused = server.jobs().submit_job(request).await.unwrap_err();
+        assert_eq!((refused.code(), reason(&refused).as_str()), (Code::InvalidArgument, "INVALID_REQUEST"));
+        assert_eq!(refused.get_error_details().bad_request().unwrap().field_violations[0].field, field);
+    }
+    let unknown = v1::SubmitJobRequest { machine: "no-such".into(), ..good.clone() };
+    assert_eq!(reason(&server.jobs().submit_job(unknown).await.unwrap_err()), "UNKNOWN_MACHINE");
+    let absent = v1::FileRef { path: "x".into(), digest: digest(b"absent") };
+    let missing = v1::SubmitJobRequest { files: vec![file("main.nc"), absent], ..good };
+    assert_eq!(reason(&server.jobs().submit_job(missing).await.unwrap_err()), "MISSING_BLOBS");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_full_queue_refuses_and_says_when_to_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let server =
+        Server::start(counterpoint_server::options::Options { queue: 1, workers: 1, ..options(folder.path()) }).await;
+    let running = server.submit("r-1", "HANG").await;
+    server.until(&running, v1::JobState::Running).await;
+    let queued = server.submit("r-2", "EVENTS 1").await;
+    let third = server.request("r-3", "EVENTS 1").await;
+    let refused = server.jobs().submit_job(third).await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::ResourceExhausted, "QUEUE_FULL"));
+    assert!(refused.get_error_details().retry_info().is_some());
+    // A known job is answered even then.
+    let again = server.request("r-2", "EVENTS 1").await;
+    assert!(server.jobs().submit_job(again).await.unwrap().into_inner().duplicate);
+    server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
+    assert_eq!(server.wait(&queued).await.state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn blobs_come_back_whole_and_lies_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let content: Vec<u8> = (0..300_000u32).map(|i| (i % 251) as u8).collect();
+    let (name, absent) = (digest(&content), digest(b"absent"));
+    let ask = |digests: Vec<String>| v1::FindMissingRequest { digests };
+    let asked = server.blobs().find_missing(ask(vec![name.clone(), absent.clone()])).await.unwrap().into_inner();
+    assert_eq!(asked.digests, [name.clone(), absent.clone()]);
+    server.upload(&content).await;
+    server.upload(&content).await;
+    let asked = server.blobs().find_missing(ask(vec![name.clone(), absent.clone()])).await.unwrap().into_inner();
+    assert_eq!(asked.digests, std::slice::from_ref(&absent));
+    let mut stream = server.blobs().download(v1::DownloadRequest { digest: name }).await.unwrap().into_inner();
+    let mut back = Vec::new();
+    while let Some(chunk) = stream.message().await.unwrap() {
+        back.extend_from_slice(&chunk.data);
+    }
+    assert!(back == content);
+    let lie = v1::UploadRequest { digest: absent.clone(), data: "something else".into() };
+    let refused = server.blobs().upload(tokio_stream::iter([lie])).await.unwrap_err();
+    assert_eq!(reason(&refused), "DIGEST_MISMATCH");
+    let refused = server.blobs().download(v1::DownloadRequest { digest: absent }).await.unwrap_err();
+    assert_eq!(reason(&refused), "UNKNOWN_BLOB");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_machine_can_be_put_listed_and_pinned() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let shipped = server.machines().list_machines(v1::ListMachinesRequest {}).await.unwrap().into_inner().machines;
+    let lathe = shipped.iter().find(|m| m.name == "fanuc-2path-lathe").unwrap();
+    assert!(lathe.shipped && lathe.revision.is_empty() && lathe.channels == 2);
+    let request = v1::CheckMachineRequest { name: "fanuc-2path-lathe".into(), files: vec![] };
+    assert!(server.machines().check_machine(request).await.unwrap().into_inner().usable);
+    let bad = server.upload(b"!nonsense").await;
+    let file = v1::MachineFile { path: "mine/machine.toml".into(), digest: bad };
+    let check = v1::CheckMachineRequest { name: "mine".into(), files: vec![file.clone()] };
+    let found = server.machines().check_machine(check).await.unwrap().into_inner();
+    assert!(!found.usable && found.findings[0].error && found.findings[0].file.ends_with("machine.toml"));
+    let put = v1::PutMachineRequest { name: "mine".into(), files: vec![file] };
+    assert_eq!(reason(&server.machines().put_machine(put).await.unwrap_err()), "MACHINE_INVALID");
+    server.stop().await;
+}

@@ -1,0 +1,263 @@
+//! A server in process with a scripted runner, and a client for it.
+//!
+//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `ALARM`, one per line.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::files::Files;
+use counterpoint_kernel::job::{Outcome, Sink};
+use counterpoint_kernel::log::event::*;
+use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Unit};
+use counterpoint_kernel::machine::finding::Finding;
+use counterpoint_kernel::mcd::source::Source;
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::blobs_client::BlobsClient;
+use counterpoint_proto::v1::jobs_client::JobsClient;
+use counterpoint_proto::v1::machines_client::MachinesClient;
+use counterpoint_proto::v1::results_client::ResultsClient;
+use counterpoint_server::options::Options;
+use counterpoint_server::runner::{Prepared, Runner, Task};
+use counterpoint_server::service::{self, Handle};
+use sha2::{Digest, Sha256};
+use tonic::Status;
+use tonic::transport::Channel as Connection;
+use tonic_types::StatusExt;
+
+/// Runs scripts; `hang` off makes `HANG` a no-op.
+#[derive(Clone)]
+pub struct Script {
+    pub hang: Arc<AtomicBool>,
+}
+
+struct Ready {
+    info: Arc<Info>,
+    script: String,
+    hang: Arc<AtomicBool>,
+}
+
+impl Runner for Script {
+    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+        let program = &task.programs[0];
+        let script = String::from_utf8_lossy(&files.read(&program.file).unwrap()).into_owned();
+        if script.contains("REFUSE") {
+            return Err(vec![Finding::error(&program.file, 1, 1, "refused")]);
+        }
+        let axis = |name: &str| Axis { name: name.into(), rotary: false, diameter: false };
+        let channel = |number| Channel {
+            number,
+            name: format!("C{number}"),
+            program: program.file.clone(),
+            lines: (1, 100),
+            file: 0,
+            axes: vec![axis("X"), axis("Z")],
+        };
+        let file = File { name: program.file.clone(), source: Default::default() };
+        let text = Source::new(&program.file, files.read(&program.file).unwrap());
+        file.source.set(Some(Arc::new(text))).unwrap();
+        let info = Arc::new(Info {
+            machine: task.machine.name.clone(),
+            machine_number: 1,
+            machine_revision: 1,
+            unit: Unit::Mm,
+            channels: vec![channel(1), channel(2)],
+            files: vec![file],
+        });
+        Ok(Box::new(Ready { info, script, hang: self.hang.clone() }))
+    }
+}
+
+/// A position of two axes; the others do not exist and are zero.
+fn position(value: f64) -> Position {
+    let mut position = [0.0; MAX_AXES];
+    position[..2].fill(value);
+    position
+}
+
+pub fn event(seq: u64) -> Event {
+    let line = (seq % 100) as u32 + 1;
+    let kind = match seq % 50 {
+        0 => Kind::Diagnostic(Box::new(Diagnostic { number: 7, severity: 2, text: "note".into() })),
+        n if n % 2 == 0 => Kind::Block { number: seq },
+        _ => Kind::Motion(Motion {
+            kind: MotionKind::Linear,
+            moving: 3,
+            from: position(seq as f64),
+            to: position(seq as f64 + 1.0),
+            center: [0.0; 2],
+            plane_axes: [255; 2],
+            turns: 0,
+            feed: 100.0,
+            feed_unit: FeedUnit::PerMinute,
+            length: 1.0,
+        }),
+    };
+    Event { t_ns: seq as i64 * 1000, micro: 0, dur_ns: 1000, channel: 1, file: 0, line, kind }
+}
+
+impl Ready {
+    fn alarm(&self, seq: u64) -> Event {
+        let kind = Kind::Diagnostic(Box::new(Diagnostic { number: 9, severity: 9, text: "alarm".into() }));
+        Event { kind, ..event(seq) }
+    }
+}
+
+impl Prepared for Ready {
+    fn info(&self) -> &Arc<Info> {
+        &self.info
+    }
+
+    fn run(&self, _files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+        let mut seq = 1;
+        for line in self.script.lines() {
+            match line.split_once(' ').unwrap_or((line, "")) {
+                ("EVENTS", count) => {
+                    let end = seq + count.parse::<u64>().unwrap();
+                    while seq < end {
+                        let batch: Vec<_> = (seq..end.min(seq + 100)).map(event).collect();
+                        if !sink.events(seq, &batch) {
+                            return Outcome { events: seq - 1, cancelled: false, sink_failed: true };
+                        }
+                        seq += batch.len() as u64;
+                    }
+                }
+                ("HANG", _) => {
+                    while self.hang.load(Ordering::SeqCst) && !control.cancelled() {
+                        std::thread::sleep(Duration::from_millis(2));
+                    }
+                }
+                ("PANIC", _) => panic!("scripted"),
+                ("ALARM", _) => {
+                    assert!(sink.events(seq, &[self.alarm(seq)]));
+                    seq += 1;
+                }
+                _ => {}
+            }
+        }
+        Outcome { events: seq - 1, cancelled: control.cancelled(), sink_failed: false }
+    }
+}
+
+/// A running server.
+pub struct Server {
+    pub handle: Handle,
+    pub task: tokio::task::JoinHandle<()>,
+    pub script: Script,
+    pub connection: Connection,
+}
+
+pub fn options(data: &Path) -> Options {
+    Options {
+        listen: "127.0.0.1:0".parse().unwrap(),
+        data: data.to_owned(),
+        grace_s: 0,
+        workers: 2,
+        ..Options::default()
+    }
+}
+
+impl Server {
+    pub async fn start(options: Options) -> Self {
+        let script = Script { hang: Arc::new(AtomicBool::new(true)) };
+        let service = service::build_with(options, script.clone()).await.unwrap();
+        let handle = service.handle();
+        let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
+        let address = format!("http://{}", handle.address());
+        let connection = Connection::from_shared(address).unwrap().connect().await.unwrap();
+        Self { handle, task, script, connection }
+    }
+
+    pub async fn stop(self) {
+        self.handle.stop();
+        tokio::time::timeout(Duration::from_secs(10), self.task).await.expect("stops in time").unwrap();
+    }
+
+    pub fn jobs(&self) -> JobsClient<Connection> {
+        JobsClient::new(self.connection.clone())
+    }
+
+    pub fn blobs(&self) -> BlobsClient<Connection> {
+        BlobsClient::new(self.connection.clone())
+    }
+
+    pub fn machines(&self) -> MachinesClient<Connection> {
+        MachinesClient::new(self.connection.clone())
+    }
+
+    pub fn results(&self) -> ResultsClient<Connection> {
+        ResultsClient::new(self.connection.clone())
+    }
+
+    pub async fn upload(&self, content: &[u8]) -> String {
+        let name = digest(content);
+        let mut chunks: Vec<_> = content
+            .chunks(1000)
+            .map(|c| v1::UploadRequest { digest: String::new(), data: c.to_vec().into() })
+            .collect();
+        chunks.insert(0, v1::UploadRequest { digest: name.clone(), ..Default::default() });
+        let response = self.blobs().upload(tokio_stream::iter(chunks)).await.unwrap().into_inner();
+        assert_eq!((response.digest.as_str(), response.size), (name.as_str(), content.len() as u64));
+        name
+    }
+
+    /// A submit of one script.
+    pub async fn request(&self, request_id: &str, script: &str) -> v1::SubmitJobRequest {
+        let digest = self.upload(script.as_bytes()).await;
+        v1::SubmitJobRequest {
+            request_id: request_id.into(),
+            machine: "fanuc-2path-lathe".into(),
+            programs: vec![v1::Program { path: "main.nc".into(), ..Default::default() }],
+            files: vec![v1::FileRef { path: "main.nc".into(), digest }],
+            options: None,
+        }
+    }
+
+    pub async fn submit(&self, request_id: &str, script: &str) -> String {
+        let request = self.request(request_id, script).await;
+        self.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
+    }
+
+    pub async fn wait(&self, job: &str) -> v1::JobStatus {
+        let request = v1::WaitJobRequest { job_id: job.into(), timeout_ms: 20_000 };
+        self.jobs().wait_job(request).await.unwrap().into_inner().status.unwrap()
+    }
+
+    pub async fn status(&self, job: &str) -> v1::JobStatus {
+        let request = v1::GetJobRequest { job_id: job.into() };
+        self.jobs().get_job(request).await.unwrap().into_inner().status.unwrap()
+    }
+
+    pub async fn until(&self, job: &str, state: v1::JobState) {
+        for _ in 0..1000 {
+            if self.status(job).await.state() == state {
+                return;
+            }
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        panic!("{job} never became {state:?}");
+    }
+
+    pub async fn watch(
+        &self,
+        job: &str,
+        after_seq: u64,
+        level: v1::WatchLevel,
+    ) -> tonic::Streaming<v1::WatchJobResponse> {
+        let request = v1::WatchJobRequest { job_id: job.into(), after_seq, level: level.into() };
+        self.jobs().watch_job(request).await.unwrap().into_inner()
+    }
+}
+
+pub fn digest(content: &[u8]) -> String {
+    Sha256::digest(content).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+pub fn reason(status: &Status) -> String {
+    let details = status.get_error_details();
+    let info = details.error_info().expect("every status has an ErrorInfo");
+    assert_eq!(info.domain, "counterpoint");
+    info.reason.clone()
+}
