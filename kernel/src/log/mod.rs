@@ -5,6 +5,7 @@
 pub mod digest;
 pub mod event;
 pub mod info;
+pub mod jsonl;
 mod meetings;
 pub mod summary;
 pub mod work;
