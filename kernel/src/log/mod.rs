@@ -4,8 +4,10 @@
 
 pub mod digest;
 pub mod event;
+mod geometry;
 pub mod info;
 pub mod jsonl;
+pub mod listing;
 mod meetings;
 pub mod summary;
 pub mod work;
