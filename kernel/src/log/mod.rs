@@ -10,6 +10,8 @@ pub mod jsonl;
 pub mod listing;
 mod meetings;
 pub mod summary;
+mod svg;
+pub mod timeline;
 pub mod work;
 
 #[cfg(test)]
