@@ -95,4 +95,15 @@ impl Info {
     pub fn channel(&self, number: u16) -> Option<&Channel> {
         self.channels.iter().find(|c| c.number == number)
     }
+
+    /// Place of a channel in [`Info::channels`]; `None` for the master and unknown numbers.
+    #[must_use]
+    pub fn channel_index(&self, number: u16) -> Option<usize> {
+        // Channels count from 1 without gaps on most machines.
+        let index = usize::from(number).wrapping_sub(1);
+        match self.channels.get(index) {
+            Some(channel) if channel.number == number => Some(index),
+            _ => self.channels.iter().position(|c| c.number == number),
+        }
+    }
 }

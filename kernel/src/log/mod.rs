@@ -4,9 +4,14 @@
 
 pub mod digest;
 pub mod event;
+mod geometry;
 pub mod info;
+pub mod jsonl;
+pub mod listing;
 mod meetings;
 pub mod summary;
+mod svg;
+pub mod timeline;
 pub mod work;
 
 #[cfg(test)]

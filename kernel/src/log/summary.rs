@@ -4,7 +4,7 @@
 //! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait
 //! that never came true counts up to where its channel ends.
 
-mod tally;
+pub(crate) mod tally;
 #[cfg(test)]
 mod tests;
 
@@ -183,12 +183,7 @@ impl Builder {
             Kind::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
             _ => {}
         }
-        let index = usize::from(event.channel).wrapping_sub(1);
-        let index = match self.info.channels.get(index) {
-            Some(channel) if channel.number == event.channel => Some(index),
-            _ => self.info.channels.iter().position(|c| c.number == event.channel),
-        };
-        if let Some(tally) = index.and_then(|i| self.tallies.get_mut(i)) {
+        if let Some(tally) = self.info.channel_index(event.channel).and_then(|i| self.tallies.get_mut(i)) {
             tally.event(event);
         }
     }
@@ -198,8 +193,7 @@ impl Builder {
     pub fn finish(mut self, outcome: &Outcome, log_digest: String) -> Summary {
         let meetings = &mut self.meetings;
         for (channel, ns) in meetings.complete_cut() {
-            let index = self.info.channels.iter().position(|c| c.number == channel);
-            if let Some(tally) = index.and_then(|i| self.tallies.get_mut(i)) {
+            if let Some(tally) = self.info.channel_index(channel).and_then(|i| self.tallies.get_mut(i)) {
                 tally.add(Work::Wait, ns);
             }
         }

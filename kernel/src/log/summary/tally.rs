@@ -8,19 +8,19 @@ use crate::log::work::Work;
 
 /// Times of one channel while the log goes by.
 #[derive(Debug, Default)]
-pub(super) struct Tally {
+pub(crate) struct Tally {
     end: Option<(ChannelState, i64)>,
-    pub(super) blocks: u64,
-    pub(super) feed_ns: i64,
-    pub(super) rapid_ns: i64,
-    pub(super) misc_ns: i64,
-    pub(super) wait_ns: i64,
+    pub(crate) blocks: u64,
+    pub(crate) feed_ns: i64,
+    pub(crate) rapid_ns: i64,
+    pub(crate) misc_ns: i64,
+    pub(crate) wait_ns: i64,
     /// Class and end of the last event that took time: the only one that a stop can cut.
     last: Option<(Work, i64)>,
 }
 
 impl Tally {
-    pub(super) fn add(&mut self, work: Work, ns: i64) {
+    pub(crate) fn add(&mut self, work: Work, ns: i64) {
         let sum = match work {
             Work::Feed => &mut self.feed_ns,
             Work::Rapid => &mut self.rapid_ns,
@@ -30,7 +30,7 @@ impl Tally {
         *sum = sum.saturating_add(ns);
     }
 
-    pub(super) fn event(&mut self, event: &Event) {
+    pub(crate) fn event(&mut self, event: &Event) {
         match &event.kind {
             Kind::Block { number } => self.blocks = self.blocks.max(*number),
             Kind::Release(release) => self.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns)),
@@ -50,7 +50,7 @@ impl Tally {
     }
 
     /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.
-    pub(super) fn close(&mut self, since_ns: Option<i64>, end_ns: i64, cancelled: bool) -> (ChannelState, i64) {
+    pub(crate) fn close(&mut self, since_ns: Option<i64>, end_ns: i64, cancelled: bool) -> (ChannelState, i64) {
         let (state, end_ns) = match (self.end, since_ns) {
             (Some((ChannelState::Blocked, _)), Some(since)) => return (ChannelState::Blocked, since),
             (Some(end), _) => end,

@@ -1,0 +1,113 @@
+//! The verification listing of one channel, and the merged one of all.
+//!
+//! Layouts: reference listing-and-trace.md 2, 3, 5, 7, 8; columns are exact. Invariants: the same log gives the same
+//! listing (no date, no process number); events are folded as they stream by, the log is never held.
+//!
+//! Where the reference leaves a choice: diagnostics of the master kernel stand in every listing, since they concern
+//! all channels; tooling feeds are as programmed (threads and inverse time left out); the rev/min of constant surface
+//! speed are the means of the motions; travel extremes are those of all places reached by the motions of a table.
+
+mod blocks;
+mod diagnostics;
+mod header;
+#[cfg(test)]
+mod tests;
+mod time;
+mod tooling;
+mod travel;
+
+use std::io::{BufWriter, Result, Write};
+
+use crate::log::event::{Event, Kind};
+use crate::log::info::Info;
+use crate::log::summary::Summary;
+use blocks::Waits;
+use diagnostics::Counts;
+use tooling::Tooling;
+use travel::Travel;
+
+const BUFFER: usize = 64 * 1024;
+
+/// Writes the listing of one channel from the events of the whole log, in order.
+///
+/// # Errors
+/// Those of `out`.
+pub fn render(
+    info: &Info,
+    channel: u16,
+    summary: &Summary,
+    events: &mut dyn Iterator<Item = (u64, Event)>,
+    out: &mut dyn Write,
+) -> Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, out);
+    let own = info.channel(channel);
+    let end_ns = summary.channels.iter().find(|c| c.channel == channel).map_or(0, |c| c.end_ns);
+    let axes = own.map_or(&[][..], |c| &c.axes);
+    let mut waits = Waits::new(summary);
+    let mut counts = Counts::default();
+    let mut tooling = Tooling::new(end_ns);
+    let mut travel = Travel::new(axes);
+    header::write(info, &mut out)?;
+    for (_, event) in events.filter(|(_, e)| e.channel == channel || e.channel == 0) {
+        match &event.kind {
+            Kind::Diagnostic(diagnostic) => {
+                counts.add(diagnostic.severity);
+                diagnostics::write(info, &event, diagnostic, &mut out)?;
+            }
+            _ if event.channel != channel => {}
+            Kind::Block { .. } => blocks::write_block(info, &event, &mut out)?,
+            Kind::Wait(wait) => waits.write(&event, wait, &mut out)?,
+            Kind::Motion(motion) => {
+                tooling.motion(&event, motion);
+                travel.motion(motion);
+            }
+            Kind::Frame { shift } => travel.frame(shift),
+            _ => tooling.event(&event),
+        }
+    }
+    tooling.write(&mut out)?;
+    travel.write(&mut out)?;
+    time::write(info, summary, channel, &mut out)?;
+    counts.write(&mut out)?;
+    out.flush()
+}
+
+/// Writes the merged listing: the blocks of all channels in order of simulated time, each with its kernel and time,
+/// then a time table for each channel.
+///
+/// # Errors
+/// Those of `out`.
+pub fn render_merged(
+    info: &Info,
+    summary: &Summary,
+    events: &mut dyn Iterator<Item = (u64, Event)>,
+    out: &mut dyn Write,
+) -> Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, out);
+    let mut waits = Waits::new(summary);
+    let mut counts = Counts::default();
+    header::write(info, &mut out)?;
+    for (_, event) in events {
+        match &event.kind {
+            Kind::Diagnostic(diagnostic) => {
+                counts.add(diagnostic.severity);
+                diagnostics::write(info, &event, diagnostic, &mut out)?;
+            }
+            Kind::Block { .. } => {
+                blocks::write_prefix(&event, &mut out)?;
+                blocks::write_block(info, &event, &mut out)?;
+            }
+            Kind::Wait(wait) => {
+                blocks::write_prefix(&event, &mut out)?;
+                waits.write(&event, wait, &mut out)?;
+            }
+            _ => {}
+        }
+    }
+    for channel in &info.channels {
+        write!(out, "\nKERNEL {} {}\n", channel.number, channel.name)?;
+        time::write(info, summary, channel.number, &mut out)?;
+    }
+    counts.write(&mut out)?;
+    out.flush()
+}

@@ -1,0 +1,25 @@
+//! The identification header.
+//!
+//! Layout: reference listing-and-trace.md 2. Invariant: nothing in it depends on when or where the job ran.
+
+use std::io::{Result, Write};
+
+use crate::log::info::Info;
+
+/// Version of the emulated system's definitions, the middle part of a definition's full name.
+const DEFINITION_VERSION: u32 = 260;
+
+pub(super) fn write(info: &Info, out: &mut dyn Write) -> Result<()> {
+    write!(out, "Counterpoint\n\nControl Emulator Counterpoint Version {}\n\n", env!("CARGO_PKG_VERSION"))?;
+    for channel in info.channels.iter().filter(|c| !c.program.is_empty()) {
+        label(out, "Input:", &channel.program)?;
+    }
+    let (number, revision) = (info.machine_number, info.machine_revision);
+    label(out, "CE:", &format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine))?;
+    writeln!(out)
+}
+
+/// A label of 14 characters and its value.
+fn label(out: &mut dyn Write, label: &str, value: &str) -> Result<()> {
+    writeln!(out, "{label:<14}{value}")
+}

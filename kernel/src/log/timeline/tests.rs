@@ -1,0 +1,105 @@
+//! Tests of the timeline.
+
+use super::*;
+use crate::log::event::{MotionKind, Phase, ToolAction};
+use crate::log::testing::*;
+
+const S: i64 = 1_000_000_000;
+
+fn timeline(info: &Arc<Info>, events: &[Event]) -> Timeline {
+    let mut builder = Builder::new(info);
+    events.iter().for_each(|e| builder.event(0, e));
+    builder.finish()
+}
+
+#[test]
+fn neighbours_of_one_kind_are_one_bar() {
+    let line = |line, t, kind| at(1, line, t * S, S, Kind::Motion(motion(kind, &[0.0], &[1.0])));
+    let events = [
+        line(1, 0, MotionKind::Linear),
+        line(2, 1, MotionKind::ArcCw),
+        line(3, 2, MotionKind::Rapid),
+        at(1, 4, 3 * S, S, Kind::Tool { action: ToolAction::Load, tool: 1, offset: 1 }),
+        at(1, 5, 4 * S, S, Kind::Dwell),
+        wait(1, 6, 5 * S, "M101", &[1, 2]),
+        release(1, 6, 5 * S, 7 * S, "M101", 1),
+        line(7, 7, MotionKind::Thread),
+        line(8, 9, MotionKind::Thread),
+        life(1, 10 * S, Phase::ProgramEnd),
+    ];
+    let timeline = timeline(&lathe(&["x"]), &events);
+    let json = serde_json::to_value(&timeline).unwrap();
+    let bar = |kind: &str, t: i64, dur: i64, line: u32, end: u32| serde_json::json!({"kind": kind, "t_ns": t * S, "dur_ns": dur * S, "line": line, "end_line": end});
+    let mut wait = bar("wait", 5, 2, 6, 6);
+    wait["label"] = "M101".into();
+    let bars = [
+        bar("feed", 0, 2, 1, 2),
+        bar("rapid", 2, 1, 3, 3),
+        bar("tool", 3, 1, 4, 4),
+        bar("dwell", 4, 1, 5, 5),
+        wait,
+        bar("feed", 7, 1, 7, 7),
+        bar("feed", 9, 1, 8, 8),
+    ];
+    assert_eq!(json["channels"][0]["bars"], serde_json::Value::from(bars.to_vec()));
+    assert_eq!((json["unit"].as_str(), json["makespan_ns"].as_i64()), (Some("ns"), Some(10 * S)));
+    assert_eq!(json["waits"][0]["release_ns"], 7 * S);
+    assert_eq!(json.as_object().unwrap().len(), 4);
+    assert_eq!(json["channels"][0].as_object().unwrap().len(), 3);
+}
+
+#[test]
+fn a_blocked_channel_has_no_bar_for_its_stand_and_a_stop_cuts() {
+    let events = [
+        at(1, 1, 0, 3 * S, Kind::Dwell),
+        at(2, 1, 0, S, Kind::Dwell),
+        wait(2, 2, S, "M101", &[1, 2]),
+        at(1, 2, 3 * S, 9 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0]))),
+        life(0, 5 * S, Phase::MachineEnd),
+    ];
+    let timeline = timeline(&lathe(&["x", "y"]), &events);
+    assert_eq!(timeline.makespan_ns, 5 * S);
+    assert_eq!(timeline.channels[0].bars.iter().map(|b| b.dur_ns).collect::<Vec<_>>(), [3 * S, 2 * S]);
+    assert_eq!((timeline.channels[1].bars.len(), timeline.channels[1].state), (1, ChannelState::Blocked));
+    assert!(timeline.svg().contains("M101 …"));
+}
+
+#[test]
+fn the_number_of_bars_is_bounded_and_their_time_kept() {
+    let mut events = Vec::new();
+    let mut t = 0;
+    for n in 0..100_000_u32 {
+        let dur = if n % 1000 == 0 { S } else { 1000 + i64::from(n % 7) };
+        let kind = if n % 2 == 0 { MotionKind::Linear } else { MotionKind::Rapid };
+        events.push(at(1, n, t, dur, Kind::Motion(motion(kind, &[0.0], &[1.0]))));
+        t += dur;
+    }
+    events.push(life(1, t, Phase::ProgramEnd));
+    let timeline = timeline(&lathe(&["x"]), &events);
+    let bars = &timeline.channels[0].bars;
+    assert!(bars.len() <= bars::MOST && bars.len() > 1000, "{}", bars.len());
+    assert_eq!(bars.iter().map(|b| b.dur_ns).sum::<i64>(), t);
+    assert!(bars.windows(2).all(|w| w[0].end_ns() == w[1].t_ns));
+    assert!(timeline.svg().len() < 40_000, "{}", timeline.svg().len());
+}
+
+#[test]
+fn texts_in_the_picture_are_escaped() {
+    let mut info = Arc::into_inner(lathe(&["x", "y"])).unwrap();
+    info.machine = "<a&b>".into();
+    info.channels[0].name = "\"U\u{1}\"".into();
+    let events = [
+        wait(1, 1, 0, "<M1>", &[1, 2]),
+        wait(2, 1, S, "<M1>", &[1, 2]),
+        release(1, 1, 0, S, "<M1>", 1),
+        release(2, 1, S, S, "<M1>", 1),
+    ];
+    let svg = timeline(&Arc::new(info), &events).svg();
+    assert!(svg.contains("&lt;a&amp;b&gt;") && svg.contains("&lt;M1&gt;") && !svg.contains("<M1>"));
+    assert!(svg.ends_with("</svg>\n"));
+}
+
+#[test]
+fn a_job_without_time_is_still_a_picture() {
+    assert!(timeline(&lathe(&["x"]), &[]).svg().contains("makespan 0.000 s"));
+}
