@@ -12,6 +12,7 @@ mod meetings;
 pub mod summary;
 mod svg;
 pub mod timeline;
+pub mod toolpath;
 pub mod work;
 
 #[cfg(test)]

@@ -1,0 +1,186 @@
+//! The toolpath of a job in the work frame.
+//!
+//! Lathes (a channel with a diameter axis X and a Z) are seen as turners draw: Z to the right, X up as a radius.
+//! Everything else is X Y Z, seen from above and from the front. Invariant: a channel holds [`store::MOST`] moves at
+//! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
+//!
+//! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, truncated, segments}]}`. A segment is either
+//! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
+//! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
+//! `points`, the centre by the two axes of `plane`, and full turns in addition. Coordinates are rounded to 0.0001.
+
+mod json;
+pub mod store;
+mod svg;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::log::event::{Event, Kind, Motion, MotionKind};
+use crate::log::geometry::{Sweep, scale};
+use crate::log::info::{self, Info, Unit};
+use store::{Curve, Move, Path, Stroke};
+
+/// How the path is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum View {
+    /// Turning: Z and the radius X.
+    Zx,
+    /// X, Y and Z.
+    Xyz,
+}
+
+impl View {
+    /// Letters of the coordinates.
+    fn letters(self) -> &'static [char] {
+        match self {
+            Self::Zx => &['z', 'x'],
+            Self::Xyz => &['x', 'y', 'z'],
+        }
+    }
+}
+
+/// Toolpath of a job.
+#[derive(Debug, Clone, Serialize)]
+pub struct Toolpath {
+    /// `mm` or `inch`.
+    pub unit: &'static str,
+    /// How it is seen, and what the coordinates are.
+    pub view: View,
+    /// Channels with a program, ascending.
+    pub channels: Vec<Channel>,
+    /// Machine, for the title of the picture.
+    #[serde(skip)]
+    pub machine: String,
+}
+
+/// A channel in the toolpath.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    /// Number.
+    pub channel: u16,
+    /// Name.
+    pub name: String,
+    /// Program, for the title of the picture.
+    pub program: String,
+    /// Its path.
+    pub path: Path,
+    view: View,
+}
+
+/// Where a channel's coordinates come from.
+#[derive(Debug)]
+struct Eyes {
+    /// Index of the axis and factor to a radius value, for each coordinate.
+    axes: [Option<(usize, f64)>; 3],
+}
+
+impl Eyes {
+    fn new(channel: &info::Channel, view: View) -> Self {
+        let axis = |letter: &str| {
+            let index = channel.axes.iter().position(|a| a.name == letter)?;
+            Some((index, scale(channel.axes.get(index)?)))
+        };
+        Self {
+            axes: match view {
+                View::Zx => [axis("Z"), axis("X"), None],
+                View::Xyz => [axis("X"), axis("Y"), axis("Z")],
+            },
+        }
+    }
+
+    fn point(&self, position: &[f64]) -> [f64; 3] {
+        self.axes.map(|a| a.and_then(|(index, scale)| Some(position.get(index)? * scale)).unwrap_or(0.0))
+    }
+
+    /// The coordinate that an axis of the channel is.
+    fn coordinate(&self, axis: usize) -> Option<usize> {
+        self.axes.iter().position(|a| a.is_some_and(|(index, _)| index == axis))
+    }
+
+    /// The arc by coordinates instead of axes; `None` when one of its axes is not seen.
+    fn curve(&self, sweep: &Sweep, motion: &Motion) -> Option<Curve> {
+        let [first, second] = sweep.axes.map(|axis| self.coordinate(axis));
+        let plane = [first? as u8, second? as u8];
+        Some(Curve {
+            plane,
+            center: sweep.center,
+            radius: sweep.radius,
+            start: sweep.start,
+            angle: sweep.angle,
+            turns: motion.turns,
+        })
+    }
+}
+
+/// Builds the toolpath while the log goes by.
+#[derive(Debug)]
+pub struct Builder {
+    info: Arc<Info>,
+    view: View,
+    channels: Vec<(Eyes, Path)>,
+}
+
+impl Builder {
+    /// For a job that has not logged anything yet.
+    #[must_use]
+    pub fn new(info: &Arc<Info>) -> Self {
+        let turns = |c: &info::Channel| {
+            c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z")
+        };
+        let view = if info.channels.iter().any(turns) { View::Zx } else { View::Xyz };
+        let channels = info.channels.iter().map(|c| (Eyes::new(c, view), Path::default())).collect();
+        Self { info: info.clone(), view, channels }
+    }
+
+    /// The next event of the log.
+    pub fn event(&mut self, _seq: u64, event: &Event) {
+        let Kind::Motion(motion) = &event.kind else { return };
+        let Some(index) = self.info.channel_index(event.channel) else { return };
+        let (Some((eyes, path)), Some(channel)) = (self.channels.get_mut(index), self.info.channels.get(index)) else {
+            return;
+        };
+        let stroke = match motion.kind {
+            MotionKind::Rapid => Stroke::Rapid,
+            MotionKind::Thread => Stroke::Thread,
+            MotionKind::Linear | MotionKind::ArcCw | MotionKind::ArcCcw => Stroke::Feed,
+        };
+        let curve = Sweep::of(motion, &channel.axes).and_then(|sweep| eyes.curve(&sweep, motion));
+        path.push(eyes.point(&motion.from), Move::new(stroke, eyes.point(&motion.to)), curve);
+    }
+
+    /// The log is complete.
+    #[must_use]
+    pub fn finish(self) -> Toolpath {
+        let (info, view) = (self.info, self.view);
+        let channel = |(channel, (_, path)): (&info::Channel, (Eyes, Path))| Channel {
+            channel: channel.number,
+            name: channel.name.clone(),
+            program: channel.program.clone(),
+            path,
+            view,
+        };
+        let all = info.channels.iter().zip(self.channels).map(channel);
+        Toolpath {
+            unit: match info.unit {
+                Unit::Mm => "mm",
+                Unit::Inch => "inch",
+            },
+            view,
+            channels: all.filter(|c| !c.program.is_empty()).collect(),
+            machine: info.machine.clone(),
+        }
+    }
+}
+
+impl Toolpath {
+    /// The toolpath as a picture of 1200 px width.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        svg::draw(self)
+    }
+}

@@ -1,0 +1,96 @@
+//! The path as JSON segments, written straight from the moves.
+
+use serde::ser::{Serialize, SerializeSeq, SerializeStruct, Serializer};
+
+use super::store::{Curve, Move, Path, Stroke};
+use super::{Channel, View};
+
+impl Serialize for Channel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_struct("Channel", 4)?;
+        out.serialize_field("channel", &self.channel)?;
+        out.serialize_field("name", &self.name)?;
+        out.serialize_field("truncated", &self.path.truncated)?;
+        out.serialize_field("segments", &Segments(&self.path, self.view))?;
+        out.end()
+    }
+}
+
+struct Segments<'a>(&'a Path, View);
+
+impl Serialize for Segments<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let path = self.0;
+        let mut out = serializer.serialize_seq(None)?;
+        let mut rest = path.moves.as_slice();
+        let mut from = [0.0; 3];
+        while let [first, tail @ ..] = rest {
+            if first.stroke == Stroke::Start {
+                (from, rest) = (first.to, tail);
+                continue;
+            }
+            let straight = |m: &Move| m.stroke == first.stroke && path.curve(m).is_none();
+            let count = match path.curve(first) {
+                Some(_) => 1,
+                None => rest.iter().position(|m| !straight(m)).unwrap_or(rest.len()),
+            };
+            let (run, tail) = rest.split_at(count);
+            out.serialize_element(&Segment { from, run, curve: path.curve(first), view: self.1 })?;
+            from = run.last().map_or(from, |m| m.to);
+            rest = tail;
+        }
+        out.end()
+    }
+}
+
+struct Segment<'a> {
+    from: [f64; 3],
+    run: &'a [Move],
+    curve: Option<&'a Curve>,
+    view: View,
+}
+
+impl Serialize for Segment<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_struct("Segment", 5)?;
+        let kind = match (self.curve, self.run.first().map(|m| m.stroke)) {
+            (Some(curve), _) if curve.angle < 0.0 => "arc_cw",
+            (Some(_), _) => "arc_ccw",
+            (None, Some(Stroke::Rapid)) => "rapid",
+            (None, Some(Stroke::Thread)) => "thread",
+            (None, _) => "feed",
+        };
+        out.serialize_field("kind", kind)?;
+        out.serialize_field("points", &Points { from: self.from, run: self.run, view: self.view })?;
+        if let Some(curve) = self.curve {
+            let letter = |c: u8| self.view.letters().get(usize::from(c)).copied().unwrap_or('?');
+            out.serialize_field("plane", &curve.plane.map(letter).iter().collect::<String>())?;
+            out.serialize_field("center", &curve.center.map(rounded))?;
+            out.serialize_field("turns", &curve.turns)?;
+        }
+        out.end()
+    }
+}
+
+struct Points<'a> {
+    from: [f64; 3],
+    run: &'a [Move],
+    view: View,
+}
+
+impl Serialize for Points<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_seq(None)?;
+        for point in std::iter::once(&self.from).chain(self.run.iter().map(|m| &m.to)) {
+            for value in point.iter().take(self.view.letters().len()) {
+                out.serialize_element(&rounded(*value))?;
+            }
+        }
+        out.end()
+    }
+}
+
+/// Ten-thousandths, no minus zero.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4 + 0.0
+}

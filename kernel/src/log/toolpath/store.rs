@@ -1,0 +1,171 @@
+//! The path of one channel in memory: a flat list of moves.
+//!
+//! Invariant: at most [`MOST`] moves. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
+//! up to a five-hundredth of the path's extent, become one; what then still does not fit is left out.
+
+/// Moves a channel has at most.
+pub const MOST: usize = 500_000;
+/// The tolerance grows up to this part of the extent.
+const COARSEST: f64 = 500.0;
+
+/// How a move is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// No move: the path begins anew here.
+    Start,
+    /// Positioning.
+    Rapid,
+    /// Feed, arcs included.
+    Feed,
+    /// Thread.
+    Thread,
+}
+
+/// A move to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// How it is drawn.
+    pub stroke: Stroke,
+    /// Index into [`Path::curves`], or none.
+    curve: u32,
+    /// End point.
+    pub to: [f64; 3],
+}
+
+/// An arc by coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Curve {
+    /// Coordinates of its plane, first and second axis.
+    pub plane: [u8; 2],
+    /// Centre by these.
+    pub center: [f64; 2],
+    /// Radius.
+    pub radius: f64,
+    /// Angle of the start, radians from the first axis to the second.
+    pub start: f64,
+    /// Angle gone through, negative = clockwise, full turns included.
+    pub angle: f64,
+    /// Full turns in addition to the way from start to end.
+    pub turns: u16,
+}
+
+impl Move {
+    pub(super) fn new(stroke: Stroke, to: [f64; 3]) -> Self {
+        Self { stroke, curve: u32::MAX, to }
+    }
+}
+
+impl Curve {
+    /// Point at a share of the arc; `from` and `to` give the coordinate off the plane.
+    pub(super) fn at(&self, share: f64, from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
+        let mut point = *from;
+        for (slot, (a, b)) in point.iter_mut().zip(from.iter().zip(to)) {
+            *slot = a + (b - a) * share;
+        }
+        let (sin, cos) = (self.start + self.angle * share).sin_cos();
+        for (axis, offset, center) in [(self.plane[0], cos, self.center[0]), (self.plane[1], sin, self.center[1])] {
+            if let Some(slot) = point.get_mut(usize::from(axis)) {
+                *slot = center + self.radius * offset;
+            }
+        }
+        point
+    }
+}
+
+/// The path of a channel.
+#[derive(Debug, Clone, Default)]
+pub struct Path {
+    /// Moves in order.
+    pub moves: Vec<Move>,
+    /// Arcs that moves refer to.
+    pub curves: Vec<Curve>,
+    /// The end of the path is missing.
+    pub truncated: bool,
+    tolerance: f64,
+}
+
+impl Path {
+    /// The arc of a move.
+    #[must_use]
+    pub fn curve(&self, of: &Move) -> Option<&Curve> {
+        self.curves.get(of.curve as usize)
+    }
+
+    pub(super) fn push(&mut self, from: [f64; 3], mut to: Move, curve: Option<Curve>) {
+        if self.truncated {
+            return;
+        }
+        if self.moves.last().is_none_or(|last| far(&last.to, &from) > 1e-6) {
+            self.moves.push(Move::new(Stroke::Start, from));
+        }
+        if let Some(curve) = curve {
+            to.curve = self.curves.len() as u32;
+            self.curves.push(curve);
+        }
+        self.moves.push(to);
+        if self.moves.len() >= MOST {
+            self.thin();
+        }
+    }
+
+    fn extent(&self) -> f64 {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for step in &self.moves {
+            for ((low, high), value) in low.iter_mut().zip(&mut high).zip(step.to) {
+                (*low, *high) = (low.min(value), high.max(value));
+            }
+        }
+        low.iter().zip(&high).map(|(low, high)| high - low).fold(0.0, f64::max)
+    }
+
+    fn thin(&mut self) {
+        let extent = self.extent();
+        while self.moves.len() > MOST / 4 * 3 {
+            if self.tolerance >= extent / COARSEST {
+                self.truncated = true;
+                return;
+            }
+            self.tolerance = (self.tolerance * 4.0).max(extent * 1e-5);
+            self.coarsen();
+        }
+    }
+
+    fn coarsen(&mut self) {
+        let mut moves: Vec<Move> = Vec::with_capacity(self.moves.len());
+        let mut curves = Vec::new();
+        let mut from = [0.0; 3];
+        // The start of the last kept move.
+        let mut anchor = from;
+        for step in &self.moves {
+            let mut step = *step;
+            if let Some(curve) = self.curves.get(step.curve as usize) {
+                step.curve = u32::MAX;
+                if curve.radius * curve.angle.abs() > self.tolerance {
+                    step.curve = curves.len() as u32;
+                    curves.push(*curve);
+                }
+            }
+            match moves.last_mut() {
+                Some(last)
+                    if last.stroke == step.stroke
+                        && last.curve == u32::MAX
+                        && step.curve == u32::MAX
+                        && step.stroke != Stroke::Start
+                        && far(&anchor, &step.to) < self.tolerance =>
+                {
+                    *last = step;
+                }
+                _ => {
+                    anchor = from;
+                    moves.push(step);
+                }
+            }
+            from = step.to;
+        }
+        (self.moves, self.curves) = (moves, curves);
+    }
+}
+
+fn far(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
