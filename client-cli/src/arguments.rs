@@ -46,7 +46,8 @@ pub(crate) struct Inputs {
     /// Programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Machine: a name or a folder with machine.toml. Without it: fanuc-mill for one program, fanuc-2path-lathe for two
+    /// Machine: a name or a folder with machine.toml. Without it: fanuc-mill for one channel, fanuc-2path-lathe for
+    /// two, fanuc-3path-lathe for three; a single file with waiting codes M100-M199 has a channel per O-program
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
     /// More files the programs may call; of a folder all files
@@ -64,6 +65,12 @@ pub(crate) struct Inputs {
     /// Kernels that may run at the same time; 0 = one per channel. The result does not depend on it
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
+    /// Simulated seconds after which the run is stopped
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) max_time: Option<f64>,
+    /// Blocks of one channel after which the run is stopped
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) max_blocks: Option<u64>,
 }
 
 #[derive(Debug, Args)]
@@ -73,6 +80,9 @@ pub(crate) struct Run {
     /// Write listings, events, summary, timeline and toolpath into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Which of them; all without it
+    #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
+    pub(crate) write: Vec<What>,
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
@@ -221,4 +231,12 @@ pub(crate) enum Part {
     Data,
     Axes,
     Channels,
+}
+
+/// A time in seconds above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 9e9 => Ok(value),
+        _ => Err("expected seconds above 0 and below 9000000000".to_owned()),
+    }
 }

@@ -174,6 +174,22 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     Ok((name, files))
 }
 
+/// Channels that the programs are written for: one each, but a single file with waiting codes has one per program.
+pub(crate) fn channels(programs: &[String]) -> usize {
+    let [program] = programs else { return programs.len() };
+    if program.contains('#') {
+        return 1;
+    }
+    let text = std::fs::read(program).unwrap_or_default();
+    let mut definitions = 0;
+    let mut waits = false;
+    for line in text.split(|b| matches!(b, b'\n' | b'\r')).map(<[u8]>::trim_ascii_start) {
+        definitions += usize::from(matches!(line, [b'O' | b'o' | b':', b'0'..=b'9', ..]));
+        waits |= line.windows(4).any(|w| matches!(w, [b'M' | b'm', b'1', b'0'..=b'9', b'0'..=b'9']));
+    }
+    if waits { definitions.max(1) } else { 1 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,6 +229,8 @@ mod tests {
             opstop: false,
             ignore_waits: vec![],
             threads: 0,
+            max_time: None,
+            max_blocks: None,
         };
         let pack = job(&inputs).unwrap();
         let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();

@@ -18,7 +18,7 @@ use crate::{pack, results};
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let client = Client::embed(draws || arguments.out.is_some()).await?;
+    let client = Client::embed().await?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let id = uuid::Uuid::now_v7().to_string();
@@ -31,7 +31,8 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        write(&client, &job, folder, &first, &summary, &text).await?;
+        let target = Target { folder, program: &first, wanted: &arguments.write };
+        target.write(&client, &job, &summary, &text).await?;
     }
     if arguments.json {
         say::data(&text)?;
@@ -61,15 +62,16 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 /// The machine to run on; a folder is put on the server first.
 async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
-        let name = match inputs.programs.len() {
+        let channels = pack::channels(&inputs.programs);
+        let name = match channels {
             1 => "fanuc-mill",
             2 => "fanuc-2path-lathe",
-            n => return Err(Error::Usage(format!("there is no default machine for {n} programs, give --machine"))),
+            3 => "fanuc-3path-lathe",
+            n => return Err(Error::Usage(format!("there is no default machine for {n} channels, give --machine"))),
         };
         if !quiet {
-            let count = inputs.programs.len();
-            let why = format!("machine {name} (default for {count} program{})", if count == 1 { "" } else { "s" });
-            say::talk(styled(DIM, why));
+            let plural = if channels == 1 { "" } else { "s" };
+            say::talk(styled(DIM, format!("machine {name} (default for programs of {channels} channel{plural})")));
         }
         return Ok(name.to_owned());
     };
@@ -124,7 +126,7 @@ async fn submit_pack(
             opstop: inputs.opstop,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
-            limits: None,
+            limits: limits(inputs),
         }),
     };
     let status = client.jobs().submit_job(request).await?.into_inner().status;
@@ -185,33 +187,54 @@ fn width() -> usize {
     columns.unwrap_or(usize::from(terminal))
 }
 
-/// Writes all results into a folder.
-async fn write(
-    client: &Client,
-    job: &str,
-    folder: &Path,
-    program: &str,
-    summary: &Summary,
-    text: &[u8],
-) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
-    let path = folder.join("summary.json");
-    std::fs::write(&path, text).map_err(Error::file(&path))?;
-    let stem = Path::new(program).file_stem().unwrap_or_default().to_string_lossy();
-    let with_program: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-    for &channel in &with_program {
-        let name = if with_program.len() == 1 { format!("{stem}.lce") } else { format!("{stem}.{channel}.lce") };
-        results::file(client, job, What::Listing, channel, Format::Svg, &folder.join(name)).await?;
+/// Limits of the command line, the rest as the server has them.
+fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
+    let limits = v1::JobLimits {
+        simulated_ns: inputs.max_time.map_or(0, |seconds| (seconds * 1e9) as i64),
+        blocks: inputs.max_blocks.unwrap_or(0),
+        ..v1::JobLimits::default()
+    };
+    (inputs.max_time.is_some() || inputs.max_blocks.is_some()).then_some(limits)
+}
+
+/// Where results of `run` go, and which.
+struct Target<'a> {
+    folder: &'a Path,
+    /// First program: names the listings.
+    program: &'a str,
+    wanted: &'a [What],
+}
+
+impl Target<'_> {
+    async fn write(&self, client: &Client, job: &str, summary: &Summary, text: &[u8]) -> Result<(), Error> {
+        let folder = self.folder;
+        std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
+        let wanted = |what| self.wanted.is_empty() || self.wanted.contains(&what);
+        if wanted(What::Summary) {
+            let path = folder.join("summary.json");
+            std::fs::write(&path, text).map_err(Error::file(&path))?;
+        }
+        if wanted(What::Listing) {
+            let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
+            let channels: Vec<u32> =
+                summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
+            for &channel in &channels {
+                let name = if channels.len() == 1 { format!("{stem}.lce") } else { format!("{stem}.{channel}.lce") };
+                results::file(client, job, What::Listing, channel, Format::Svg, &folder.join(name)).await?;
+            }
+        }
+        let files = [
+            (What::Events, Format::Json, "events.jsonl"),
+            (What::Timeline, Format::Svg, "timeline.svg"),
+            (What::Timeline, Format::Json, "timeline.json"),
+            (What::Toolpath, Format::Svg, "toolpath.svg"),
+            (What::Toolpath, Format::Json, "toolpath.json"),
+        ];
+        for (what, format, name) in files {
+            if wanted(what) {
+                results::file(client, job, what, 0, format, &folder.join(name)).await?;
+            }
+        }
+        Ok(())
     }
-    let files = [
-        (What::Events, Format::Json, "events.jsonl"),
-        (What::Timeline, Format::Svg, "timeline.svg"),
-        (What::Timeline, Format::Json, "timeline.json"),
-        (What::Toolpath, Format::Svg, "toolpath.svg"),
-        (What::Toolpath, Format::Json, "toolpath.json"),
-    ];
-    for (what, format, name) in files {
-        results::file(client, job, what, 0, format, &folder.join(name)).await?;
-    }
-    Ok(())
 }

@@ -33,9 +33,6 @@ pub struct Options {
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
-    /// Make the timeline while the job runs; otherwise it is made from the log when asked for.
-    #[serde(skip)]
-    pub live_timeline: bool,
 }
 
 impl Default for Options {
@@ -51,7 +48,6 @@ impl Default for Options {
             max_files: 1000,
             max_programs: 64,
             ephemeral: false,
-            live_timeline: true,
         }
     }
 }
@@ -170,7 +166,7 @@ mod tests {
     fn printed_options_read_back_the_same() {
         let options = Options { queue: 7, ..Options::default() };
         let back: Options = toml::from_str(&options.to_toml()).unwrap();
-        assert_eq!(Options { ephemeral: false, live_timeline: true, ..back }, options);
+        assert_eq!(Options { ephemeral: false, ..back }, options);
     }
 
     #[test]

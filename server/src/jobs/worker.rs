@@ -106,7 +106,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     live.prepared(Run { info: info.clone(), control: control.clone(), waits });
     let head = description(&info).encode_to_vec();
     let writer = Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?;
-    let folds = Folds::new(&info, core.options.live_timeline, !core.options.ephemeral);
+    let folds = Folds::new(&info, true, true);
     live.begin_log(writer);
     let mut sink = JobSink::new(live, folds);
     let outcome = prepared.run(&files, &control, &mut sink);

@@ -3,8 +3,6 @@
 //! A thin layer over the renderers of the kernel: [`Folds`] is fed live and stored at the end; whatever is not stored is made
 //! again from the log ([`render`]). Invariant: both ways give the same bytes.
 
-mod standin;
-
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -12,11 +10,10 @@ use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::digest::Digest;
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
-use counterpoint_kernel::log::summary;
+use counterpoint_kernel::log::{jsonl, listing, summary, timeline, toolpath};
 use serde::Serialize;
 
 use crate::log::reader::{Events, Reader};
-use standin::{jsonl, listing, timeline, toolpath};
 
 /// A result that has a file of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

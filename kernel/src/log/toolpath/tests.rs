@@ -100,7 +100,7 @@ fn a_path_is_bounded() {
     let path = builder.finish();
     assert!(path.channels[0].path.moves.len() <= store::MOST);
     let zigzag = |n: u32| {
-        let kind = if n % 2 == 0 { MotionKind::Rapid } else { MotionKind::Linear };
+        let kind = if n.is_multiple_of(2) { MotionKind::Rapid } else { MotionKind::Linear };
         let (from, to) = (f64::from(n % 2) * 100.0, f64::from((n + 1) % 2) * 100.0);
         motion(kind, &[from, 0.0], &[to, 0.0])
     };
