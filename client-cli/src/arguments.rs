@@ -97,6 +97,14 @@ pub(crate) struct Run {
     pub(crate) no_timeline: bool,
 }
 
+impl Run {
+    /// Something is asked for that is read off the event log after the run.
+    pub(crate) fn needs_log(&self) -> bool {
+        let asked = |what| self.write.is_empty() || self.write.contains(&what);
+        self.out.is_some() && (asked(What::Listing) || asked(What::Events))
+    }
+}
+
 /// Where the server is.
 #[derive(Debug, Args, Clone)]
 pub(crate) struct Remote {

@@ -33,6 +33,10 @@ pub struct Options {
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
+    /// Keep the event log of a job. Without it there are no listings, events and event watches; only a server that
+    /// knows that nobody will ask (a command that runs one job) leaves it away.
+    #[serde(skip, default = "yes")]
+    pub log: bool,
 }
 
 impl Default for Options {
@@ -48,8 +52,13 @@ impl Default for Options {
             max_files: 1000,
             max_programs: 64,
             ephemeral: false,
+            log: true,
         }
     }
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// Why options cannot be had.

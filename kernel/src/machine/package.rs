@@ -36,7 +36,15 @@ fn add(dir: &Dir<'_>, files: &mut Memory) {
 pub fn shipped_names() -> Vec<String> {
     let files = shipped();
     let folders = files.list().into_iter().filter_map(|path| path.strip_suffix("/machine.toml").map(str::to_owned));
-    folders.filter(|folder| super::load(&files, folder).machine.is_some()).collect()
+    folders.filter(|folder| !is_family(&files, folder)).collect()
+}
+
+/// Whether a folder holds a family: `abstract = true` before the first section.
+fn is_family(files: &Memory, folder: &str) -> bool {
+    let text = files.read(&format!("{folder}/machine.toml")).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    let mut head = text.lines().take_while(|line| !line.starts_with('['));
+    head.any(|line| line.split('=').map(str::trim).eq(["abstract", "true"]))
 }
 
 /// One view of files over another.

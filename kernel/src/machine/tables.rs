@@ -3,7 +3,7 @@
 //! Invariant: rows that are switched off are in none of these tables, and candidates stand in matching order: lowest
 //! order first, equal orders as in the file. Facts: reference control-emulator.md 1.2, 1.3.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::ident::{self, DataId};
 use super::model::{CodeForm, CodeRow, DataRow, Register};
@@ -95,7 +95,7 @@ impl Codes {
             return None;
         }
         let mut lists = Lists::default();
-        let dense = (0..DENSE * 10).map(|tenth| lists.intern(&rows, |row| row.matches(u64::from(tenth)))).collect();
+        let dense = lists.dense(&rows);
         let mut starts: Vec<u32> = rows.iter().flat_map(Range::breaks).filter(|start| *start > DENSE).collect();
         starts.push(DENSE);
         starts.sort_unstable();
@@ -136,18 +136,40 @@ impl Codes {
 /// Each list of rows once.
 struct Lists {
     lists: Vec<Vec<u16>>,
-    known: HashMap<Vec<u16>, u16>,
+    known: FxHashMap<Vec<u16>, u16>,
 }
 
 impl Default for Lists {
     fn default() -> Self {
-        Self { lists: vec![Vec::new()], known: HashMap::from([(Vec::new(), 0)]) }
+        Self { lists: vec![Vec::new()], known: FxHashMap::from_iter([(Vec::new(), 0)]) }
     }
 }
 
 impl Lists {
+    /// List of every tenth below [`DENSE`]: only tenths that a row covers are looked at.
+    fn dense(&mut self, rows: &[Range]) -> Vec<u16> {
+        let mut covered: FxHashMap<usize, Vec<u16>> = FxHashMap::default();
+        for row in rows {
+            let step = if row.decimals { 1 } else { 10 };
+            let first = if row.decimals { row.min } else { row.min.div_ceil(10) * 10 };
+            for tenth in (first..=row.max.min(u64::from(DENSE) * 10 - 1)).step_by(step) {
+                covered.entry(tenth as usize).or_default().push(row.row);
+            }
+        }
+        let mut dense = vec![0; DENSE as usize * 10];
+        for (tenth, list) in covered {
+            if let Some(slot) = dense.get_mut(tenth) {
+                *slot = self.list(list);
+            }
+        }
+        dense
+    }
+
     fn intern(&mut self, rows: &[Range], matches: impl Fn(&Range) -> bool) -> u16 {
-        let list: Vec<u16> = rows.iter().filter(|row| matches(row)).map(|row| row.row).collect();
+        self.list(rows.iter().filter(|row| matches(row)).map(|row| row.row).collect())
+    }
+
+    fn list(&mut self, list: Vec<u16>) -> u16 {
         if let Some(known) = self.known.get(&list) {
             return *known;
         }

@@ -16,7 +16,7 @@ use crate::log::event::{Event, Kind, Phase};
 /// Events in a full chunk.
 pub(crate) const CHUNK: usize = 256;
 /// Chunks a kernel may have on the way.
-const CREDIT: usize = 48;
+const CREDIT: usize = 16;
 
 /// What kernels tell the merger.
 pub(crate) enum Message {

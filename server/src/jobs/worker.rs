@@ -104,10 +104,11 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     let control = Arc::new(Control::new(info.channels.len()));
     let waits = Mutex::new(vec![String::new(); info.channels.len()]);
     live.prepared(Run { info: info.clone(), control: control.clone(), waits });
-    let head = description(&info).encode_to_vec();
-    let writer = Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?;
     let folds = Folds::new(&info, true, true);
-    live.begin_log(writer);
+    if core.options.log {
+        let head = description(&info).encode_to_vec();
+        live.begin_log(Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?);
+    }
     let mut sink = JobSink::new(live, folds);
     let outcome = prepared.run(&files, &control, &mut sink);
     let JobSink { folds, severity, verdict, error, .. } = sink;
@@ -115,7 +116,9 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     if let Some(error) = error {
         return Ok(failed(format!("the event log cannot be kept: {error}")));
     }
-    let events = writer.map_or(Ok(0), |writer| writer.finish(core.store.durable()))?;
+    if let Some(writer) = writer {
+        writer.finish(core.store.durable())?;
+    }
     if outcome.cancelled && !live.cancelled() && core.drain.begun() {
         return Ok(Box::new(|record| {
             record.state = State::Queued;
@@ -131,7 +134,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     };
     Ok(Box::new(move |record| {
         record.state = state;
-        record.events = events;
+        record.events = outcome.events;
         record.makespan_ns = key.makespan_ns;
         record.log_digest = key.log_digest;
         record.highest_severity = severity;

@@ -87,12 +87,12 @@ impl Writer {
     }
 
     /// Writes everything and makes it durable when asked.
-    pub(crate) fn finish(mut self, durable: bool) -> io::Result<u64> {
+    pub(crate) fn finish(mut self, durable: bool) -> io::Result<()> {
         self.flush()?;
         if durable {
             self.file.sync_all()?;
         }
-        Ok(self.position.last_seq)
+        Ok(())
     }
 
     fn flush(&mut self) -> io::Result<()> {
