@@ -124,7 +124,7 @@ impl Kernel<'_> {
     /// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond what a job can hold.
     pub(crate) fn ns(seconds: f64) -> i64 {
         const MOST: f64 = 1e18;
-        if seconds.is_nan() || seconds <= 0.0 { 0 } else { (seconds * 1e9).round().min(MOST) as i64 }
+        if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }
     }
 
     /// Runs an operation on what the channels share, in tag order.

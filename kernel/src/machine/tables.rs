@@ -113,12 +113,15 @@ impl Codes {
     }
 
     fn dense_list(&self, value: f64) -> Option<u16> {
-        let tenth = (value * 10.0).round();
-        if tenth < 0.0 || (tenth / 10.0 - value).abs() > TOLERANCE {
+        if value < -TOLERANCE {
             return None;
         }
-        // `as` saturates and turns NaN into 0; NaN never gets here because it is not below DENSE.
-        let index = tenth as usize;
+        // Rounds to the nearest tenth; `as` saturates and turns NaN into 0, which never gets here because it is not
+        // below DENSE.
+        let index = (value * 10.0 + 0.5) as u32 as usize;
+        if (index as f64 / 10.0 - value).abs() > TOLERANCE {
+            return None;
+        }
         if index == self.dense.len() { self.step_list(f64::from(DENSE)) } else { self.dense.get(index).copied() }
     }
 

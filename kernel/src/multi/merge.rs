@@ -14,9 +14,9 @@ use crate::job::Sink;
 use crate::log::event::{Event, Kind, Phase};
 
 /// Events in a full chunk.
-pub(crate) const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 512;
 /// Chunks a kernel may have on the way.
-const CREDIT: usize = 16;
+const CREDIT: usize = 8;
 
 /// What kernels tell the merger.
 pub(crate) enum Message {
