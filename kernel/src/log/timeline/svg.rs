@@ -82,7 +82,11 @@ fn title(out: &mut String, timeline: &Timeline) {
     }
     let _ = write!(line, "{}{}", if line.is_empty() { "" } else { " on " }, timeline.machine);
     text(out, (16.0, 27.0), 17, "start", INK, &line);
-    let makespan = format!("makespan {}", time_text(timeline.makespan_ns, 1_000_000));
+    let mut makespan = format!("makespan {}", time_text(timeline.makespan_ns, 1_000_000));
+    let meetings = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
+    if meetings > 0 {
+        let _ = write!(makespan, ", {meetings} meeting{}", if meetings == 1 { "" } else { "s" });
+    }
     text(out, (WIDTH - 24.0, 27.0), 15, "end", INK, &makespan);
 }
 

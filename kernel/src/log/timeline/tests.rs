@@ -61,7 +61,7 @@ fn a_blocked_channel_has_no_bar_for_its_stand_and_a_stop_cuts() {
     assert_eq!(timeline.makespan_ns, 5 * S);
     assert_eq!(timeline.channels[0].bars.iter().map(|b| b.dur_ns).collect::<Vec<_>>(), [3 * S, 2 * S]);
     assert_eq!((timeline.channels[1].bars.len(), timeline.channels[1].state), (1, ChannelState::Blocked));
-    assert!(timeline.svg().contains("M101 …"));
+    assert!(timeline.svg().contains("waits at M101"));
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The toolpath as a picture: one view for lathes, two for mills.
 //!
 //! The frame fits the cutting moves; rapids beyond it are cut at its border. Invariant: aspect is preserved, all views
-//! of a picture have one scale, and the picture stays within about three megabytes unless a path at its limit cannot
-//! be drawn any coarser.
+//! of a picture have one scale, and of a long path only lines that change the picture are drawn.
 
+mod canvas;
 mod frame;
 mod pen;
 
@@ -25,8 +25,10 @@ const INK: &str = "#1f2933";
 const SOFT: &str = "#66727f";
 /// Colours of the channels.
 const COLORS: [&str; 8] = ["#1f6fb4", "#c2410c", "#2e7d32", "#7b3fa0", "#0f766e", "#a16207", "#be185d", "#475569"];
-/// Bytes of all paths beyond which they are drawn coarser.
-const BUDGET: usize = 3_000_000;
+/// Pixels that a drawn line may be off.
+const COARSENESS: f64 = 0.2;
+/// Moves beyond which a path is drawn without lines over lines.
+const LONG: usize = 5_000;
 
 /// What one view shows: coordinates to the right and up, and their names.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +57,7 @@ pub(super) fn draw(toolpath: &Toolpath) -> String {
         top = frame.bottom + 56.0;
         frames.push(frame);
     }
-    let paths = paths(toolpath, &frames);
+    let paths: Vec<String> = frames.iter().map(|frame| strokes(toolpath, frame)).collect();
     let mut out = String::with_capacity(paths.iter().map(String::len).sum::<usize>() + 16 * 1024);
     open(&mut out, WIDTH, top - 12.0);
     title(&mut out, toolpath);
@@ -75,24 +77,12 @@ fn scale(bounds: &Bounds, sights: &[Sight]) -> f64 {
     ((RIGHT - LEFT) / width).min(free / heights)
 }
 
-/// The drawn paths of every frame, coarse enough to be of a decent size.
-fn paths(toolpath: &Toolpath, frames: &[Frame]) -> Vec<String> {
-    let mut drawn = Vec::new();
-    for coarseness in [0.2, 0.5, 1.0, 2.0] {
-        drawn = frames.iter().map(|frame| strokes(toolpath, frame, coarseness)).collect();
-        if drawn.iter().map(String::len).sum::<usize>() <= BUDGET {
-            break;
-        }
-    }
-    drawn
-}
-
 /// All channels in one frame.
-fn strokes(toolpath: &Toolpath, frame: &Frame, coarseness: f64) -> String {
+fn strokes(toolpath: &Toolpath, frame: &Frame) -> String {
     let mut out = String::new();
     for (index, channel) in toolpath.channels.iter().enumerate() {
         let color = COLORS.get(index % COLORS.len()).copied().unwrap_or(INK);
-        let [rapid, feed, thread] = channel_strokes(&channel.path, frame, coarseness);
+        let [rapid, feed, thread] = channel_strokes(&channel.path, frame);
         // Many lines get thinner, so that they stay apart.
         let width = match feed.len() {
             0..60_000 => 1.4,
@@ -112,8 +102,9 @@ fn strokes(toolpath: &Toolpath, frame: &Frame, coarseness: f64) -> String {
     out
 }
 
-fn channel_strokes(path: &Path, frame: &Frame, coarseness: f64) -> [String; 3] {
-    let mut pens = [Stroke::Rapid, Stroke::Feed, Stroke::Thread].map(|_| Pen::new(coarseness));
+fn channel_strokes(path: &Path, frame: &Frame) -> [String; 3] {
+    let long = path.moves.len() > LONG;
+    let mut pens = [Stroke::Rapid, Stroke::Feed, Stroke::Thread].map(|_| Pen::new(COARSENESS, long));
     let mut from = [0.0; 3];
     let mut last = None;
     for step in &path.moves {
@@ -161,7 +152,15 @@ fn legend(out: &mut String, toolpath: &Toolpath) {
         ("rapid", r#"stroke-width="0.8" stroke-dasharray="5 3""#),
         ("thread", r#"stroke-width="2.6" stroke-dasharray="1.5 2""#),
     ];
-    let kinds = kinds.into_iter().map(|(name, style)| (name.to_owned(), SOFT, style));
+    let used = |name: &str| {
+        let stroke = match name {
+            "feed" => Stroke::Feed,
+            "rapid" => Stroke::Rapid,
+            _ => Stroke::Thread,
+        };
+        toolpath.channels.iter().any(|c| c.path.moves.iter().any(|m| m.stroke == stroke))
+    };
+    let kinds = kinds.into_iter().filter(|(name, _)| used(name)).map(|(name, style)| (name.to_owned(), SOFT, style));
     for (name, color, style) in channels.chain(kinds) {
         let _ = writeln!(out, r#"<path stroke="{color}" {style} d="M{x:.0} 48h26"/>"#);
         text(out, (x + 32.0, 52.0), 12, "start", SOFT, &name);

@@ -154,7 +154,7 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
                 top + BAR / 2.0,
                 tip - 10.0
             );
-            text(out, (x + 6.0, middle), 12, "start", "#ffffff", &short(&format!("{key} …"), tip - 16.0 - x));
+            text(out, (x + 6.0, middle), 12, "start", "#ffffff", &short(&format!("waits at {key}"), tip - 16.0 - x));
         }
         ChannelState::Alarmed => {
             let _ = writeln!(out, r#"<rect x="{x:.1}" y="{top:.0}" width="3" height="{BAR:.0}" fill="{RED}"/>"#);

@@ -75,7 +75,7 @@ fn form(ns: i64, precision_ns: i64, length_ns: i64) -> String {
         String::new()
     };
     let (hours, minutes, seconds) = (total / 3600, total / 60 % 60, total % 60);
-    if hours > 0 {
+    if length_ns >= 3600 * S {
         format!("{hours}:{minutes:02}:{seconds:02}{fraction}")
     } else {
         format!("{minutes}:{seconds:02}{fraction}")

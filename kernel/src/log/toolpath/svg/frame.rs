@@ -1,10 +1,11 @@
 //! One view: its place in the picture, its border, scales and axis cross.
 
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 
 use super::{INK, LEFT, RIGHT, SOFT, Sight};
 use crate::log::svg::{round_step, text};
-use crate::log::toolpath::store::{Path, Stroke};
+use crate::log::toolpath::store::{Curve, Path, Stroke};
 
 /// Extent of what is to be seen, by coordinate.
 #[derive(Debug)]
@@ -26,7 +27,7 @@ impl Bounds {
                     cutting.add(&from);
                     cutting.add(&step.to);
                     if let Some(curve) = path.curve(step) {
-                        (1..16).for_each(|n| cutting.add(&curve.at(f64::from(n) / 16.0, &from, &step.to)));
+                        cutting.add_curve(curve);
                     }
                 }
                 from = step.to;
@@ -46,6 +47,26 @@ impl Bounds {
     fn add(&mut self, point: &[f64; 3]) {
         for ((low, high), value) in self.low.iter_mut().zip(&mut self.high).zip(point) {
             (*low, *high) = (low.min(*value), high.max(*value));
+        }
+    }
+
+    /// Quarter points that the arc passes.
+    fn add_curve(&mut self, curve: &Curve) {
+        let (low, high) = if curve.angle < 0.0 {
+            (curve.start + curve.angle, curve.start)
+        } else {
+            (curve.start, curve.start + curve.angle)
+        };
+        let first = (low / FRAC_PI_2).ceil();
+        for quarter in (0..4).map(|n| first + f64::from(n)).take_while(|q| q * FRAC_PI_2 <= high) {
+            // Quarters 0 and 2 are on the first axis of the plane, 1 and 3 on the second.
+            let side = quarter.rem_euclid(2.0) as usize;
+            let offset = if quarter.rem_euclid(4.0) < 2.0 { curve.radius } else { -curve.radius };
+            let (Some(axis), Some(center)) = (curve.plane.get(side), curve.center.get(side)) else { continue };
+            let axis = usize::from(*axis);
+            if let (Some(low), Some(high)) = (self.low.get_mut(axis), self.high.get_mut(axis)) {
+                (*low, *high) = (low.min(center + offset), high.max(center + offset));
+            }
         }
     }
 
@@ -103,7 +124,7 @@ impl Frame {
         let (width, height) = (right - left, bottom - top);
         let border = format!(r#"<rect x="{left:.1}" y="{top:.1}" width="{width:.1}" height="{height:.1}""#);
         let _ = writeln!(out, r#"<clipPath id="view{index}">{border}/></clipPath>"#);
-        let step = round_step(90.0 / self.scale, 1.0);
+        let step = round_step(64.0 / self.scale, 1.0);
         let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
         let mut grid = String::new();
         let mut labels = String::new();

@@ -2,10 +2,11 @@
 //!
 //! Coordinates are hundredths of a pixel, relative to the last point. Points closer than the coarseness are left out,
 //! and so are points on a straight line between their neighbours; what is left out is never further from what is drawn
-//! than the coarseness.
+//! than the coarseness. Of long paths, lines over lines are left out too.
 
 use std::f64::consts::{PI, TAU};
 
+use super::canvas::Canvas;
 use super::frame::Frame;
 use crate::log::svg::{hundredths, px};
 use crate::log::toolpath::store::Curve;
@@ -26,11 +27,23 @@ pub(super) struct Pen {
     off: f64,
     /// The last command written is a line.
     lining: bool,
+    /// What is painted, for long paths.
+    canvas: Option<Canvas>,
 }
 
 impl Pen {
-    pub(super) fn new(coarseness: f64) -> Self {
-        Self { d: String::new(), coarseness, written: None, anchor: [0.0; 2], pending: None, off: 0.0, lining: false }
+    /// `long`: the path is so long that lines over lines are left out.
+    pub(super) fn new(coarseness: f64, long: bool) -> Self {
+        Self {
+            d: String::new(),
+            coarseness,
+            written: None,
+            anchor: [0.0; 2],
+            pending: None,
+            off: 0.0,
+            lining: false,
+            canvas: long.then(Canvas::new),
+        }
     }
 
     /// Moves follow from here.
@@ -73,6 +86,10 @@ impl Pen {
             return self.line(frame.pixel(to));
         }
         self.flush();
+        if self.painted(curve, from, to, frame) {
+            self.anchor = frame.pixel(to);
+            return;
+        }
         self.move_to_anchor();
         // Seen with the plane's axes to the right and up, clockwise is clockwise on the screen.
         let sweep = (curve.angle < 0.0) == (plane == axes);
@@ -89,6 +106,16 @@ impl Pen {
             let end = if share > 1.0 - 1e-12 { *to } else { curve.at(share, from, to) };
             self.write_arc(radius, sweep, frame.pixel(&end));
         }
+    }
+
+    /// Paints the arc at four places; `true` when all were painted already.
+    fn painted(&mut self, curve: &Curve, from: &[f64; 3], to: &[f64; 3], frame: &Frame) -> bool {
+        let Some(canvas) = &mut self.canvas else { return false };
+        let mut fresh = false;
+        for n in 1..5 {
+            fresh |= canvas.paint(frame.pixel(&curve.at(f64::from(n) / 5.0, from, to)));
+        }
+        !fresh
     }
 
     fn write_arc(&mut self, radius: f64, sweep: bool, to: [f64; 2]) {
@@ -114,6 +141,11 @@ impl Pen {
     }
 
     fn write(&mut self, to: [f64; 2]) {
+        let from = self.anchor;
+        if self.canvas.as_mut().is_some_and(|canvas| !canvas.line(from, to)) {
+            (self.anchor, self.off) = (to, 0.0);
+            return;
+        }
         self.move_to_anchor();
         let end = to.map(px);
         if let Some(start) = self.written.filter(|s| *s != end) {
@@ -146,13 +178,14 @@ impl Pen {
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+    let way = [a[0] - b[0], a[1] - b[1]];
+    (way[0] * way[0] + way[1] * way[1]).sqrt()
 }
 
 /// How far a point is from the way from `a` to `b`; infinite when the way turns back at it.
 fn off_line(a: [f64; 2], point: [f64; 2], b: [f64; 2]) -> f64 {
     let (way, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
-    let length = way[0].hypot(way[1]);
+    let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
     let along = way[0] * to[0] + way[1] * to[1];
     if along < 0.0 || along > length * length {
         return f64::INFINITY;

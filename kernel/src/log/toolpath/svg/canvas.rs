@@ -1,0 +1,61 @@
+//! What a pen has already painted, so that lines which would change nothing are not drawn again.
+//!
+//! Invariant: a line is left out only if every place of it is painted within half a pixel, or, for long ones, if the
+//! same line has been drawn before.
+
+use rustc_hash::FxHashSet;
+
+/// Cells of a pixel in each direction.
+const FINE: f64 = 2.0;
+/// Cells across and down: the largest view.
+const ACROSS: usize = 2400;
+const DOWN: usize = 1800;
+/// Lines up to this length are looked at cell by cell.
+const SHORT: f64 = 48.0;
+
+/// The painted cells of one pen.
+pub(super) struct Canvas {
+    cells: Vec<u64>,
+    long: FxHashSet<[i32; 4]>,
+}
+
+impl Canvas {
+    pub(super) fn new() -> Self {
+        Self { cells: vec![0; (ACROSS * DOWN).div_ceil(64)], long: FxHashSet::default() }
+    }
+
+    /// Paints a line; `false` when it was painted already.
+    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2]) -> bool {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
+        if length > SHORT {
+            let cell = |v: f64| (v * FINE).round() as i32;
+            return self.long.insert([cell(from[0]), cell(from[1]), cell(to[0]), cell(to[1])]);
+        }
+        let parts = length.ceil().max(1.0);
+        let mut fresh = false;
+        for n in 0..=parts as u32 {
+            let share = f64::from(n) / parts;
+            fresh |= self.paint([from[0] + way[0] * share, from[1] + way[1] * share]);
+        }
+        fresh
+    }
+
+    /// Paints a place; `false` when it was painted already. Places outside the largest view need no painting.
+    pub(super) fn paint(&mut self, at: [f64; 2]) -> bool {
+        let (x, y) = (at[0] * FINE, at[1] * FINE);
+        if x < 0.0 || y < 0.0 || x >= ACROSS as f64 || y >= DOWN as f64 {
+            return false;
+        }
+        let cell = y as usize * ACROSS + x as usize;
+        let bit = 1_u64 << (cell % 64);
+        match self.cells.get_mut(cell / 64) {
+            Some(word) => {
+                let fresh = *word & bit == 0;
+                *word |= bit;
+                fresh
+            }
+            None => false,
+        }
+    }
+}
