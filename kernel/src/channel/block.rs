@@ -48,6 +48,10 @@ pub(crate) struct Block {
     pub(crate) texts: Vec<u16>,
     /// Position (plus one) of the last data word of each register.
     slots: [u8; REGISTERS],
+    /// Registers of data words that nothing has taken yet, bit by register.
+    pub(crate) present: u128,
+    /// A register is written twice; its first word is never taken.
+    doubled: bool,
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
     /// A comment or message without its end was met.
@@ -72,6 +76,8 @@ impl Default for Block {
             unknown: Vec::with_capacity(4),
             texts: Vec::new(),
             slots: [0; REGISTERS],
+            present: 0,
+            doubled: false,
             sequence: None,
             open_comment: false,
             too_many_digits: false,
@@ -86,15 +92,12 @@ impl Default for Block {
 impl Block {
     /// Empties the block for the next line.
     pub(crate) fn clear(&mut self) {
-        for word in &self.words {
-            if let Some(slot) = self.slots.get_mut(usize::from(word.register)) {
-                *slot = 0;
-            }
-        }
         self.words.clear();
         self.firings.clear();
         self.unknown.clear();
         self.texts.clear();
+        self.present = 0;
+        self.doubled = false;
         self.sequence = None;
         self.open_comment = false;
         self.too_many_digits = false;
@@ -113,27 +116,42 @@ impl Block {
         self.words.push(word);
     }
 
-    /// Makes the last pushed word findable as data.
+    /// Makes a word findable as data; of several words of one register the last one counts.
     pub(crate) fn index_word(&mut self, position: usize) {
         if let Some(word) = self.words.get(position)
             && let Some(slot) = self.slots.get_mut(usize::from(word.register))
         {
-            *slot = (position + 1).min(255) as u8;
+            let bit = 1 << word.register;
+            self.doubled |= self.present & bit != 0;
+            *slot = position.min(255) as u8;
+            self.present |= bit;
         }
     }
 
-    /// The data word of a register that is still free.
-    pub(crate) fn word(&mut self, register: u8) -> Option<&mut Word> {
+    /// Takes the data word of a register, if it is there and still free.
+    pub(crate) fn take(&mut self, register: u8) -> Option<Word> {
+        if !self.has(register) {
+            return None;
+        }
+        self.present &= !(1 << register);
         let slot = *self.slots.get(usize::from(register))?;
-        let word = self.words.get_mut(usize::from(slot).wrapping_sub(1))?;
-        (!word.used).then_some(word)
+        let word = self.words.get_mut(usize::from(slot))?;
+        word.used = true;
+        Some(*word)
     }
 
     /// A free data word of this register is on the block.
     pub(crate) fn has(&self, register: u8) -> bool {
-        self.slots
-            .get(usize::from(register))
-            .and_then(|&slot| self.words.get(usize::from(slot).wrapping_sub(1)))
-            .is_some_and(|word| !word.used)
+        usize::from(register) < REGISTERS && self.present & (1 << register) != 0
+    }
+
+    /// A word that nothing has taken is on the block.
+    pub(crate) fn has_leftovers(&self) -> bool {
+        self.present != 0 || self.doubled
+    }
+
+    /// Something about the text of the block is worth a message.
+    pub(crate) fn has_oddities(&self) -> bool {
+        !self.unknown.is_empty() || self.open_comment || self.too_many_digits || self.bad_bytes
     }
 }

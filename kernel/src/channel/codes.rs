@@ -153,7 +153,7 @@ impl Kernel<'_> {
 
     /// A free data word of one of these registers is on the block.
     pub(crate) fn has_any(&self, registers: u128) -> bool {
-        self.block.words.iter().any(|w| !w.used && w.register < 128 && registers & (1 << w.register) != 0)
+        self.block.present & registers != 0
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).

@@ -28,14 +28,16 @@ impl Kernel<'_> {
             self.as_data = None;
             return Some(Datum { value, incremental: false, raw: value });
         }
+        if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
+            return None;
+        }
         let machine = self.machine;
         for &index in machine.tables.rows_of_data.get(usize::from(id.0))? {
             let Some(row) = machine.data.get(usize::from(index)) else { continue };
-            let Some(word) = row.register.and_then(|register| self.block.word(register)) else { continue };
             if !row.process {
                 continue;
             }
-            word.used = true;
+            let Some(word) = row.register.and_then(|register| self.block.take(register)) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if row.min.is_some_and(|min| raw < min) || row.max.is_some_and(|max| raw > max) {
                 self.out_of_range(index, raw);

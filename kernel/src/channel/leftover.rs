@@ -14,11 +14,16 @@ impl Kernel<'_> {
         if self.has_any(self.plan.speed_registers) {
             crate::action::spindle::speed_word(self)?;
         }
-        for position in 0..self.block.words.len() {
-            let Some(word) = self.block.words.get(position).copied() else { break };
-            if !word.used {
-                self.leftover_word(word.register, word.value, (word.start, word.end));
+        if self.block.has_leftovers() {
+            for position in 0..self.block.words.len() {
+                let Some(word) = self.block.words.get(position).copied() else { break };
+                if !word.used {
+                    self.leftover_word(word.register, word.value, (word.start, word.end));
+                }
             }
+        }
+        if !self.block.has_oddities() {
+            return Ok(());
         }
         if !self.block.unknown.is_empty() {
             self.unknown_text();

@@ -17,6 +17,8 @@ pub(crate) struct Plan {
     pub(crate) definition: Option<u8>,
     /// Registers whose words can move an axis or shape an arc: bit by register.
     pub(crate) motion_registers: u128,
+    /// Registers that can supply each data identifier, bit by register.
+    pub(crate) registers_of: Vec<u128>,
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
     /// Data rows that drop their word silently.
@@ -44,6 +46,15 @@ impl Plan {
             g: machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8),
             definition: register_of(data::DEFSUB_ID),
             motion_registers,
+            registers_of: machine
+                .tables
+                .rows_of_data
+                .iter()
+                .map(|rows| {
+                    let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
+                    registers.filter(|&r| r < 128).fold(0, |bits, r| bits | 1 << r)
+                })
+                .collect(),
             speed_registers,
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }

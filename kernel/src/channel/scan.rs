@@ -26,7 +26,8 @@ pub(crate) struct Scanner {
     eob: Option<u8>,
     /// Literal text codes: text and row.
     texts: Vec<(Vec<u8>, u16)>,
-    formats: Vec<(NumberFormat, NumberFormat)>,
+    /// How numbers of each register are read, in primary and in secondary units.
+    reads: Vec<[Read; 2]>,
     macros: bool,
     /// Active optional-skip levels, bit n.
     levels: u16,
@@ -77,7 +78,7 @@ impl Scanner {
                     _ => None,
                 })
                 .collect(),
-            formats: machine.registers.iter().map(|r| (r.format, r.secondary)).collect(),
+            reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
             levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
             sequence,
@@ -252,11 +253,9 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let (primary, second) = self.formats.get(usize::from(register))?;
-        let format = if secondary { second } else { primary };
-        let value = if number.point { number.value } else { implied(number, format) };
-        let room = POW10.get(usize::from(whole_room(number, format))).copied().unwrap_or(f64::INFINITY);
-        if number.value.abs() >= room {
+        let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
+        let value = if number.point || !read.implied { number.value } else { implied(number, &read.format) };
+        if number.value.abs() >= if number.point { read.room } else { read.room_without_point } {
             block.too_many_digits = true;
         }
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
@@ -308,55 +307,64 @@ const POW10: [f64; 23] = [
     1e21, 1e22,
 ];
 
+/// Digits whose value is exact in `u64` and `f64`.
+const EXACT_DIGITS: usize = 15;
+
 /// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
 fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
-    let mut cursor = at;
-    let mut negative = false;
-    match line.get(cursor) {
-        Some(b'-') => {
-            negative = true;
-            cursor += 1;
+    let rest = line.get(at..)?;
+    let (negative, text) = match rest {
+        [b'-', text @ ..] => (true, text),
+        [b'+', text @ ..] => (false, text),
+        text => (false, text),
+    };
+    let (mut mantissa, mut length, mut point_at) = (0_u64, 0, None);
+    for &byte in text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit <= 9 {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        } else if byte == b'.' && point_at.is_none() {
+            point_at = Some(length);
+        } else {
+            break;
         }
-        Some(b'+') => cursor += 1,
-        _ => {}
+        length += 1;
     }
-    let start = cursor;
-    let (mut mantissa, mut digits, mut fraction, mut point) = (0_u64, 0_usize, 0_usize, false);
-    let mut exact = true;
-    while let Some(&byte) = line.get(cursor) {
-        match byte {
-            b'0'..=b'9' => {
-                if mantissa < 100_000_000_000_000 {
-                    mantissa = mantissa * 10 + u64::from(byte - b'0');
-                } else {
-                    exact = false;
-                }
-                if point {
-                    fraction += 1;
-                } else {
-                    digits += 1;
-                }
-            }
-            b'.' if !point => point = true,
-            _ => break,
-        }
-        cursor += 1;
-    }
+    let digits = point_at.unwrap_or(length);
+    let fraction = point_at.map_or(0, |point| length - point - 1);
     if digits + fraction == 0 {
         return None;
     }
     let magnitude = match POW10.get(fraction) {
         // Both sides are exact, so the quotient is correctly rounded.
-        Some(power) if exact => mantissa as f64 / power,
-        _ => std::str::from_utf8(line.get(start..cursor)?).ok()?.parse().ok()?,
+        Some(power) if digits + fraction <= EXACT_DIGITS => mantissa as f64 / power,
+        _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
     };
     let value = if negative { -magnitude } else { magnitude };
-    Some((Number { value, point, digits: digits.min(255) as u8 }, cursor))
+    let number = Number { value, point: point_at.is_some(), digits: digits.min(255) as u8 };
+    Some((number, at + (rest.len() - text.len()) + length))
 }
 
-/// Digits that may stand before the point: without a written point, an implied one leaves room for the fraction too.
-fn whole_room(number: Number, format: &NumberFormat) -> u8 {
-    if number.point || format.point != Point::Omit { format.whole } else { format.whole.saturating_add(format.frac) }
+/// How a register's numbers are read.
+#[derive(Debug, Clone, Copy)]
+struct Read {
+    format: NumberFormat,
+    /// A number without a point has an implied one.
+    implied: bool,
+    /// Numbers from here on have more whole digits than the format.
+    room: f64,
+    /// The same without a written point: an implied one leaves room for the fraction too.
+    room_without_point: f64,
+}
+
+impl Read {
+    fn new(format: NumberFormat) -> Self {
+        let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
+        let implied = format.point == Point::Omit;
+        let room = power(format.whole);
+        let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
+        Self { format, implied, room, room_without_point }
+    }
 }
 
 /// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).

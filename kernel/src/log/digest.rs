@@ -1,9 +1,11 @@
 //! The fingerprint of a log: equal logs, and only those, have the same digest on every platform.
 //!
 //! BLAKE3 over a canonical binary form of every event in log order. Integers are little-endian, `-0.0` counts as
-//! `0.0`, texts and lists carry their length (u32), kinds and enums their number as listed in this file. Positions
-//! are cut behind the highest axis that is not zero: a count, then that many values (of a motion one count for both
-//! ends). Invariant: every field of every event goes in; numbers already given to a kind or a state never change.
+//! `0.0`, texts and lists carry their length (u32), kinds and enums their number as listed in this file. Each event
+//! begins with a byte of flags and its kind; a field whose flag is set is the one of the event before (of the duration:
+//! zero) and is left out. A motion says which axes of its start differ from where the last motion ended and which of
+//! its end differ from its start, and gives only those. Invariant: every field of every event can be told from the
+//! form; numbers already given to a kind or a state never change.
 
 use blake3::Hasher;
 
@@ -19,7 +21,27 @@ const CHUNK: usize = 32 * 1024;
 #[derive(Debug)]
 pub struct Digest {
     hasher: Hasher,
-    buffer: Vec<u8>,
+    form: Form,
+}
+
+/// The canonical form and what it leans on.
+#[derive(Debug)]
+struct Form {
+    out: Vec<u8>,
+    /// Head of the event before.
+    last: Head,
+    /// Where the last motion ended.
+    end: Position,
+}
+
+/// The fields that every event has, without its duration.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Head {
+    t_ns: i64,
+    micro: u32,
+    channel: u16,
+    file: u16,
+    line: u32,
 }
 
 impl Default for Digest {
@@ -32,46 +54,119 @@ impl Digest {
     /// Digest of an empty log.
     #[must_use]
     pub fn new() -> Self {
-        Self { hasher: Hasher::new(), buffer: Vec::with_capacity(CHUNK + 1024) }
+        let out = Vec::with_capacity(CHUNK + 1024);
+        Self { hasher: Hasher::new(), form: Form { out, last: Head::default(), end: [0.0; MAX_AXES] } }
     }
 
     /// Adds the next event of the log.
     pub fn event(&mut self, event: &Event) {
-        write_event(&mut self.buffer, event);
-        if self.buffer.len() >= CHUNK {
-            self.hasher.update(&self.buffer);
-            self.buffer.clear();
+        self.form.event(event);
+        if self.form.out.len() >= CHUNK {
+            self.hasher.update(&self.form.out);
+            self.form.out.clear();
         }
     }
 
     /// The digest as 64 hexadecimal digits.
     #[must_use]
     pub fn hex(mut self) -> String {
-        self.hasher.update(&self.buffer);
+        self.hasher.update(&self.form.out);
         self.hasher.finalize().to_hex().to_string()
     }
 }
 
-fn write_event(out: &mut Vec<u8>, event: &Event) {
-    let mut head = [0_u8; 29];
-    let fields: [&[u8]; 7] = [
-        &event.t_ns.to_le_bytes(),
-        &event.micro.to_le_bytes(),
-        &event.dur_ns.to_le_bytes(),
-        &event.channel.to_le_bytes(),
-        &event.file.to_le_bytes(),
-        &event.line.to_le_bytes(),
-        &[number(&event.kind)],
-    ];
-    let mut at = 0;
-    for field in fields {
-        if let Some(slot) = head.get_mut(at..at + field.len()) {
-            slot.copy_from_slice(field);
+impl Form {
+    fn event(&mut self, event: &Event) {
+        let head =
+            Head { t_ns: event.t_ns, micro: event.micro, channel: event.channel, file: event.file, line: event.line };
+        let last = std::mem::replace(&mut self.last, head);
+        let same = [
+            head.t_ns == last.t_ns,
+            head.micro == last.micro,
+            event.dur_ns == 0,
+            head.channel == last.channel,
+            head.file == last.file,
+            head.line == last.line,
+        ];
+        let flags = same.iter().rev().fold(0_u8, |bits, same| bits << 1 | u8::from(*same));
+        let out = &mut self.out;
+        out.extend_from_slice(&[flags, number(&event.kind)]);
+        if !same[0] {
+            out.extend_from_slice(&head.t_ns.to_le_bytes());
         }
-        at += field.len();
+        if !same[1] {
+            out.extend_from_slice(&head.micro.to_le_bytes());
+        }
+        if !same[2] {
+            out.extend_from_slice(&event.dur_ns.to_le_bytes());
+        }
+        if !same[3] {
+            out.extend_from_slice(&head.channel.to_le_bytes());
+        }
+        if !same[4] {
+            out.extend_from_slice(&head.file.to_le_bytes());
+        }
+        if !same[5] {
+            out.extend_from_slice(&head.line.to_le_bytes());
+        }
+        match &event.kind {
+            Kind::Motion(motion) => self.motion(motion),
+            kind => write_kind(out, kind),
+        }
     }
-    out.extend_from_slice(&head);
-    write_kind(out, &event.kind);
+
+    fn motion(&mut self, motion: &Motion) {
+        let turns = motion.turns.to_le_bytes();
+        self.out.extend_from_slice(&[
+            match motion.kind {
+                MotionKind::Rapid => 0,
+                MotionKind::Linear => 1,
+                MotionKind::ArcCw => 2,
+                MotionKind::ArcCcw => 3,
+                MotionKind::Thread => 4,
+            },
+            match motion.feed_unit {
+                FeedUnit::PerMinute => 0,
+                FeedUnit::PerRevolution => 1,
+                FeedUnit::InverseTime => 2,
+                FeedUnit::Rapid => 3,
+            },
+            motion.moving,
+            motion.plane_axes[0],
+            motion.plane_axes[1],
+            turns[0],
+            turns[1],
+        ]);
+        let end = self.end;
+        self.changed(&end, &motion.from);
+        self.changed(&motion.from, &motion.to);
+        self.end = motion.to;
+        if motion.center == [0.0, 0.0] {
+            self.out.push(0);
+        } else {
+            self.out.push(1);
+            float(&mut self.out, motion.center[0]);
+            float(&mut self.out, motion.center[1]);
+        }
+        float(&mut self.out, motion.feed);
+        float(&mut self.out, motion.length);
+    }
+
+    /// Bits of the axes that differ, then their values in `now`. A NaN differs from everything.
+    fn changed(&mut self, before: &Position, now: &Position) {
+        let mark = self.out.len();
+        self.out.push(0);
+        let mut bits = 0_u8;
+        for (axis, (a, b)) in before.iter().zip(now).enumerate() {
+            if a != b {
+                bits |= 1 << axis;
+                float(&mut self.out, *b);
+            }
+        }
+        if let Some(slot) = self.out.get_mut(mark) {
+            *slot = bits;
+        }
+    }
 }
 
 fn number(kind: &Kind) -> u8 {
@@ -99,9 +194,8 @@ fn number(kind: &Kind) -> u8 {
 
 fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
     match kind {
-        Kind::Dwell => {}
+        Kind::Dwell | Kind::Motion(_) => {}
         Kind::Block { number } => out.extend_from_slice(&number.to_le_bytes()),
-        Kind::Motion(motion) => write_motion(out, motion),
         Kind::Lifecycle(phase) => out.push(phase_number(*phase)),
         Kind::Tool { action, tool, offset } => {
             out.push(match action {
@@ -131,9 +225,7 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
         }
         Kind::Mode { text: words } | Kind::Message { text: words } => text(out, words),
         Kind::Frame { shift } => {
-            let used = used_axes(shift, shift);
-            out.push(used as u8);
-            shift.iter().take(used).for_each(|&value| float(out, value));
+            shift.iter().for_each(|&value| float(out, value));
         }
         Kind::Stop(stop) => out.push(match stop {
             Stop::Program => 0,
@@ -163,36 +255,6 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             text(out, &diagnostic.text);
         }
         Kind::Verdict(verdict) => write_verdict(out, verdict),
-    }
-}
-
-fn write_motion(out: &mut Vec<u8>, motion: &Motion) {
-    let used = used_axes(&motion.from, &motion.to);
-    out.extend_from_slice(&[
-        match motion.kind {
-            MotionKind::Rapid => 0,
-            MotionKind::Linear => 1,
-            MotionKind::ArcCw => 2,
-            MotionKind::ArcCcw => 3,
-            MotionKind::Thread => 4,
-        },
-        match motion.feed_unit {
-            FeedUnit::PerMinute => 0,
-            FeedUnit::PerRevolution => 1,
-            FeedUnit::InverseTime => 2,
-            FeedUnit::Rapid => 3,
-        },
-        motion.moving,
-        used as u8,
-        motion.plane_axes[0],
-        motion.plane_axes[1],
-        motion.turns.to_le_bytes()[0],
-        motion.turns.to_le_bytes()[1],
-    ]);
-    motion.from.iter().take(used).for_each(|&value| float(out, value));
-    motion.to.iter().take(used).for_each(|&value| float(out, value));
-    for value in [motion.center[0], motion.center[1], motion.feed, motion.length] {
-        float(out, value);
     }
 }
 
@@ -240,11 +302,6 @@ fn primitive_number(primitive: Primitive) -> u8 {
         Primitive::Signal => 4,
         Primitive::Join => 5,
     }
-}
-
-/// One more than the index of the highest axis that is not zero in either position.
-fn used_axes(a: &Position, b: &Position) -> usize {
-    (0..MAX_AXES).rev().find(|&i| a.get(i) != Some(&0.0) || b.get(i) != Some(&0.0)).map_or(0, |i| i + 1)
 }
 
 fn float(out: &mut Vec<u8>, value: f64) {

@@ -33,15 +33,32 @@ fn an_empty_log_has_the_digest_of_no_bytes() {
     assert_eq!(digest(&[]), blake3::hash(b"").to_hex().to_string());
 }
 
+fn form(events: &[Event]) -> Vec<u8> {
+    let mut form = Digest::new().form;
+    events.iter().for_each(|e| form.event(e));
+    form.out
+}
+
 #[test]
 fn the_form_is_fixed() {
-    let mut bytes = Vec::new();
-    write_event(&mut bytes, &event(Kind::Block { number: 258 }));
+    let block = event(Kind::Block { number: 258 });
     let head = [7, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 40, 0, 0, 0];
-    assert_eq!(bytes, [&head[..], &[1, 2, 1, 0, 0, 0, 0, 0, 0]].concat());
-    bytes.clear();
-    write_event(&mut bytes, &event(Kind::Message { text: "ab".into() }));
-    assert_eq!(bytes, [&head[..], &[13, 2, 0, 0, 0, b'a', b'b']].concat());
+    assert_eq!(form(std::slice::from_ref(&block)), [&[0, 1], &head[..], &[2, 1, 0, 0, 0, 0, 0, 0]].concat());
+    // The second event repeats the head and takes no time.
+    let message = Event { dur_ns: 0, ..event(Kind::Message { text: "ab".into() }) };
+    let both = form(&[block.clone(), message]);
+    assert_eq!(both.get(form(&[block]).len()..), Some(&[63, 13, 2, 0, 0, 0, b'a', b'b'][..]));
+}
+
+#[test]
+fn a_motion_gives_the_axes_that_change() {
+    let first = form(&[event(Kind::Motion(motion()))]);
+    let on = Motion { from: motion().to, to: [1.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..motion() };
+    let both = form(&[event(Kind::Motion(motion())), event(Kind::Motion(on))]);
+    let second = both.get(first.len()..).unwrap();
+    // Flags and kind, duration, seven facts, nothing of the start, the second axis of the end, no centre, feed, length.
+    assert_eq!(second.len(), 2 + 8 + 7 + 1 + 1 + 8 + 1 + 16);
+    assert_eq!(second[17..19], [0, 2]);
 }
 
 #[test]
@@ -134,9 +151,8 @@ fn every_field_counts() {
 
 #[test]
 fn chunking_does_not_show() {
-    let events: Vec<Event> = (0..5000).map(|n| Event { t_ns: n, ..event(Kind::Motion(motion())) }).collect();
-    let mut bytes = Vec::new();
-    events.iter().for_each(|e| write_event(&mut bytes, e));
+    let events: Vec<Event> = (0..9000).map(|n| Event { t_ns: n, ..event(Kind::Motion(motion())) }).collect();
+    let bytes = form(&events);
     assert!(bytes.len() > 4 * CHUNK);
     assert_eq!(digest(&events), blake3::hash(&bytes).to_hex().to_string());
 }
