@@ -107,6 +107,8 @@ pub(crate) struct Merger {
     pub(crate) last: (i64, u32),
     /// Events the log may hold.
     limit: u64,
+    /// How the log ended so far.
+    end: End,
 }
 
 /// Why the merger returned.
@@ -138,7 +140,11 @@ impl Merger {
             });
             feeders.push(Feeder { messages: sender.clone(), empties, made: 0 });
         }
-        (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), limit }, feeders, sender)
+        (
+            Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), limit, end: End::Complete },
+            feeders,
+            sender,
+        )
     }
 
     /// Sends one event outside the streams (lifecycle of the master), before or after the merge.
@@ -153,29 +159,59 @@ impl Merger {
         self.streams.iter().any(|s| s.rank == rank && s.ended)
     }
 
+    /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
+    pub(crate) fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
+        if self.end == End::Complete {
+            self.end = self.send(rank, events, sink);
+        }
+        self.end == End::Complete
+    }
+
+    /// How the log ended.
+    pub(crate) fn end(&self) -> End {
+        self.end
+    }
+
+    /// Hands events that are next in the log to the sink, as far as the log has room.
+    fn send(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> End {
+        let room = usize::try_from(self.limit.saturating_sub(self.next_seq - 1)).unwrap_or(usize::MAX);
+        let batch = events.get(..events.len().min(room)).unwrap_or_default();
+        if batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)))
+            && let Some(stream) = self.stream(rank)
+        {
+            stream.ended = true;
+        }
+        if let Some(last) = batch.last() {
+            self.last = (last.t_ns, last.micro);
+            if !sink.events(self.next_seq, batch) {
+                return End::Refused;
+            }
+        }
+        self.next_seq += batch.len() as u64;
+        if batch.len() < events.len() { End::Full } else { End::Complete }
+    }
+
     /// Receives and merges until all streams are complete. After [`End::Full`] or [`End::Refused`] the streams are
     /// still drained (kernels must come to their end), but nothing more goes to the sink.
-    pub(crate) fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut(End)) -> End {
-        let mut end = End::Complete;
+    pub(crate) fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
         while let Ok(message) = self.messages.recv() {
             self.take(message);
             while let Ok(message) = self.messages.try_recv() {
                 self.take(message);
             }
-            if end == End::Complete {
-                end = self.emit(sink);
-                if end != End::Complete {
-                    on_stop(end);
+            if self.end == End::Complete {
+                self.end = self.emit(sink);
+                if self.end != End::Complete {
+                    on_stop();
                 }
             }
-            if end != End::Complete {
+            if self.end != End::Complete {
                 self.discard();
             }
             if self.streams.iter().all(|s| matches!(s.state, State::Done) && s.chunks.is_empty()) {
                 break;
             }
         }
-        end
     }
 
     fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
@@ -242,10 +278,9 @@ impl Merger {
                 }
                 return End::Complete;
             }
-            let rank = stream.rank;
-            let stop = self.stop;
-            let Some((events, at)) = stream.chunks.front_mut() else { return End::Complete };
-            let rest = events.get(*at..).unwrap_or_default();
+            let (rank, stop) = (stream.rank, self.stop);
+            let Some((events, at)) = stream.chunks.pop_front() else { return End::Complete };
+            let rest = events.get(at..).unwrap_or_default();
             let run = rest
                 .iter()
                 .position(|e| {
@@ -253,27 +288,15 @@ impl Merger {
                     tag > bound || tag > stop
                 })
                 .unwrap_or(rest.len());
-            if run == 0 {
-                return End::Complete;
-            }
-            let room = self.limit.saturating_sub(self.next_seq - 1);
-            let batch = rest.get(..run.min(usize::try_from(room).unwrap_or(usize::MAX))).unwrap_or_default();
-            stream.ended |= batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)));
-            if let Some(last) = batch.last() {
-                self.last = (last.t_ns, last.micro);
-                if !sink.events(self.next_seq, batch) {
-                    return End::Refused;
-                }
-            }
-            self.next_seq += batch.len() as u64;
-            if batch.len() < run {
-                return End::Full;
-            }
-            *at += run;
-            if *at >= events.len()
-                && let Some((events, _)) = stream.chunks.pop_front()
-            {
+            let end = self.send(rank, rest.get(..run).unwrap_or_default(), sink);
+            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            if at + run >= events.len() {
                 recycle(stream, events);
+            } else {
+                stream.chunks.push_front((events, at + run));
+            }
+            if end != End::Complete || run == 0 {
+                return end;
             }
         }
     }
