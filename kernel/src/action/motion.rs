@@ -135,6 +135,7 @@ impl Kernel<'_> {
     }
 
     /// Carries out a motion: limits, event, clock, position.
+    #[inline]
     pub(super) fn travel(&mut self, seconds: f64, motion: Motion) -> Acted {
         self.block.moved = true;
         self.flow.pass.effects = true;

@@ -31,19 +31,15 @@ impl Kernel<'_> {
         if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
             return None;
         }
-        let machine = self.machine;
-        for &index in machine.tables.rows_of_data.get(usize::from(id.0))? {
-            let Some(row) = machine.data.get(usize::from(index)) else { continue };
-            if !row.process {
-                continue;
-            }
-            let Some(word) = row.register.and_then(|register| self.block.take(register)) else { continue };
+        let plan = self.plan;
+        for source in plan.sources.get(usize::from(id.0))? {
+            let Some(word) = self.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
-            if row.min.is_some_and(|min| raw < min) || row.max.is_some_and(|max| raw > max) {
-                self.out_of_range(index, raw);
+            if raw < source.min || raw > source.max {
+                self.out_of_range(source.row, raw);
             }
-            let value = (raw * row.mul + row.add) * self.unit_factor(row.dimension);
-            if row.modal && !incremental {
+            let value = (raw * source.mul + source.add) * self.unit_factor(source.dimension);
+            if source.modal && !incremental {
                 self.modal.remember(id, value);
             }
             return Some(Datum { value, incremental, raw });

@@ -44,6 +44,7 @@ impl<'a> Emitter<'a> {
     }
 
     /// Adds an event; a full chunk goes out first.
+    #[inline(always)]
     pub(crate) fn push(&mut self, event: Event) {
         if self.chunk.len() >= self.size {
             let upto = Tag { t: event.t_ns, micro: event.micro, rank: self.rank };

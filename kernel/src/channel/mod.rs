@@ -99,7 +99,8 @@ impl Kernel<'_> {
         Tag { t: self.clock, micro: self.micro, rank: self.rank }
     }
 
-    /// Adds an event of this block at the clock.
+    /// Adds an event of this block at the clock. Inlined so that the event is built where it stays.
+    #[inline(always)]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
         self.emitter.push(Event {
             t_ns: self.clock,

@@ -4,6 +4,7 @@ use super::scan::Scanner;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::data;
+use crate::machine::model::Dimension;
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -19,10 +20,43 @@ pub(crate) struct Plan {
     pub(crate) motion_registers: u128,
     /// Registers that can supply each data identifier, bit by register.
     pub(crate) registers_of: Vec<u128>,
+    /// Where the values of each data identifier come from, in row order.
+    pub(crate) sources: Vec<Vec<Source>>,
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
+}
+
+/// A data row, cut down to what taking a value needs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source {
+    pub(crate) register: u8,
+    pub(crate) modal: bool,
+    pub(crate) mul: f64,
+    pub(crate) add: f64,
+    pub(crate) min: f64,
+    pub(crate) max: f64,
+    pub(crate) dimension: Dimension,
+    /// Row of the data table.
+    pub(crate) row: u16,
+}
+
+fn sources(machine: &Machine) -> Vec<Vec<Source>> {
+    let source = |&index: &u16| {
+        let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
+        Some(Source {
+            register: row.register?,
+            modal: row.modal,
+            mul: row.mul,
+            add: row.add,
+            min: row.min.unwrap_or(f64::NEG_INFINITY),
+            max: row.max.unwrap_or(f64::INFINITY),
+            dimension: row.dimension,
+            row: index,
+        })
+    };
+    machine.tables.rows_of_data.iter().map(|rows| rows.iter().filter_map(source).collect()).collect()
 }
 
 impl Plan {
@@ -46,6 +80,7 @@ impl Plan {
             g: machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8),
             definition: register_of(data::DEFSUB_ID),
             motion_registers,
+            sources: sources(machine),
             registers_of: machine
                 .tables
                 .rows_of_data
