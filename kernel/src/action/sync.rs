@@ -146,8 +146,10 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
                 kernel.emit_verdict(verdict);
             }
             kernel.progress.set_state(State::Waiting);
-            kernel.emitter.flush(tag);
-            let wake = kernel.coordinator.wait(kernel.rank);
+            let wake = kernel.coordinator.try_wait(kernel.rank).unwrap_or_else(|| {
+                kernel.emitter.flush(tag);
+                kernel.coordinator.wait(kernel.rank)
+            });
             kernel.control.disturb(kernel.rank);
             match wake {
                 Wake::Released { tag, meeting } => {

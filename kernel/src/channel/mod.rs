@@ -135,10 +135,13 @@ impl Kernel<'_> {
         let coordinator = self.coordinator;
         let mut guard = match coordinator.try_enter(tag) {
             Some(guard) => guard,
-            None => {
-                self.emitter.flush(tag);
-                coordinator.enter(tag).map_err(|_| Halt::Stopped)?
-            }
+            None => match coordinator.try_park(tag) {
+                Some(guard) => guard,
+                None => {
+                    self.emitter.flush(tag);
+                    coordinator.enter(tag).map_err(|_| Halt::Stopped)?
+                }
+            },
         };
         let result = operation(&mut guard, coordinator);
         coordinator.leave(&guard);

@@ -278,12 +278,7 @@ impl Coordinator {
         let seen = slot.signal.load(SeqCst);
         if self.spin > 0 {
             drop(inner);
-            for _ in 0..self.spin {
-                if slot.signal.load(SeqCst) != seen {
-                    return self.lock();
-                }
-                std::hint::spin_loop();
-            }
+            self.spin_for_signal(rank, seen);
             let inner = self.lock();
             if slot.signal.load(SeqCst) != seen {
                 return inner;
@@ -330,6 +325,70 @@ impl Coordinator {
     pub(crate) fn try_enter(&self, tag: Tag) -> Option<Guard<'_>> {
         let inner = self.lock();
         (inner.stop.is_none() && self.eligible(&inner, tag)).then_some(inner)
+    }
+
+    /// Parks at `tag` and spins for a moment: most partners are only a few blocks behind. `None`: still parked; send
+    /// the events so far, then [`enter`](Self::enter).
+    pub(crate) fn try_park(&self, tag: Tag) -> Option<Guard<'_>> {
+        if self.spin == 0 {
+            return None;
+        }
+        let mut inner = self.lock();
+        inner.set(tag.rank, Status::Parked(tag));
+        self.ask(&inner, tag);
+        self.wake_parked(&inner);
+        let seen = self.slot(tag.rank)?.signal.load(SeqCst);
+        if !self.eligible(&inner, tag) {
+            drop(inner);
+            self.spin_for_signal(tag.rank, seen);
+            inner = self.lock();
+            if !self.eligible(&inner, tag) {
+                return None;
+            }
+        }
+        if inner.stop.is_some() {
+            return None;
+        }
+        inner.set(tag.rank, Status::Running);
+        if let Some(slot) = self.slot(tag.rank) {
+            slot.bound.fetch_max(tag.t, SeqCst);
+        }
+        Some(inner)
+    }
+
+    /// Spins until the slot is signalled or the patience is over.
+    fn spin_for_signal(&self, rank: u16, seen: u32) {
+        let Some(slot) = self.slot(rank) else { return };
+        for _ in 0..self.spin {
+            if slot.signal.load(SeqCst) != seen {
+                return;
+            }
+            std::hint::spin_loop();
+        }
+    }
+
+    /// Spins for the wake of a blocked kernel; `None` when it has not come: send the events so far, then
+    /// [`wait`](Self::wait).
+    pub(crate) fn try_wait(&self, rank: u16) -> Option<Wake> {
+        if self.spin == 0 {
+            return None;
+        }
+        let slot = self.slot(rank)?;
+        let seen = {
+            let mut inner = self.lock();
+            if let Some(wake) = inner.wakes.get_mut(index(rank)).and_then(Option::take) {
+                self.wake_parked(&inner);
+                return Some(wake);
+            }
+            slot.signal.load(SeqCst)
+        };
+        self.spin_for_signal(rank, seen);
+        let mut inner = self.lock();
+        let wake = inner.wakes.get_mut(index(rank)).and_then(Option::take);
+        if wake.is_some() {
+            self.wake_parked(&inner);
+        }
+        wake
     }
 
     /// Enters a shared operation: waits until it has the smallest tag.
