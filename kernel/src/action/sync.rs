@@ -118,7 +118,7 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             After::Go { t, micro, meeting }
         }
         Arrival::Blocked => {
-            let verdict = inner.judge(tag.t, info);
+            let verdict = if inner.waits.hopeful(tag.rank) { None } else { inner.judge(tag.t, info) };
             coordinator.block(inner, tag.rank);
             After::Stand(verdict)
         }

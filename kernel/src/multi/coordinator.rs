@@ -51,6 +51,9 @@ pub(crate) enum Wake {
     Stopped,
 }
 
+/// Tries for the lock before the thread is parked.
+const LOCK_TRIES: u32 = 100;
+
 /// The job was stopped; the kernel has to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Stopped;
@@ -171,6 +174,14 @@ impl Coordinator {
 
     /// The lock; a poisoned one is taken over, since every change under it is complete.
     pub(crate) fn lock(&self) -> Guard<'_> {
+        // What is done under the lock is short: trying for a moment is cheaper than letting the system park a thread.
+        for _ in 0..self.spin.min(LOCK_TRIES) {
+            match self.inner.try_lock() {
+                Ok(guard) => return guard,
+                Err(std::sync::TryLockError::Poisoned(poisoned)) => return poisoned.into_inner(),
+                Err(std::sync::TryLockError::WouldBlock) => std::hint::spin_loop(),
+            }
+        }
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -261,6 +261,11 @@ impl Waits {
         missing
     }
 
+    /// A waiting channel whose missing partners can all still arrive by themselves: no need to look further.
+    pub(crate) fn hopeful(&self, rank: u16) -> bool {
+        self.missing(rank).iter().all(|c| self.at(c).is_none() && self.end(c).is_none())
+    }
+
     /// Channels that wait and can never go on: the complement of the fix-point over what can still arrive.
     pub(crate) fn dead(&self) -> Set {
         let mut live = Set::default();
