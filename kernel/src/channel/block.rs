@@ -44,6 +44,8 @@ pub(crate) struct Block {
     pub(crate) firings: Vec<Firing>,
     /// Spans of the line that no register knows.
     pub(crate) unknown: Vec<(u32, u32)>,
+    /// Spans of operator messages.
+    pub(crate) messages: Vec<(u32, u32)>,
     /// Literal text codes found: row.
     pub(crate) texts: Vec<u16>,
     /// Position (plus one) of the last data word of each register.
@@ -74,6 +76,7 @@ impl Default for Block {
             words: Vec::with_capacity(32),
             firings: Vec::with_capacity(16),
             unknown: Vec::with_capacity(4),
+            messages: Vec::new(),
             texts: Vec::new(),
             slots: [0; REGISTERS],
             present: 0,
@@ -95,6 +98,7 @@ impl Block {
         self.words.clear();
         self.firings.clear();
         self.unknown.clear();
+        self.messages.clear();
         self.texts.clear();
         self.present = 0;
         self.doubled = false;

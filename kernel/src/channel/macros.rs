@@ -29,6 +29,7 @@ impl Kernel<'_> {
         }
         let mut stripped = std::mem::take(&mut self.stripped);
         self.plan.scanner.strip(text, &mut stripped, &mut self.block);
+        self.show_messages(text);
         let result = fanuc::compile(&stripped);
         self.stripped = stripped;
         match result {
@@ -205,53 +206,37 @@ impl Kernel<'_> {
         self.act_block()
     }
 
-    /// `G65 P… L… arguments`.
+    /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
+        let info = self.info;
+        let text = info.source(self.file).map_or(&[][..], |source| source.line(self.line));
+        let line = self.compiled(text)?;
+        let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();
-        let (mut program, mut passes) = (None, 1_u32);
+        let (mut program, mut passes) = (None, 1.0);
         let mut levels = [0_u8; 3];
-        for position in 0..self.block.words.len() {
-            let Some(word) = self.block.words.get(position).copied() else { break };
-            if word.used {
-                continue;
-            }
-            let letter = self.letter_at(word.start);
-            match letter {
-                b'P' if program.is_none() => program = Some(word.value),
-                b'L' => passes = word.value.max(0.0) as u32,
-                b'I' | b'J' | b'K' => {
-                    let slot = usize::from(letter - b'I');
-                    let level = levels.get(slot).copied().unwrap_or(0);
-                    if let Some(entry) = levels.get_mut(slot) {
-                        *entry += 1;
-                    }
-                    arguments.push((4 + level * 3 + letter - b'I', word.value));
+        for word in words {
+            let value = self.eval(&word.value)?;
+            match word.letter {
+                b'G' | b'N' | b'O' => {}
+                b'P' if program.is_none() => program = Some(number(value)),
+                b'L' => passes = number(value),
+                letter @ b'I'..=b'K' => {
+                    let slot = letter - b'I';
+                    let Some(level) = levels.get_mut(usize::from(slot)) else { continue };
+                    arguments.push((4 + *level * 3 + slot, value));
+                    *level = level.saturating_add(1).min(9);
                 }
-                _ => match argument(letter) {
-                    Some(variable) => arguments.push((variable, word.value)),
-                    None => self.block.unknown.push((word.start, word.end)),
-                },
+                letter => arguments.extend(argument(letter).map(|variable| (variable, value))),
             }
         }
         let Some(program) = program.filter(|p| *p >= 1.0 && *p <= f64::from(u32::MAX)) else {
             let text = format!("macro call without a program number P in '{}'", self.block_text());
             return Err(self.alarm(&diag::MACRO_CALL, text));
         };
-        for word in &mut self.block.words {
-            word.used = true;
-        }
-        self.leftovers()?;
-        let passes = passes.max(1);
+        let passes = passes.clamp(1.0, 9999.0) as u32;
         self.flow.pending = Some(Pending::Call { number: program as u32, passes, arguments: Some(arguments) });
         Ok(())
-    }
-
-    fn letter_at(&self, start: u32) -> u8 {
-        self.info
-            .source(self.file)
-            .and_then(|s| s.line(self.line).get(start as usize).copied())
-            .unwrap_or(b'?')
-            .to_ascii_uppercase()
     }
 }
 

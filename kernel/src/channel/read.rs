@@ -54,10 +54,23 @@ impl Kernel<'_> {
             }
         }
         match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
-            LineKind::Words => self.act_block()?,
+            LineKind::Words => {
+                self.show_messages(text);
+                self.act_block()?;
+            }
             LineKind::Macro => self.macro_line(text)?,
         }
         self.follow()
+    }
+
+    /// Operator messages act before anything else on their block (order 100, reference control-emulator.md 5.6).
+    pub(crate) fn show_messages(&mut self, line: &[u8]) {
+        for index in 0..self.block.messages.len() {
+            let Some(&(start, end)) = self.block.messages.get(index) else { break };
+            let text = line.get(start as usize..end as usize).unwrap_or_default();
+            let text: Box<str> = String::from_utf8_lossy(text).trim().into();
+            self.emit(0, Kind::Message { text });
+        }
     }
 
     /// Counts the block, tells others how far this kernel has come, and checks the limits.

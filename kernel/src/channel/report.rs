@@ -40,8 +40,6 @@ impl Kernel<'_> {
 
     /// Text of the current block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
-        let text = self.info.line_text(self.file, self.line);
-        let text = text.trim();
-        if text.chars().count() > 60 { text.chars().take(57).chain("...".chars()).collect() } else { text.to_owned() }
+        self.info.block_text(self.file, self.line, 60)
     }
 }

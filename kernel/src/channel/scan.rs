@@ -150,21 +150,19 @@ impl Scanner {
 
     /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
     fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
-        for delimiters in [&self.comment, &self.message].into_iter().flatten() {
-            let (start, end) = delimiters;
-            if line.get(at..).is_some_and(|rest| rest.starts_with(start)) && !start.is_empty() {
-                let inside = at + start.len();
-                if end.is_empty() {
-                    return Some(line.len());
-                }
-                return Some(match find(line, inside, end) {
-                    Some(close) => close + end.len(),
-                    None => {
-                        block.open_comment = true;
-                        line.len()
-                    }
-                });
+        // The same start for both means a comment.
+        for (delimiters, message) in [(&self.comment, false), (&self.message, true)] {
+            let Some((start, end)) = delimiters else { continue };
+            if start.is_empty() || !line.get(at..).is_some_and(|rest| rest.starts_with(start)) {
+                continue;
             }
+            let inside = at + start.len();
+            let close = if end.is_empty() { Some(line.len()) } else { find(line, inside, end) };
+            if message {
+                block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
+            }
+            block.open_comment |= close.is_none();
+            return Some(close.map_or(line.len(), |close| close + end.len()));
         }
         if Some(byte) == self.opskip {
             let (level, next) = match line.get(at + 1) {

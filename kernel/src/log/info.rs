@@ -8,6 +8,9 @@ use std::sync::{Arc, OnceLock};
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
 
+/// Most characters of a block in results.
+pub(crate) const BLOCK_TEXT: usize = 200;
+
 /// Description of a prepared job.
 #[derive(Debug)]
 pub struct Info {
@@ -76,6 +79,17 @@ impl Info {
     #[must_use]
     pub fn line_text(&self, file: FileId, line: u32) -> std::borrow::Cow<'_, str> {
         self.source(file).map_or(std::borrow::Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
+    }
+
+    /// Text of a block as results show it: without blanks around it, at most `most` characters, the rest as `...`.
+    #[must_use]
+    pub fn block_text(&self, file: FileId, line: u32, most: usize) -> String {
+        let text = self.line_text(file, line);
+        let text = text.trim();
+        if text.chars().count() <= most {
+            return text.to_owned();
+        }
+        text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
     }
 
     /// The loaded source of a file.

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::log::event::{Event, FileId, Kind, Primitive, Release, Wait};
-use crate::log::info::Info;
+use crate::log::info::{BLOCK_TEXT, Info};
 
 /// One meeting, or a wait that never came true.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -177,7 +177,7 @@ impl Meetings {
             None => {
                 let info = self.info.clone();
                 let name = self.text(if line == 0 { "" } else { info.file_name(file) });
-                let block: Arc<str> = info.line_text(file, line).trim().into();
+                let block: Arc<str> = info.block_text(file, line, BLOCK_TEXT).into();
                 self.blocks.insert((file, line), (name.clone(), block.clone()));
                 (name, block)
             }

@@ -16,7 +16,7 @@ pub use crate::log::meetings::{Arrival, Meeting};
 
 use crate::job::Outcome;
 use crate::log::event::{Event, FileId, Kind, VerdictKind};
-use crate::log::info::Info;
+use crate::log::info::{BLOCK_TEXT, Info};
 use crate::log::meetings::Meetings;
 use crate::log::work::Work;
 use tally::Tally;
@@ -274,6 +274,6 @@ impl Builder {
         if line == 0 {
             return (String::new(), String::new());
         }
-        (self.info.file_name(file).to_owned(), self.info.line_text(file, line).trim().to_owned())
+        (self.info.file_name(file).to_owned(), self.info.block_text(file, line, BLOCK_TEXT))
     }
 }

@@ -6,8 +6,7 @@ use crate::log::info::Info;
 
 /// `file line n 'text'`.
 pub(crate) fn place(info: &Info, file: u16, line: u32) -> String {
-    let text = info.line_text(file, line);
-    format!("{} line {line} '{}'", info.file_name(file), text.trim())
+    format!("{} line {line} '{}'", info.file_name(file), info.block_text(file, line, 60))
 }
 
 /// Classifies a set of dead channels at a time.

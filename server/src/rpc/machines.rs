@@ -106,7 +106,10 @@ fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<
 }
 
 fn invalid(findings: &[Finding]) -> Refusal {
-    let place = |f: &Finding| (format!("{}:{}:{}", f.file, f.line, f.column), f.text.clone());
+    let place = |f: &Finding| match f.line {
+        0 => (f.file.clone(), f.text.clone()),
+        line => (format!("{}:{line}:{}", f.file, f.column), f.text.clone()),
+    };
     Refusal::MachineInvalid(findings.iter().filter(|f| f.error).map(place).collect())
 }
 
