@@ -51,6 +51,9 @@ pub(crate) enum Wake {
     Stopped,
 }
 
+/// Turns of the core given away before a waiting thread is put to sleep.
+const YIELDS: u32 = 30;
+
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
 
@@ -159,7 +162,7 @@ impl Coordinator {
             stop_t: AtomicI64::new(i64::MAX),
             waiting_permits: AtomicU32::new(0),
             limited: permits < kernels,
-            spin: if permits > 1 && cores > 1 { 3000 } else { 0 },
+            spin: if permits > 1 && cores > 1 { 150 } else { 0 },
         }
     }
 
@@ -370,11 +373,19 @@ impl Coordinator {
     /// Spins until the slot is signalled or the patience is over.
     fn spin_for_signal(&self, rank: u16, seen: u32) {
         let Some(slot) = self.slot(rank) else { return };
+        let signalled = || slot.signal.load(SeqCst) != seen;
         for _ in 0..self.spin {
-            if slot.signal.load(SeqCst) != seen {
+            if signalled() {
                 return;
             }
             std::hint::spin_loop();
+        }
+        // Then the core goes to whoever has work (the merger, most of all) before the thread is put to sleep.
+        for _ in 0..YIELDS {
+            if signalled() {
+                return;
+            }
+            std::thread::yield_now();
         }
     }
 
