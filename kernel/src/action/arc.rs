@@ -9,7 +9,7 @@ use super::time::Path;
 use crate::channel::state::{group, plane};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind};
+use crate::log::event::{Motion, MotionKind};
 use crate::log::info::Unit;
 use crate::machine::ident::data;
 
@@ -62,7 +62,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
             let text =
                 format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
-            return straight(kernel, coded, target, feed, unit);
+            return kernel.feed_to(coded, target, feed, unit);
         }
     };
     let off = made.end_error(end);
@@ -95,40 +95,6 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
             center,
             plane_axes: [first as u8, second as u8],
             turns,
-            feed: feed.unwrap_or(0.0),
-            feed_unit: unit,
-            length,
-        },
-    )
-}
-
-/// What remains of an impossible circle.
-fn straight(
-    kernel: &mut Kernel<'_>,
-    coded: u8,
-    target: crate::log::event::Position,
-    feed: Option<f64>,
-    unit: crate::log::event::FeedUnit,
-) -> Acted {
-    let from = kernel.place.position;
-    if target == from {
-        kernel.emit(0, Kind::Mode { text: "arc left out".into() });
-        return Ok(());
-    }
-    let changes = kernel.changes(&from, &target);
-    let length = kernel.tool_path(&changes);
-    let path = Path { from: &from, to: &target, length, arc: None };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    kernel.travel(
-        seconds,
-        Motion {
-            kind: MotionKind::Linear,
-            moving: coded,
-            from,
-            to: target,
-            center: [0.0; 2],
-            plane_axes: [255; 2],
-            turns: 0,
             feed: feed.unwrap_or(0.0),
             feed_unit: unit,
             length,

@@ -23,33 +23,7 @@ pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     let (feed, unit) = kernel.feed();
     let (coded, target) = kernel.targets();
-    if coded == 0 {
-        return Ok(());
-    }
-    let from = kernel.place.position;
-    if target == from {
-        return Ok(());
-    }
-    let changes = kernel.changes(&from, &target);
-    let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let path = Path { from: &from, to: &target, length: feed_length, arc: None };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    let length = kernel.tool_path(&changes);
-    kernel.travel(
-        seconds,
-        Motion {
-            kind: MotionKind::Linear,
-            moving: coded,
-            from,
-            to: target,
-            center: [0.0; 2],
-            plane_axes: [255; 2],
-            turns: 0,
-            feed: feed.unwrap_or(0.0),
-            feed_unit: unit,
-            length,
-        },
-    )
+    kernel.feed_to(coded, target, feed, unit)
 }
 
 impl Kernel<'_> {
@@ -117,21 +91,22 @@ impl Kernel<'_> {
         }
         let seconds = self.rapid_seconds(&from, &target);
         let length = self.tool_path(&self.changes(&from, &target));
-        self.travel(
-            seconds,
-            Motion {
-                kind: MotionKind::Rapid,
-                moving: coded,
-                from,
-                to: target,
-                center: [0.0; 2],
-                plane_axes: [255; 2],
-                turns: 0,
-                feed: 0.0,
-                feed_unit: FeedUnit::Rapid,
-                length,
-            },
-        )
+        self.travel(seconds, Motion::straight(MotionKind::Rapid, coded, [from, target], (0.0, FeedUnit::Rapid), length))
+    }
+
+    /// A straight feed move to a target in the work frame.
+    pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        let from = self.place.position;
+        if coded == 0 || target == from {
+            return Ok(());
+        }
+        let changes = self.changes(&from, &target);
+        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let path = Path { from: &from, to: &target, length: feed_length, arc: None };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let length = self.tool_path(&changes);
+        let feed = (feed.unwrap_or(0.0), unit);
+        self.travel(seconds, Motion::straight(MotionKind::Linear, coded, [from, target], feed, length))
     }
 
     /// Carries out a motion: limits, event, clock, position.

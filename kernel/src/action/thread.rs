@@ -52,19 +52,6 @@ pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
         kernel.rapid_seconds(&from, &target)
     };
     let length = kernel.tool_path(&changes);
-    kernel.travel(
-        seconds,
-        Motion {
-            kind: MotionKind::Thread,
-            moving: coded,
-            from,
-            to: target,
-            center: [0.0; 2],
-            plane_axes: [255; 2],
-            turns: 0,
-            feed: lead,
-            feed_unit: FeedUnit::PerRevolution,
-            length,
-        },
-    )
+    let feed = (lead, FeedUnit::PerRevolution);
+    kernel.travel(seconds, Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
 }

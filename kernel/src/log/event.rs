@@ -189,6 +189,21 @@ pub struct Motion {
     pub length: f64,
 }
 
+impl Motion {
+    /// A move along a straight line in the axes' space.
+    #[must_use]
+    pub fn straight(
+        kind: MotionKind,
+        moving: u8,
+        [from, to]: [Position; 2],
+        (feed, feed_unit): (f64, FeedUnit),
+        length: f64,
+    ) -> Self {
+        let (center, plane_axes, turns) = ([0.0; 2], [255; 2], 0);
+        Self { kind, moving, from, to, center, plane_axes, turns, feed, feed_unit, length }
+    }
+}
+
 /// What a tool code did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -5,6 +5,9 @@
 //! with the smallest tag of all that are still possible; a blocked kernel wakes only by a shared operation of
 //! another one; `need` of a running kernel is at most the time of any parked tag it still stands before.
 
+mod permits;
+mod sleep;
+
 use std::sync::atomic::{AtomicI64, AtomicU32, Ordering::SeqCst};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -50,9 +53,6 @@ pub(crate) enum Wake {
     /// The job was stopped.
     Stopped,
 }
-
-/// Turns of the core given away before a waiting thread is put to sleep.
-const YIELDS: u32 = 30;
 
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
@@ -201,27 +201,6 @@ impl Coordinator {
         t <= self.stop_t.load(SeqCst)
     }
 
-    /// Some other kernel waits for a permit and stands before `t`.
-    pub(crate) fn should_yield(&self) -> bool {
-        self.limited && self.waiting_permits.load(SeqCst) > 0
-    }
-
-    /// Gives the permit to the kernel that is furthest behind, if that is not this one.
-    pub(crate) fn yield_permit(&self, rank: u16) {
-        let mut inner = self.lock();
-        let own = self.bound(rank);
-        if inner.queue.iter().any(|&(bound, _)| bound < own) {
-            self.release_permit(&mut inner);
-            drop(self.acquire_permit(rank, inner));
-        }
-    }
-
-    /// Takes the first permit of a kernel.
-    pub(crate) fn begin(&self, rank: u16) {
-        let inner = self.lock();
-        drop(self.acquire_permit(rank, inner));
-    }
-
     /// Waits for the merger to give chunks back. Meanwhile a running kernel counts as parked at `tag`: it will do
     /// nothing before that, and whoever stands before it may go, which is what lets the merger move on. A kernel
     /// that is already blocked at a meeting holds nobody back and keeps its status.
@@ -249,57 +228,6 @@ impl Coordinator {
 
     fn bound(&self, rank: u16) -> i64 {
         self.slot(rank).map_or(i64::MAX, |s| s.bound.load(SeqCst))
-    }
-
-    fn release_permit(&self, inner: &mut Inner) {
-        inner.permits += 1;
-        if let Some(&(_, rank)) = inner.queue.iter().min() {
-            self.signal(rank);
-        }
-    }
-
-    fn acquire_permit<'a>(&'a self, rank: u16, mut inner: Guard<'a>) -> Guard<'a> {
-        if !self.limited {
-            return inner;
-        }
-        let own = (self.bound(rank), rank);
-        inner.queue.push(own);
-        self.waiting_permits.fetch_add(1, SeqCst);
-        while inner.permits == 0 || inner.queue.iter().min() != Some(&own) {
-            inner = self.sleep(rank, inner);
-        }
-        inner.permits -= 1;
-        inner.queue.retain(|entry| *entry != own);
-        self.waiting_permits.fetch_sub(1, SeqCst);
-        if inner.permits > 0
-            && let Some(&(_, next)) = inner.queue.iter().min()
-        {
-            self.signal(next);
-        }
-        inner
-    }
-
-    fn signal(&self, rank: u16) {
-        if let Some(slot) = self.slot(rank) {
-            slot.signal.fetch_add(1, SeqCst);
-            slot.condvar.notify_one();
-        }
-    }
-
-    /// Waits for a signal, spinning for a short while first.
-    fn sleep<'a>(&'a self, rank: u16, inner: Guard<'a>) -> Guard<'a> {
-        let Some(slot) = self.slot(rank) else { return inner };
-        let seen = slot.signal.load(SeqCst);
-        if self.spin > 0 {
-            drop(inner);
-            self.spin_for_signal(rank, seen);
-            let inner = self.lock();
-            if slot.signal.load(SeqCst) != seen {
-                return inner;
-            }
-            return slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
-        }
-        slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
     }
 
     /// No other kernel can still act before `tag`.
@@ -368,25 +296,6 @@ impl Coordinator {
             slot.bound.fetch_max(tag.t, SeqCst);
         }
         Some(inner)
-    }
-
-    /// Spins until the slot is signalled or the patience is over.
-    fn spin_for_signal(&self, rank: u16, seen: u32) {
-        let Some(slot) = self.slot(rank) else { return };
-        let signalled = || slot.signal.load(SeqCst) != seen;
-        for _ in 0..self.spin {
-            if signalled() {
-                return;
-            }
-            std::hint::spin_loop();
-        }
-        // Then the core goes to whoever has work (the merger, most of all) before the thread is put to sleep.
-        for _ in 0..YIELDS {
-            if signalled() {
-                return;
-            }
-            std::thread::yield_now();
-        }
     }
 
     /// Spins for the wake of a blocked kernel; `None` when it has not come: send the events so far, then

@@ -1,0 +1,55 @@
+//! How a kernel waits for another one: spinning, giving the core away, sleeping.
+//!
+//! Invariant: signals are given under the coordinator's lock, so none is lost between the last look and the sleep.
+
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering::SeqCst;
+
+use super::{Coordinator, Guard};
+
+/// Turns of the core given away before a waiting thread is put to sleep.
+const YIELDS: u32 = 30;
+
+impl Coordinator {
+    pub(super) fn signal(&self, rank: u16) {
+        if let Some(slot) = self.slot(rank) {
+            slot.signal.fetch_add(1, SeqCst);
+            slot.condvar.notify_one();
+        }
+    }
+
+    /// Waits for a signal, spinning for a short while first.
+    pub(super) fn sleep<'a>(&'a self, rank: u16, inner: Guard<'a>) -> Guard<'a> {
+        let Some(slot) = self.slot(rank) else { return inner };
+        let seen = slot.signal.load(SeqCst);
+        if self.spin > 0 {
+            drop(inner);
+            self.spin_for_signal(rank, seen);
+            let inner = self.lock();
+            if slot.signal.load(SeqCst) != seen {
+                return inner;
+            }
+            return slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
+        }
+        slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Spins until the slot is signalled or the patience is over.
+    pub(super) fn spin_for_signal(&self, rank: u16, seen: u32) {
+        let Some(slot) = self.slot(rank) else { return };
+        let signalled = || slot.signal.load(SeqCst) != seen;
+        for _ in 0..self.spin {
+            if signalled() {
+                return;
+            }
+            std::hint::spin_loop();
+        }
+        // Then the core goes to whoever has work (the merger, most of all) before the thread is put to sleep.
+        for _ in 0..YIELDS {
+            if signalled() {
+                return;
+            }
+            std::thread::yield_now();
+        }
+    }
+}
