@@ -1,11 +1,13 @@
 //! Contents of files, named by their SHA-256.
 //!
-//! Invariant: a blob under its name has that digest and is complete; it is never changed.
+//! In files of the data folder; a server that keeps nothing (an ephemeral one) holds them in memory. Invariant: a blob
+//! under its name has that digest and is complete; it is never changed.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 
+use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
 use crate::reason::Refusal;
@@ -29,28 +31,51 @@ pub(crate) fn is_digest(text: &str) -> bool {
 /// The blobs of a server.
 #[derive(Debug, Clone)]
 pub(crate) struct Blobs {
-    store: Store,
+    place: Place,
     max: u64,
+}
+
+/// Where blobs are.
+#[derive(Debug, Clone)]
+enum Place {
+    Files(Store),
+    Memory(Arc<DashMap<String, Arc<[u8]>>>),
 }
 
 impl Blobs {
     pub(crate) fn new(store: Store, max: u64) -> Self {
-        Self { store, max }
+        Self { place: Place::Files(store), max }
+    }
+
+    /// Blobs that go with the server.
+    pub(crate) fn in_memory(max: u64) -> Self {
+        Self { place: Place::Memory(Arc::default()), max }
     }
 
     pub(crate) fn has(&self, digest: &str) -> bool {
-        is_digest(digest) && self.store.blob(digest).is_file()
+        match &self.place {
+            Place::Files(store) => is_digest(digest) && store.blob(digest).is_file(),
+            Place::Memory(blobs) => blobs.contains_key(digest),
+        }
     }
 
     pub(crate) fn read(&self, digest: &str) -> io::Result<Arc<[u8]>> {
-        fs::read(self.store.blob(digest)).map(Arc::from)
+        match &self.place {
+            Place::Files(store) => fs::read(store.blob(digest)).map(Arc::from),
+            Place::Memory(blobs) => {
+                blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
+            }
+        }
     }
 
-    pub(crate) fn open(&self, digest: &str) -> Result<fs::File, Refusal> {
+    pub(crate) fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal> {
         if !self.has(digest) {
             return Err(Refusal::UnknownBlob(digest.to_owned()));
         }
-        Ok(fs::File::open(self.store.blob(digest))?)
+        Ok(match &self.place {
+            Place::Files(store) => Box::new(fs::File::open(store.blob(digest))?),
+            Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
+        })
     }
 
     /// Begins to receive a blob announced as `digest`.
@@ -58,8 +83,11 @@ impl Blobs {
         if !is_digest(digest) {
             return Err(Refusal::field("digest", "must be 64 lower-case hexadecimal digits"));
         }
-        let file = tempfile::NamedTempFile::new_in(self.store.tmp())?;
-        Ok(Receiver { blobs: self.clone(), announced: digest.to_owned(), file, hash: Sha256::new(), size: 0 })
+        let content = match &self.place {
+            Place::Files(store) => Content::File(tempfile::NamedTempFile::new_in(store.tmp())?),
+            Place::Memory(_) => Content::Memory(Vec::new()),
+        };
+        Ok(Receiver { blobs: self.clone(), announced: digest.to_owned(), content, hash: Sha256::new(), size: 0 })
     }
 }
 
@@ -67,9 +95,15 @@ impl Blobs {
 pub(crate) struct Receiver {
     blobs: Blobs,
     announced: String,
-    file: tempfile::NamedTempFile,
+    content: Content,
     hash: Sha256,
     size: u64,
+}
+
+/// What has come in so far.
+enum Content {
+    File(tempfile::NamedTempFile),
+    Memory(Vec<u8>),
 }
 
 impl Receiver {
@@ -79,7 +113,11 @@ impl Receiver {
             return Err(Refusal::BlobTooLarge(self.blobs.max));
         }
         self.hash.update(data);
-        Ok(self.file.write_all(data)?)
+        match &mut self.content {
+            Content::File(file) => file.write_all(data)?,
+            Content::Memory(content) => content.extend_from_slice(data),
+        }
+        Ok(())
     }
 
     /// Puts the blob in its place; gives its size.
@@ -88,8 +126,12 @@ impl Receiver {
         if actual != self.announced {
             return Err(Refusal::DigestMismatch { announced: self.announced, actual });
         }
-        if !self.blobs.has(&actual) {
-            self.blobs.store.keep(self.file, &self.blobs.store.blob(&actual))?;
+        match (self.content, &self.blobs.place) {
+            (Content::File(file), Place::Files(store)) if !self.blobs.has(&actual) => {
+                store.keep(file, &store.blob(&actual))?
+            }
+            (Content::Memory(content), Place::Memory(blobs)) => drop(blobs.insert(actual, content.into())),
+            _ => {}
         }
         Ok(self.size)
     }
@@ -115,6 +157,20 @@ mod tests {
         receiver.chunk(b"M30\n").unwrap();
         assert_eq!(receiver.finish().unwrap(), 9);
         assert_eq!(&*blobs.read(&name).unwrap(), b"G0X1\nM30\n");
+    }
+
+    #[test]
+    fn memory_holds_them_too() {
+        let blobs = Blobs::in_memory(100);
+        let name = digest(b"G0X1\n");
+        let mut receiver = blobs.receive(&name).unwrap();
+        receiver.chunk(b"G0X1\n").unwrap();
+        assert!(!blobs.has(&name));
+        receiver.finish().unwrap();
+        let mut text = String::new();
+        blobs.open(&name).unwrap().read_to_string(&mut text).unwrap();
+        assert_eq!((text.as_str(), blobs.has(&name)), ("G0X1\n", true));
+        assert_eq!(blobs.read(&digest(b"other")).unwrap_err().kind(), io::ErrorKind::NotFound);
     }
 
     #[test]

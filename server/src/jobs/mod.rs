@@ -65,7 +65,10 @@ struct Queue {
 impl Core {
     pub(crate) fn open(options: Options, runner: Box<dyn Runner>) -> Result<Arc<Self>, Refusal> {
         let store = Store::open(options.data.clone(), !options.ephemeral)?;
-        let blobs = Blobs::new(store.clone(), options.max_blob_bytes);
+        let blobs = match options.ephemeral {
+            true => Blobs::in_memory(options.max_blob_bytes),
+            false => Blobs::new(store.clone(), options.max_blob_bytes),
+        };
         let core = Arc::new(Self {
             ledger: Ledger::open(&store)?,
             machines: Machines::new(blobs.clone()),
