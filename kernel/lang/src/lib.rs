@@ -1,5 +1,10 @@
 //! The macro language of the control emulator. Knows nothing of machines, programs, channels or I/O.
 //!
-//! Now here: the numeric output format that listings, registers and macros share ([`format`]).
+//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`lex`], [`format`].
 
+pub mod diag;
 pub mod format;
+pub mod ident;
+pub mod lex;
+pub mod source;
+pub mod value;
