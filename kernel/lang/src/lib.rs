@@ -9,5 +9,6 @@ pub mod format;
 pub mod ident;
 pub mod lex;
 pub mod parse;
+pub mod pattern;
 pub mod source;
 pub mod value;
