@@ -6,7 +6,7 @@
 mod expression;
 mod statement;
 
-use crate::ast::{Macro, Statement, StatementKind};
+use crate::ast::{Expr, ExprKind, Macro, Statement, StatementKind, Variable, When};
 use crate::diag::{Diagnostic, Number};
 use crate::lex::{self, Line, Sign, Spanned, Token};
 use crate::source::{Source, Span};
@@ -86,8 +86,30 @@ fn header_or_statement(
         }
         return None;
     }
-    let kind = parser.statement().unwrap_or(StatementKind::Empty);
+    let kind = parser.statement().unwrap_or_else(|GivenUp| stand_in(line));
     Some(Statement { label: line.label.clone(), kind, span: line_span(line) })
+}
+
+/// Keeps the blocks in balance after an error in the line that opens or divides one.
+fn stand_in(line: &Line) -> StatementKind {
+    let Some(Token::Name(word)) = line.tokens.first().map(|spanned| &spanned.token) else {
+        return StatementKind::Empty;
+    };
+    let expr = |kind| Expr::new(kind, line_span(line));
+    match word.as_str() {
+        "IF" => StatementKind::If(expr(ExprKind::Logical(true))),
+        "WHILE" => StatementKind::While(expr(ExprKind::Logical(true))),
+        "UNTIL" => StatementKind::Until(expr(ExprKind::Logical(true))),
+        "CASE" => StatementKind::Case(expr(ExprKind::Real(0.0))),
+        "WHEN" => StatementKind::When(vec![When::One(expr(ExprKind::Real(0.0)))]),
+        "DO" => StatementKind::Do {
+            variable: expr(ExprKind::Variable(Variable::Local(0))),
+            start: expr(ExprKind::Real(0.0)),
+            end: expr(ExprKind::Real(0.0)),
+            step: None,
+        },
+        _ => StatementKind::Empty,
+    }
 }
 
 fn line_span(line: &Line) -> Span {

@@ -1,0 +1,437 @@
+//! The loop over the instructions.
+//!
+//! Numbers take the short way inside the loop; everything else goes to the file of its subject.
+
+use super::{State, calls, commands, data};
+use crate::bytecode::{Code, Op, Own, Relation, Slot};
+use crate::compile::Program;
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::func::{Context, Way};
+use crate::host::Host;
+use crate::value::Value;
+use std::sync::Arc;
+
+/// Why a macro ends early.
+pub(super) enum Stop {
+    /// A fault at an instruction.
+    Fault(usize, Fault),
+    /// A diagnostic of severity 8 was issued by the macro itself.
+    Raised(usize),
+    /// A budget of the whole run is used up; it is reported already.
+    Budget,
+}
+
+#[inline]
+fn number(frame: &[Value], slot: Slot) -> Option<f64> {
+    match frame.get(usize::from(slot)) {
+        Some(Value::Real(number)) => Some(*number),
+        _ => None,
+    }
+}
+
+#[inline]
+pub(super) fn get(frame: &[Value], slot: Slot) -> &Value {
+    static UNSET: Value = Value::Unset;
+    frame.get(usize::from(slot)).unwrap_or(&UNSET)
+}
+
+#[inline]
+pub(super) fn set(frame: &mut [Value], slot: Slot, value: Value) {
+    if let Some(register) = frame.get_mut(usize::from(slot)) {
+        *register = value;
+    }
+}
+
+#[inline]
+fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
+    match frame.get_mut(usize::from(slot)) {
+        Some(Value::Real(register)) => *register = number,
+        Some(register) => *register = Value::Real(number),
+        None => {}
+    }
+}
+
+fn real(frame: &[Value], slot: Slot) -> Outcome<f64> {
+    let value = get(frame, slot);
+    value.as_real().ok_or_else(|| Fault::kind("a number", value))
+}
+
+fn truth(frame: &[Value], slot: Slot) -> Outcome<bool> {
+    let value = get(frame, slot);
+    value.as_logical().ok_or_else(|| Fault::kind("a truth value", value))
+}
+
+fn finite(number: f64) -> Outcome<f64> {
+    if number.is_finite() {
+        return Ok(number);
+    }
+    Err(Fault::new(Number::BAD_ARITHMETIC, "the result is too large or does not exist"))
+}
+
+#[cold]
+fn divided_by_zero() -> Fault {
+    Fault::new(Number::BAD_ARITHMETIC, "division by zero")
+}
+
+/// Runs the code in its frame.
+#[allow(clippy::too_many_lines, reason = "one arm per instruction; the work is elsewhere")]
+pub(super) fn run(
+    program: &Program,
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &mut [Value],
+) -> Result<(), Stop> {
+    let mut at = 0usize;
+    macro_rules! good {
+        ($outcome:expr) => {
+            match $outcome {
+                Ok(value) => value,
+                Err(fault) => return Err(Stop::Fault(at, fault)),
+            }
+        };
+    }
+    macro_rules! arithmetic {
+        ($to:expr, $a:expr, $b:expr, $work:expr) => {
+            match (number(frame, $a), number(frame, $b)) {
+                (Some(a), Some(b)) => {
+                    let result: f64 = $work(a, b);
+                    if result.is_finite() {
+                        set_number(frame, $to, result);
+                    } else {
+                        return Err(Stop::Fault(
+                            at,
+                            if b == 0.0 {
+                                divided_by_zero()
+                            } else {
+                                finite(result).err().unwrap_or_else(divided_by_zero)
+                            },
+                        ));
+                    }
+                }
+                _ => {
+                    let (a, b) = (good!(real(frame, $a)), good!(real(frame, $b)));
+                    let result = $work(a, b);
+                    if !result.is_finite() && b == 0.0 {
+                        return Err(Stop::Fault(at, divided_by_zero()));
+                    }
+                    set_number(frame, $to, good!(finite(result)));
+                }
+            }
+        };
+    }
+    macro_rules! jump {
+        ($target:expr) => {{
+            let target = usize::from($target);
+            if target <= at {
+                let cost = (at - target) as u64 + 1;
+                if state.ticks < cost {
+                    good!(state.spend(usize::MAX));
+                }
+                state.ticks -= cost;
+            }
+            at = target;
+            continue;
+        }};
+    }
+    while let Some(op) = code.ops.get(at) {
+        match *op {
+            Op::Move { to, a } => match number(frame, a) {
+                Some(number) => set_number(frame, to, number),
+                None => {
+                    let value = get(frame, a).clone();
+                    set(frame, to, value);
+                }
+            },
+            Op::Typed { to, a, kind } => {
+                let value = good!(data::typed(get(frame, a), kind));
+                set(frame, to, value);
+            }
+            Op::Add { to, a, b } => match (number(frame, a), number(frame, b)) {
+                (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
+                _ => {
+                    let value = good!(data::add(state, get(frame, a), get(frame, b)));
+                    set(frame, to, value);
+                }
+            },
+            Op::Subtract { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a - b),
+            Op::Multiply { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a * b),
+            Op::Divide { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a / b),
+            Op::Power { to, a, b } => arithmetic!(to, a, b, power),
+            Op::Join { to, a, b } => {
+                let value = good!(data::join(state, get(frame, a), get(frame, b)));
+                set(frame, to, value);
+            }
+            Op::Negate { to, a } => {
+                let value = good!(real(frame, a));
+                set_number(frame, to, -value);
+            }
+            Op::Number { to, a } => {
+                let value = good!(real(frame, a));
+                set_number(frame, to, value);
+            }
+            Op::Not { to, a } => {
+                let value = good!(truth(frame, a));
+                set(frame, to, Value::Logical(!value));
+            }
+            Op::Truth { to, a } => {
+                let value = good!(truth(frame, a));
+                set(frame, to, Value::Logical(value));
+            }
+            Op::Xor { to, a, b } => {
+                let value = good!(truth(frame, a)) != good!(truth(frame, b));
+                set(frame, to, Value::Logical(value));
+            }
+            Op::Compare { relation, to, a, b } => {
+                let holds = good!(compare(frame, relation, a, b));
+                set(frame, to, Value::Logical(holds));
+            }
+            Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
+                (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
+                _ => good!(data::add_to(state, frame, to, a)),
+            },
+            Op::Jump { target } => jump!(target),
+            Op::JumpIf { a, target } => {
+                if good!(truth(frame, a)) {
+                    jump!(target);
+                }
+            }
+            Op::JumpUnless { a, target } => {
+                if !good!(truth(frame, a)) {
+                    jump!(target);
+                }
+            }
+            Op::JumpUnlessCompare { relation, a, b, target } => {
+                if !good!(compare(frame, relation, a, b)) {
+                    jump!(target);
+                }
+            }
+            Op::JumpIfWhen { a, b, target } => {
+                if get(frame, a).equals(get(frame, b)) == Some(true) {
+                    jump!(target);
+                }
+            }
+            Op::JumpIfThru { a, low, target } => {
+                let value = get(frame, a);
+                let inside = value.order(get(frame, low)).is_some_and(std::cmp::Ordering::is_ge)
+                    && value.order(get(frame, low + 1)).is_some_and(std::cmp::Ordering::is_le);
+                if inside {
+                    jump!(target);
+                }
+            }
+            Op::DoStart { variable, end, target } => {
+                let step = good!(real(frame, end + 1));
+                if step == 0.0 {
+                    return Err(Stop::Fault(at, Fault::new(Number::STEP_ZERO, "the step of this loop is zero")));
+                }
+                let (value, last) = (good!(real(frame, variable)), good!(real(frame, end)));
+                if past(value, last, step) {
+                    jump!(target);
+                }
+            }
+            Op::DoNext { variable, end, target } => {
+                let step = good!(real(frame, end + 1));
+                let value = good!(real(frame, variable)) + step;
+                set_number(frame, variable, value);
+                if !past(value, good!(real(frame, end)), step) {
+                    jump!(target);
+                }
+            }
+            Op::Element { to, a, index } => {
+                let position = good!(real(frame, index));
+                if let Some(found) = data::element_number(get(frame, a), position) {
+                    set_number(frame, to, found);
+                } else {
+                    let value = good!(data::element(state, get(frame, a), &[data::whole(position)]));
+                    set(frame, to, value);
+                }
+            }
+            Op::Elements { to, a, list } => {
+                let value = good!(data::elements(state, code, frame, get(frame, a), list));
+                set(frame, to, value);
+            }
+            Op::SetElement { to, index, a } => {
+                let position = good!(real(frame, index));
+                good!(data::set_element(state, frame, to, &[data::whole(position)], a));
+            }
+            Op::SetElements { to, list, a } => {
+                let indices = good!(data::indices(code, frame, list));
+                good!(data::set_element(state, frame, to, &indices, a));
+            }
+            Op::Range { to, a, list } => {
+                let value = good!(data::range_of(code, frame, get(frame, a), list));
+                set(frame, to, value);
+            }
+            Op::Sequence { to, list } => {
+                let value = good!(data::sequence(state, code, frame, list));
+                set(frame, to, value);
+            }
+            Op::ReadShared { to, shared } => {
+                let value = data::read_shared(state, host, code, shared);
+                set(frame, to, value);
+            }
+            Op::WriteShared { shared, a } => good!(data::write_shared(state, host, code, shared, get(frame, a))),
+            Op::SharedElements { to, shared, list } => {
+                let value = good!(data::shared_elements(state, host, code, frame, shared, list));
+                set(frame, to, value);
+            }
+            Op::SetSharedElements { shared, list, a } => {
+                good!(data::set_shared_elements(state, host, code, frame, (shared, list), a));
+            }
+            Op::ReadSystem { to, system, list } => {
+                let indices = good!(data::indices(code, frame, list));
+                let value = good!(host.read_system(u32::from(system), &indices));
+                set(frame, to, value);
+            }
+            Op::WriteSystem { system, list, a } => {
+                let indices = good!(data::indices(code, frame, list));
+                good!(host.write_system(u32::from(system), &indices, get(frame, a).clone()));
+            }
+            Op::ReadOwn { to, own } => {
+                let value = match own {
+                    Own::Status => f64::from(state.status),
+                    Own::Nesting => f64::from(state.depth),
+                    Own::Channel => f64::from(state.channel),
+                    Own::Channels => f64::from(state.channels),
+                };
+                set_number(frame, to, value);
+            }
+            Op::Declare { to, declaration } => {
+                let value = good!(data::declared(state, code, frame, declaration));
+                set(frame, to, value);
+            }
+            Op::DeclareShared { shared, declaration } => {
+                good!(data::declare_shared(state, host, code, frame, shared, declaration));
+            }
+            Op::Math { to, a, function } => {
+                let value = good!(real(frame, a));
+                let result = match code.functions.get(usize::from(function)).map(|function| &function.way) {
+                    Some(Way::Math(math)) => math(value).filter(|result| result.is_finite()),
+                    _ => None,
+                };
+                let name =
+                    || code.functions.get(usize::from(function)).map_or("the function", |function| function.name);
+                let fault = || Fault::new(Number::BAD_ARITHMETIC, format!("{} has no result for {value}", name()));
+                set_number(frame, to, good!(result.ok_or_else(fault)));
+            }
+            Op::Call { to, function, list } => {
+                let value = good!(call(state, host, code, frame, function, list));
+                set(frame, to, value);
+            }
+            Op::CallMacro { to, callee, list } => {
+                good!(state.spend(5));
+                good!(calls::may_enter(program, state, callee));
+                let mut arguments = std::mem::take(&mut state.buffer);
+                arguments.clear();
+                arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
+                let Some(callee_code) = program.macros.get(usize::from(callee)).map(Arc::clone) else {
+                    return Err(Stop::Budget);
+                };
+                let given = calls::Arguments::Parameters(&arguments);
+                let (end, value) = calls::enter(program, state, host, &callee_code, callee, given);
+                state.buffer = arguments;
+                if end == super::End::Budget {
+                    return Err(Stop::Budget);
+                }
+                set(frame, to, value);
+            }
+            Op::Command { command, list } => {
+                good!(state.spend(5));
+                if good!(commands::command(state, host, code, frame, (command, list), at)) {
+                    return Err(Stop::Raised(at));
+                }
+            }
+            Op::Read { list, targets, again } => {
+                good!(super::units::read(state, host, slots(code, list), slots(code, targets), again, frame));
+            }
+            Op::Trace { statement } => {
+                if let Some(text) = code.statements.get(usize::from(statement)) {
+                    host.trace(&format!(" Macro:  {text}"));
+                }
+            }
+            Op::Return => return Ok(()),
+        }
+        at += 1;
+    }
+    Ok(())
+}
+
+pub(super) fn slots(code: &Code, list: u16) -> &[Slot] {
+    code.lists.get(usize::from(list)).map_or(&[], Vec::as_slice)
+}
+
+fn power(a: f64, b: f64) -> f64 {
+    if b == 2.0 { a * a } else { libm::pow(a, b) }
+}
+
+fn past(value: f64, last: f64, step: f64) -> bool {
+    if step > 0.0 { value > last } else { value < last }
+}
+
+#[inline]
+fn compare(frame: &[Value], relation: Relation, a: Slot, b: Slot) -> Outcome<bool> {
+    if let (Some(a), Some(b)) = (number(frame, a), number(frame, b)) {
+        return Ok(match relation {
+            Relation::Equal => a == b,
+            Relation::NotEqual => a != b,
+            Relation::Less => a < b,
+            Relation::LessEqual => a <= b,
+            Relation::Greater => a > b,
+            Relation::GreaterEqual => a >= b,
+        });
+    }
+    compare_slow(get(frame, a), get(frame, b), relation)
+}
+
+fn compare_slow(a: &Value, b: &Value, relation: Relation) -> Outcome<bool> {
+    let message = || format!("{} and {} cannot be compared this way", a.kind_name(), b.kind_name());
+    let fault = || Fault::new(Number::TYPE_MISMATCH, message());
+    if let Relation::Equal | Relation::NotEqual = relation {
+        let equal = a.equals(b).ok_or_else(fault)?;
+        return Ok(equal == (relation == Relation::Equal));
+    }
+    let order = a.order(b).ok_or_else(fault)?;
+    Ok(match relation {
+        Relation::Less => order.is_lt(),
+        Relation::LessEqual => order.is_le(),
+        Relation::Greater => order.is_gt(),
+        _ => order.is_ge(),
+    })
+}
+
+fn call(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    function: u16,
+    list: u16,
+) -> Outcome<Value> {
+    state.spend(3)?;
+    let Some(function) = code.functions.get(usize::from(function)).copied() else { return Ok(Value::Null) };
+    let mut arguments = std::mem::take(&mut state.buffer);
+    arguments.clear();
+    arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
+    let result = match function.way {
+        Way::Compute(compute) => compute(&mut Context { state, host }, &arguments),
+        Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),
+        Way::Math(_) | Way::Missing(_) => Ok(Value::Null),
+    };
+    arguments.clear();
+    state.buffer = arguments;
+    result
+}
+
+/// Checks the types of arguments for the host.
+fn check(function: &'static crate::func::Function, arguments: &[Value]) -> Outcome<()> {
+    for (position, value) in arguments.iter().enumerate() {
+        if let Some(kind) = value.kind()
+            && !crate::func::fits(function.letter(position), kind)
+        {
+            let message = format!("argument {} of {} cannot be {}", position + 1, function.name, value.kind_name());
+            return Err(Fault::new(Number::TYPE_MISMATCH, message));
+        }
+    }
+    Ok(())
+}
