@@ -39,7 +39,7 @@ pub enum Value {
     /// Data identifier by the host's index, 0 = `REG_NONE`.
     Register(u32),
     /// Storage of an array variable; never an operand.
-    Array(Arc<Array>),
+    Array(Box<Array>),
 }
 
 /// Storage of an array variable.

@@ -192,11 +192,11 @@ pub fn run(
     index: u16,
     arguments: &mut [Value],
 ) -> (End, Value) {
-    let Some(code) = program.macros.get(usize::from(index)).map(Arc::clone) else { return (End::Error, Value::Null) };
+    let Some(code) = program.macros.get(usize::from(index)) else { return (End::Error, Value::Null) };
     if state.depth == 0 {
         state.ticks = state.limits.ticks;
     }
-    calls::enter(program, state, host, &code, index, calls::Arguments::Numbered(arguments))
+    calls::enter(program, state, host, code, index, calls::Arguments::Numbered(arguments))
 }
 
 /// Writes what open units still hold and closes them.

@@ -1,20 +1,20 @@
 //! Entering and leaving macros.
 
 use super::{End, State, report, run};
-use crate::bytecode::Code;
+use crate::bytecode::{Code, Slot};
 use crate::compile::Program;
 use crate::diag::Number;
 use crate::fault::Fault;
 use crate::host::Host;
 use crate::source::Span;
-use crate::value::Value;
+use crate::value::{Kind, Value};
 
 /// What a macro gets.
 pub(super) enum Arguments<'a> {
     /// `$P1` and on, written back.
     Numbered(&'a mut [Value]),
     /// Parameters of a function.
-    Parameters(&'a [Value]),
+    Parameters(&'a [Value], &'a [Slot]),
 }
 
 /// Runs a macro to its end; faults are reported here.
@@ -110,11 +110,12 @@ fn fill(code: &Code, frame: &mut [Value], arguments: &Arguments<'_>) -> Result<(
                 }
             }
         }
-        Arguments::Parameters(values) => {
-            for ((slot, kind), value) in code.parameters.iter().zip(*values) {
-                let value = match kind {
-                    Some(kind) => super::data::typed(value, *kind)?,
-                    None => value.clone(),
+        Arguments::Parameters(caller, given) => {
+            for ((slot, kind), from) in code.parameters.iter().zip(*given) {
+                let value = match (kind, run::get(caller, *from)) {
+                    (_, Value::Real(number)) if kind.is_none_or(|kind| kind == Kind::Real) => Value::Real(*number),
+                    (Some(kind), value) => super::data::typed(value, *kind)?,
+                    (None, value) => value.clone(),
                 };
                 if let Some(register) = frame.get_mut(usize::from(*slot)) {
                     *register = value;

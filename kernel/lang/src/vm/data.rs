@@ -100,6 +100,24 @@ pub(super) fn element_number(value: &Value, index: f64) -> Option<f64> {
     }
 }
 
+/// Stores a number into a one-dimensional array of numbers or a sequence; false if it is neither.
+#[inline]
+pub(super) fn set_element_number(frame: &mut [Value], to: Slot, index: f64, number: f64) -> bool {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let position = if index >= 1.0 { index as usize - 1 } else { return false };
+    let Some(Value::Array(array)) = frame.get_mut(usize::from(to)) else { return false };
+    if array.sizes.len() != 1 {
+        return false;
+    }
+    match array.elements.get_mut(position) {
+        Some(Value::Real(element)) => {
+            *element = number;
+            true
+        }
+        _ => false,
+    }
+}
+
 pub(super) fn element(state: &State, value: &Value, indices: &[i64]) -> Outcome<Value> {
     let index = indices.first().copied().unwrap_or(0);
     let position = usize::try_from(index - 1).ok();
@@ -179,7 +197,7 @@ fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> O
                 Some(kind) => typed(&value, kind)?,
                 None => value,
             };
-            if let Some(element) = Arc::make_mut(array).elements.get_mut(position) {
+            if let Some(element) = array.elements.get_mut(position) {
                 *element = value;
             }
             Ok(())
@@ -361,7 +379,7 @@ pub(super) fn declared(state: &State, code: &Code, frame: &[Value], declaration:
     }
     state.check_elements(count)?;
     let array = Array { sizes, kind: declaration.kind, channel: declaration.channel, elements: vec![value; count] };
-    Ok(Value::Array(Arc::new(array)))
+    Ok(Value::Array(Box::new(array)))
 }
 
 /// Initialises a shared variable unless another macro has done so.

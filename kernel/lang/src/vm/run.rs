@@ -10,7 +10,6 @@ use crate::fault::{Fault, Outcome};
 use crate::func::{Context, Way};
 use crate::host::Host;
 use crate::value::Value;
-use std::sync::Arc;
 
 /// Why a macro ends early.
 pub(super) enum Stop {
@@ -52,6 +51,7 @@ fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
     }
 }
 
+#[inline(never)]
 fn real(frame: &[Value], slot: Slot) -> Outcome<f64> {
     let value = get(frame, slot);
     value.as_real().ok_or_else(|| Fault::kind("a number", value))
@@ -62,11 +62,9 @@ fn truth(frame: &[Value], slot: Slot) -> Outcome<bool> {
     value.as_logical().ok_or_else(|| Fault::kind("a truth value", value))
 }
 
-fn finite(number: f64) -> Outcome<f64> {
-    if number.is_finite() {
-        return Ok(number);
-    }
-    Err(Fault::new(Number::BAD_ARITHMETIC, "the result is too large or does not exist"))
+#[cold]
+fn too_large() -> Fault {
+    Fault::new(Number::BAD_ARITHMETIC, "the result is too large or does not exist")
 }
 
 #[cold]
@@ -93,33 +91,18 @@ pub(super) fn run(
         };
     }
     macro_rules! arithmetic {
-        ($to:expr, $a:expr, $b:expr, $work:expr) => {
-            match (number(frame, $a), number(frame, $b)) {
-                (Some(a), Some(b)) => {
-                    let result: f64 = $work(a, b);
-                    if result.is_finite() {
-                        set_number(frame, $to, result);
-                    } else {
-                        return Err(Stop::Fault(
-                            at,
-                            if b == 0.0 {
-                                divided_by_zero()
-                            } else {
-                                finite(result).err().unwrap_or_else(divided_by_zero)
-                            },
-                        ));
-                    }
-                }
-                _ => {
-                    let (a, b) = (good!(real(frame, $a)), good!(real(frame, $b)));
-                    let result = $work(a, b);
-                    if !result.is_finite() && b == 0.0 {
-                        return Err(Stop::Fault(at, divided_by_zero()));
-                    }
-                    set_number(frame, $to, good!(finite(result)));
-                }
+        ($to:expr, $a:expr, $b:expr, $work:expr, $divides:expr) => {{
+            let result: f64 = match (number(frame, $a), number(frame, $b)) {
+                (Some(a), Some(b)) => $work(a, b),
+                _ => f64::NAN,
+            };
+            if result.is_finite() {
+                set_number(frame, $to, result);
+            } else {
+                let result = good!(arithmetic_slow(frame, $a, $b, $work, $divides));
+                set_number(frame, $to, result);
             }
-        };
+        }};
     }
     macro_rules! jump {
         ($target:expr) => {{
@@ -139,10 +122,7 @@ pub(super) fn run(
         match *op {
             Op::Move { to, a } => match number(frame, a) {
                 Some(number) => set_number(frame, to, number),
-                None => {
-                    let value = get(frame, a).clone();
-                    set(frame, to, value);
-                }
+                None => copy(frame, to, a),
             },
             Op::Typed { to, a, kind } => {
                 let value = good!(data::typed(get(frame, a), kind));
@@ -155,10 +135,10 @@ pub(super) fn run(
                     set(frame, to, value);
                 }
             },
-            Op::Subtract { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a - b),
-            Op::Multiply { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a * b),
-            Op::Divide { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a / b),
-            Op::Power { to, a, b } => arithmetic!(to, a, b, power),
+            Op::Subtract { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a - b, false),
+            Op::Multiply { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a * b, false),
+            Op::Divide { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a / b, true),
+            Op::Power { to, a, b } => arithmetic!(to, a, b, power, true),
             Op::Join { to, a, b } => {
                 let value = good!(data::join(state, get(frame, a), get(frame, b)));
                 set(frame, to, value);
@@ -184,7 +164,10 @@ pub(super) fn run(
                 set(frame, to, Value::Logical(value));
             }
             Op::Compare { relation, to, a, b } => {
-                let holds = good!(compare(frame, relation, a, b));
+                let holds = match (number(frame, a), number(frame, b)) {
+                    (Some(a), Some(b)) => relate(relation, a, b),
+                    _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+                };
                 set(frame, to, Value::Logical(holds));
             }
             Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
@@ -203,7 +186,11 @@ pub(super) fn run(
                 }
             }
             Op::JumpUnlessCompare { relation, a, b, target } => {
-                if !good!(compare(frame, relation, a, b)) {
+                let holds = match (number(frame, a), number(frame, b)) {
+                    (Some(a), Some(b)) => relate(relation, a, b),
+                    _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+                };
+                if !holds {
                     jump!(target);
                 }
             }
@@ -221,30 +208,34 @@ pub(super) fn run(
                 }
             }
             Op::DoStart { variable, end, target } => {
-                let step = good!(real(frame, end + 1));
+                let (value, last, step) = good!(loop_numbers(frame, variable, end));
                 if step == 0.0 {
                     return Err(Stop::Fault(at, Fault::new(Number::STEP_ZERO, "the step of this loop is zero")));
                 }
-                let (value, last) = (good!(real(frame, variable)), good!(real(frame, end)));
                 if past(value, last, step) {
                     jump!(target);
                 }
             }
             Op::DoNext { variable, end, target } => {
-                let step = good!(real(frame, end + 1));
-                let value = good!(real(frame, variable)) + step;
+                let known = (number(frame, variable), number(frame, end), number(frame, end + 1));
+                let (value, last, step) = match known {
+                    (Some(value), Some(last), Some(step)) => (value, last, step),
+                    _ => good!(loop_numbers(frame, variable, end)),
+                };
+                let value = value + step;
                 set_number(frame, variable, value);
-                if !past(value, good!(real(frame, end)), step) {
+                if !past(value, last, step) {
                     jump!(target);
                 }
             }
             Op::Element { to, a, index } => {
-                let position = good!(real(frame, index));
-                if let Some(found) = data::element_number(get(frame, a), position) {
-                    set_number(frame, to, found);
-                } else {
-                    let value = good!(data::element(state, get(frame, a), &[data::whole(position)]));
-                    set(frame, to, value);
+                let found = match number(frame, index) {
+                    Some(position) => data::element_number(get(frame, a), position),
+                    None => None,
+                };
+                match found {
+                    Some(found) => set_number(frame, to, found),
+                    None => good!(element_slow(state, frame, to, a, index)),
                 }
             }
             Op::Elements { to, a, list } => {
@@ -252,8 +243,14 @@ pub(super) fn run(
                 set(frame, to, value);
             }
             Op::SetElement { to, index, a } => {
-                let position = good!(real(frame, index));
-                good!(data::set_element(state, frame, to, &[data::whole(position)], a));
+                let stored = match (number(frame, index), number(frame, a)) {
+                    (Some(position), Some(value)) => data::set_element_number(frame, to, position, value),
+                    _ => false,
+                };
+                if !stored {
+                    let position = good!(real(frame, index));
+                    good!(data::set_element(state, frame, to, &[data::whole(position)], a));
+                }
             }
             Op::SetElements { to, list, a } => {
                 let indices = good!(data::indices(code, frame, list));
@@ -320,21 +317,11 @@ pub(super) fn run(
                 set(frame, to, value);
             }
             Op::CallMacro { to, callee, list } => {
-                good!(state.spend(5));
-                good!(calls::may_enter(program, state, callee));
-                let mut arguments = std::mem::take(&mut state.buffer);
-                arguments.clear();
-                arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
-                let Some(callee_code) = program.macros.get(usize::from(callee)).map(Arc::clone) else {
-                    return Err(Stop::Budget);
-                };
-                let given = calls::Arguments::Parameters(&arguments);
-                let (end, value) = calls::enter(program, state, host, &callee_code, callee, given);
-                state.buffer = arguments;
-                if end == super::End::Budget {
-                    return Err(Stop::Budget);
+                match call_macro(program, state, host, code, frame, (to, callee, list)) {
+                    Ok(()) => {}
+                    Err(None) => return Err(Stop::Budget),
+                    Err(Some(fault)) => return Err(Stop::Fault(at, fault)),
                 }
-                set(frame, to, value);
             }
             Op::Command { command, list } => {
                 good!(state.spend(5));
@@ -357,10 +344,25 @@ pub(super) fn run(
     Ok(())
 }
 
+#[inline(never)]
+fn element_slow(state: &State, frame: &mut [Value], to: Slot, a: Slot, index: Slot) -> Outcome<()> {
+    let position = real(frame, index)?;
+    let value = data::element(state, get(frame, a), &[data::whole(position)])?;
+    set(frame, to, value);
+    Ok(())
+}
+
 pub(super) fn slots(code: &Code, list: u16) -> &[Slot] {
     code.lists.get(usize::from(list)).map_or(&[], Vec::as_slice)
 }
 
+#[inline(never)]
+fn copy(frame: &mut [Value], to: Slot, a: Slot) {
+    let value = get(frame, a).clone();
+    set(frame, to, value);
+}
+
+#[inline(never)]
 fn power(a: f64, b: f64) -> f64 {
     if b == 2.0 { a * a } else { libm::pow(a, b) }
 }
@@ -369,21 +371,41 @@ fn past(value: f64, last: f64, step: f64) -> bool {
     if step > 0.0 { value > last } else { value < last }
 }
 
+/// Compares two numbers without a branch.
 #[inline]
-fn compare(frame: &[Value], relation: Relation, a: Slot, b: Slot) -> Outcome<bool> {
-    if let (Some(a), Some(b)) = (number(frame, a), number(frame, b)) {
-        return Ok(match relation {
-            Relation::Equal => a == b,
-            Relation::NotEqual => a != b,
-            Relation::Less => a < b,
-            Relation::LessEqual => a <= b,
-            Relation::Greater => a > b,
-            Relation::GreaterEqual => a >= b,
-        });
-    }
-    compare_slow(get(frame, a), get(frame, b), relation)
+fn relate(relation: Relation, a: f64, b: f64) -> bool {
+    let wanted = match relation {
+        Relation::Equal => 0b010u8,
+        Relation::NotEqual => 0b101,
+        Relation::Less => 0b001,
+        Relation::LessEqual => 0b011,
+        Relation::Greater => 0b100,
+        Relation::GreaterEqual => 0b110,
+    };
+    wanted & (u8::from(a < b) | u8::from(a == b) << 1 | u8::from(a > b) << 2) != 0
 }
 
+/// The numbers of a DO: variable, end, step.
+#[cold]
+#[inline(never)]
+fn loop_numbers(frame: &[Value], variable: Slot, end: Slot) -> Outcome<(f64, f64, f64)> {
+    Ok((real(frame, variable)?, real(frame, end)?, real(frame, end + 1)?))
+}
+
+/// Arithmetic that is not plain: unset values, wrong types, results that do not exist.
+#[cold]
+#[inline(never)]
+fn arithmetic_slow(frame: &[Value], a: Slot, b: Slot, work: fn(f64, f64) -> f64, divides: bool) -> Outcome<f64> {
+    let (a, b) = (real(frame, a)?, real(frame, b)?);
+    let result = work(a, b);
+    if result.is_finite() {
+        return Ok(result);
+    }
+    Err(if divides && b == 0.0 { divided_by_zero() } else { too_large() })
+}
+
+#[cold]
+#[inline(never)]
 fn compare_slow(a: &Value, b: &Value, relation: Relation) -> Outcome<bool> {
     let message = || format!("{} and {} cannot be compared this way", a.kind_name(), b.kind_name());
     let fault = || Fault::new(Number::TYPE_MISMATCH, message());
@@ -398,6 +420,31 @@ fn compare_slow(a: &Value, b: &Value, relation: Relation) -> Outcome<bool> {
         Relation::Greater => order.is_gt(),
         _ => order.is_ge(),
     })
+}
+
+/// Calls a user function; no fault means that a budget is used up.
+#[inline(never)]
+fn call_macro(
+    program: &Program,
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &mut [Value],
+    (to, callee, list): (Slot, u16, u16),
+) -> Result<(), Option<Fault>> {
+    state.spend(5)?;
+    calls::may_enter(program, state, callee)?;
+    let Some(callee_code) = program.macros.get(usize::from(callee)) else { return Err(None) };
+    let given = calls::Arguments::Parameters(frame, slots(code, list));
+    let (end, value) = calls::enter(program, state, host, callee_code, callee, given);
+    if end == super::End::Budget {
+        return Err(None);
+    }
+    match value {
+        Value::Real(number) => set_number(frame, to, number),
+        value => set(frame, to, value),
+    }
+    Ok(())
 }
 
 fn call(
