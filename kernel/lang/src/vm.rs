@@ -8,6 +8,7 @@ mod calls;
 pub(crate) mod commands;
 mod data;
 mod run;
+mod step;
 pub(crate) mod units;
 
 pub use data::{range, sequence_of};
