@@ -62,7 +62,13 @@ pub(super) fn enter(
             }
         }
     }
-    let result = code.result.and_then(|(slot, _)| frame.get(usize::from(slot)).cloned()).unwrap_or(Value::Null);
+    let result = match code.result {
+        Some((slot, _)) => match run::number(&frame, slot) {
+            Some(number) => Value::Real(number),
+            None => run::get(&frame, slot).clone(),
+        },
+        None => Value::Null,
+    };
     if let Some(place) = state.frames.get_mut(slot) {
         *place = Some(frame);
     }
@@ -92,8 +98,9 @@ fn prepare(code: &Code, frame: &mut Vec<Value>) {
         }
     } else {
         for slot in &code.locals {
-            if let Some(register) = frame.get_mut(usize::from(*slot)) {
-                *register = Value::Unset;
+            match frame.get_mut(usize::from(*slot)) {
+                Some(Value::Unset) | None => {}
+                Some(register) => *register = Value::Unset,
             }
         }
     }
@@ -112,14 +119,18 @@ fn fill(code: &Code, frame: &mut [Value], arguments: &Arguments<'_>) -> Result<(
         }
         Arguments::Parameters(caller, given) => {
             for ((slot, kind), from) in code.parameters.iter().zip(*given) {
-                let value = match (kind, run::get(caller, *from)) {
-                    (_, Value::Real(number)) if kind.is_none_or(|kind| kind == Kind::Real) => Value::Real(*number),
-                    (Some(kind), value) => super::data::typed(value, *kind)?,
-                    (None, value) => value.clone(),
-                };
-                if let Some(register) = frame.get_mut(usize::from(*slot)) {
-                    *register = value;
+                if let Some(number) = run::number(caller, *from)
+                    && kind.is_none_or(|kind| kind == Kind::Real)
+                {
+                    run::set_number(frame, *slot, number);
+                    continue;
                 }
+                let value = run::get(caller, *from);
+                let value = match kind {
+                    Some(kind) => super::data::typed(value, *kind)?,
+                    None => value.clone(),
+                };
+                run::set(frame, *slot, value);
             }
         }
     }

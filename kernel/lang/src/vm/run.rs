@@ -60,6 +60,7 @@ pub(super) enum Next {
 }
 
 /// Runs the code in its frame.
+#[inline(never)]
 pub(super) fn run(
     program: &Program,
     state: &mut State,
