@@ -197,7 +197,9 @@ pub fn run(
     if state.depth == 0 {
         state.ticks = state.limits.ticks;
     }
-    calls::enter(program, state, host, code, index, calls::Arguments::Numbered(arguments))
+    let end = calls::enter(program, state, host, code, index, calls::Arguments::Numbered(arguments));
+    let value = calls::result(state, code, index).clone();
+    (end, value)
 }
 
 /// Writes what open units still hold and closes them.

@@ -25,7 +25,7 @@ pub(super) fn enter(
     code: &Code,
     index: u16,
     mut arguments: Arguments<'_>,
-) -> (End, Value) {
+) -> End {
     let slot = usize::from(index);
     if state.frames.len() <= slot {
         state.frames.resize_with(slot + 1, || Some(Vec::new()));
@@ -33,7 +33,7 @@ pub(super) fn enter(
     let entry = code.places.first().copied().unwrap_or_default();
     if let Err(fault) = may_enter(program, state, index) {
         report(code, entry, fault, 8, state, host);
-        return (End::Error, Value::Null);
+        return End::Error;
     }
     let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
     prepare(code, &mut frame);
@@ -62,17 +62,19 @@ pub(super) fn enter(
             }
         }
     }
-    let result = match code.result {
-        Some((slot, _)) => match run::number(&frame, slot) {
-            Some(number) => Value::Real(number),
-            None => run::get(&frame, slot).clone(),
-        },
-        None => Value::Null,
-    };
     if let Some(place) = state.frames.get_mut(slot) {
         *place = Some(frame);
     }
-    (end, result)
+    end
+}
+
+/// Result of the last run of a function.
+pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
+    static NULL: Value = Value::Null;
+    match (code.result, state.frames.get(usize::from(index))) {
+        (Some((slot, _)), Some(Some(frame))) => run::get(frame, slot),
+        _ => &NULL,
+    }
 }
 
 /// Refuses a macro that is running already, and too many macros at once.

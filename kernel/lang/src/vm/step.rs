@@ -351,13 +351,13 @@ fn call_macro(
     calls::may_enter(program, state, callee)?;
     let Some(callee_code) = program.macros.get(usize::from(callee)) else { return Err(None) };
     let given = calls::Arguments::Parameters(frame, slots(code, list));
-    let (end, value) = calls::enter(program, state, host, callee_code, callee, given);
+    let end = calls::enter(program, state, host, callee_code, callee, given);
     if end == super::End::Budget {
         return Err(None);
     }
-    match value {
-        Value::Real(number) => set_number(frame, to, number),
-        value => set(frame, to, value),
+    match calls::result(state, callee_code, callee) {
+        Value::Real(number) => set_number(frame, to, *number),
+        value => set(frame, to, value.clone()),
     }
     Ok(())
 }
