@@ -96,3 +96,20 @@ fn deep_nesting_is_refused() {
     let signs = format!("A={}1", "-".repeat(400));
     assert_eq!(numbers(&signs), [Number::TOO_DEEP]);
 }
+
+#[test]
+fn the_grammar_names_every_command_and_operator() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/macro-language/grammar.md");
+    let grammar = std::fs::read_to_string(path).unwrap();
+    for command in super::statement::COMMANDS {
+        assert!(grammar.contains(&format!("\"{command}\"")), "{command}");
+    }
+    for kind in crate::value::Kind::ALL {
+        assert!(grammar.contains(&format!("\"{}\"", kind.name())));
+    }
+    use Sign::*;
+    for sign in [Equal, NotEqual, Greater, Less, GreaterEqual, LessEqual, Not, And, Or, Xor, Join, Power, AddAssign] {
+        assert!(grammar.contains(&format!("\"{}\"", sign.standard())), "{sign:?}");
+        assert!(grammar.contains(&format!("\"{}\"", sign.c())), "{sign:?}");
+    }
+}
