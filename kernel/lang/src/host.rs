@@ -96,7 +96,9 @@ pub trait Host: Registers {
     /// The command is not available here, or failed.
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32>;
 
-    /// Calls a function that the language cannot compute on its own.
+    /// Calls a function that the language cannot compute on its own. Two functions of the language ask the host for a
+    /// part: `$FEOF` without arguments for the end of the NC program, `$FMX` with one truth value for the machine frame
+    /// (true: the last one).
     ///
     /// # Errors
     /// The function is not available here, or its arguments are impossible.

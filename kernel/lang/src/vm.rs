@@ -71,6 +71,7 @@ pub struct State {
     patterns: FxHashMap<String, Arc<Pattern>>,
     names: Vec<String>,
     buffer: Vec<Value>,
+    notes: Vec<Fault>,
 }
 
 /// How a run ended.
@@ -103,6 +104,7 @@ impl State {
             patterns: FxHashMap::default(),
             names: Vec::new(),
             buffer: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -168,6 +170,11 @@ impl State {
             return Ok(());
         }
         Err(Fault::new(Number::SIZE, format!("there are more than {} elements", self.limits.elements)))
+    }
+
+    /// Notes a warning of a function that goes on with `$NULL`; it is reported with the place of the call.
+    pub fn warn(&mut self, fault: Fault) {
+        self.notes.push(fault);
     }
 
     /// Uses up ticks for work done inside one instruction.

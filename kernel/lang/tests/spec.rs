@@ -1,8 +1,8 @@
 //! Runs the language guide: every `macro` block of `tests/spec/lang/*.md` with the blocks that follow it.
 //!
 //! `output` holds what the macro prints, `commands` what it asks of the control, `diagnostics` one line `number line` for
-//! each diagnostic of the checker or of the run, `trace` the trace, `standard` and `c` the macro in a style. A block that
-//! is not given must be empty (`trace`, `standard` and `c` are only compared where they are given).
+//! each diagnostic of the checker or of the run, `messages` their full text, `trace` the trace, `standard` and `c` the macro in a style. A block that
+//! is not given must be empty (`messages`, `trace`, `standard` and `c` are only compared where they are given).
 
 use counterpoint_lang::compile::{self, Options, Program, Strong};
 use counterpoint_lang::host::Test;
@@ -66,8 +66,9 @@ fn run(example: &Example) -> BTreeMap<&'static str, String> {
         vm::close_all(&mut state, &mut host);
     }
     diagnostics.append(&mut host.diagnostics);
-    let mut shown = String::new();
+    let (mut shown, mut messages) = (String::new(), String::new());
     for diagnostic in diagnostics {
+        let _ = writeln!(messages, "{diagnostic}");
         let _ = writeln!(shown, "{} {}", diagnostic.number, diagnostic.line);
     }
     let joined = |lines: &[String]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
@@ -76,6 +77,7 @@ fn run(example: &Example) -> BTreeMap<&'static str, String> {
         ("output", joined(&host.printed)),
         ("commands", joined(&host.commands)),
         ("diagnostics", shown),
+        ("messages", messages),
         ("trace", joined(&host.traced)),
         ("standard", styled(Style::Standard)),
         ("c", styled(Style::C)),
@@ -92,7 +94,8 @@ fn the_guide_is_true() {
         for example in examples(&std::fs::read_to_string(path).unwrap()) {
             count += 1;
             for (kind, found) in run(&example) {
-                let optional = matches!(kind, "trace" | "standard" | "c");
+                let optional = matches!(kind, "trace" | "standard" | "c" | "messages")
+                    || (kind == "diagnostics" && example.expected.contains_key("messages"));
                 let wanted = match example.expected.get(kind) {
                     Some(wanted) => wanted.as_str(),
                     None if optional => continue,

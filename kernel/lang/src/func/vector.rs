@@ -63,15 +63,17 @@ pub(super) fn unit(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     Ok(Value::numbers(&normalised(&numbers(arguments, 0)?)))
 }
 
-fn impossible_size<T>() -> Outcome<T> {
-    Err(Fault::new(Number::BAD_VECTOR, "both vectors must have two or three elements"))
+/// A warning, and `$NULL` as the result.
+fn impossible_size(context: &mut Context<'_>) -> Outcome<Value> {
+    context.state.warn(Fault::new(Number::BAD_VECTOR, "both vectors must have two or three elements"));
+    Ok(Value::Null)
 }
 
 fn unsigned_angle(a: &[f64], b: &[f64]) -> f64 {
     direction(norm(&cross(a, b)), dot(a, b))
 }
 
-pub(super) fn angle(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn angle(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (a, b) = (numbers(arguments, 0)?, numbers(arguments, 1)?);
     match (a.len(), b.len()) {
         (2, 2) => {
@@ -79,14 +81,14 @@ pub(super) fn angle(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> 
             Ok(Value::Real(direction(z, dot(&a, &b))))
         }
         (3, 3) => Ok(Value::Real(unsigned_angle(&a, &b))),
-        _ => impossible_size(),
+        _ => impossible_size(context),
     }
 }
 
-pub(super) fn cross_product(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn cross_product(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (a, b) = (numbers(arguments, 0)?, numbers(arguments, 1)?);
     if a.len() != b.len() || !matches!(a.len(), 2 | 3) {
-        return impossible_size();
+        return impossible_size(context);
     }
     Ok(Value::numbers(&cross(&a, &b)))
 }

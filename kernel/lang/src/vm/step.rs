@@ -262,6 +262,10 @@ pub(super) fn step(
         Op::Call { to, function, list } => {
             let value = good!(call(state, host, code, frame, function, list));
             set(frame, to, value);
+            while let Some(fault) = state.notes.pop() {
+                let place = code.places.get(at).copied().unwrap_or_default();
+                super::report(code, place, fault, 4, state, host);
+            }
         }
         Op::CallMacro { to, callee, list } => match call_macro(program, state, host, code, frame, (to, callee, list)) {
             Ok(()) => {}
