@@ -10,6 +10,7 @@ use crate::ast::{Expr, ExprKind, Macro, Statement, StatementKind, Variable, When
 use crate::diag::{Diagnostic, Number};
 use crate::lex::{self, Line, Sign, Spanned, Token};
 use crate::source::{Source, Span};
+use std::collections::HashSet;
 
 /// Most diagnostics of one file.
 pub const MAX_DIAGNOSTICS: usize = 200;
@@ -35,11 +36,18 @@ pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
     let (lines, mut diagnostics) = lex::lex(source);
     let mut macros = Vec::new();
     let mut current = Macro::default();
+    let broken: HashSet<u32> = diagnostics.iter().map(|diagnostic| diagnostic.line).collect();
+    let mut unheard = Vec::new();
     for line in &lines {
         if line.tokens.is_empty() && line.label.is_none() {
             continue;
         }
-        if let Some(statement) = header_or_statement(source, line, &mut current, &mut macros, &mut diagnostics) {
+        // What the lexer refused would only be refused again.
+        let hears = broken.is_empty()
+            || !(source.line(line.span.start)..=source.line(line.span.end)).any(|n| broken.contains(&n));
+        unheard.clear();
+        let hearer = if hears { &mut diagnostics } else { &mut unheard };
+        if let Some(statement) = header_or_statement(source, line, &mut current, &mut macros, hearer) {
             if current.statements.is_empty() && current.header.is_none() {
                 current.span = statement.span;
             }

@@ -375,7 +375,8 @@ impl MacroCompiler<'_> {
             }
             let (slot, kind) = self.expression(argument, None);
             if let Some(kind) = kind.filter(|kind| !func::fits(function.letter(position), *kind)) {
-                self.wrong(argument.span, &format!("argument {} of {name}", position + 1), kind);
+                let message = format!("argument {} of {name} cannot be of type {}", position + 1, kind.name());
+                self.error(argument.span, Number::WRONG_TYPE, message);
             }
             self.check_literal(function.name, position, argument);
             slots.push(slot);

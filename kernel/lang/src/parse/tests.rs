@@ -89,8 +89,10 @@ fn declarations() {
 
 #[test]
 fn deep_nesting_is_refused() {
+    let deep = format!("A={}1{}", "(".repeat(240), ")".repeat(240));
+    assert_eq!(numbers(&deep), [Number::TOO_DEEP]);
     let deep = format!("A={}1{}", "(".repeat(400), ")".repeat(400));
-    assert_eq!(numbers(&deep), [Number::LINE_TOO_LONG, Number::TOO_DEEP]);
+    assert_eq!(numbers(&deep), [Number::LINE_TOO_LONG]);
     let long = format!("A=1{}", "+$\n1".repeat(3000));
     assert_eq!(numbers(&long), [Number::TOO_DEEP]);
     let signs = format!("A={}1", "-".repeat(400));
