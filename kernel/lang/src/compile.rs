@@ -373,8 +373,6 @@ impl<'a> MacroCompiler<'a> {
             local.written = true;
         }
         self.code.result = Some((slot, header.result));
-        let null = self.constant(Value::Null);
-        self.emit(Op::Move { to: slot, a: null });
     }
 
     fn error(&mut self, span: Span, number: Number, message: impl Into<String>) {

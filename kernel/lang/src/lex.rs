@@ -280,8 +280,9 @@ mod tests {
         assert_eq!(numbers("A='x"), [Number::OPEN_TEXT]);
         assert_eq!(numbers("A=?"), [Number::STRANGE_CHARACTER]);
         assert_eq!(numbers("10: A=1"), [Number::BAD_LABEL]);
-        assert_eq!(numbers(&format!("A={}", "1".repeat(600))), [Number::LINE_TOO_LONG]);
+        assert_eq!(numbers(&format!("A='{}'", "1".repeat(600))), [Number::LINE_TOO_LONG]);
         assert_eq!(numbers(&format!("{}=1", "A".repeat(33))), [Number::BAD_NAME]);
         assert_eq!(numbers("A=.FOO.B"), [Number::STRANGE_CHARACTER]);
+        assert_eq!(numbers(&format!("A={}", "9".repeat(400))), [Number::BAD_NUMBER]);
     }
 }

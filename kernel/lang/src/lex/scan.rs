@@ -123,7 +123,10 @@ impl Scanner<'_> {
             length += self.digits(length);
         }
         let text = self.take(length);
-        text.parse().map(Token::Number).map_err(|_| (Number::BAD_NUMBER, format!("`{text}` is no number")))
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Token::Number(number)),
+            _ => Err((Number::BAD_NUMBER, "this is no number, or one that is too large".into())),
+        }
     }
 
     fn dotted(&mut self) -> Result<Token, Fault> {

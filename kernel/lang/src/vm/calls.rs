@@ -37,6 +37,9 @@ pub(super) fn enter(
     }
     let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
     prepare(code, &mut frame);
+    if let Some((result, _)) = code.result {
+        run::set(&mut frame, result, Value::Null);
+    }
     let tracing = !code.statements.is_empty();
     if tracing {
         host.trace(&format!(" Macro:* Entering {}", code.name));

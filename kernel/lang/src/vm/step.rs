@@ -386,7 +386,22 @@ fn call(
     };
     arguments.clear();
     state.buffer = arguments;
-    result
+    match result {
+        Ok(value) if !finite(&value) => {
+            let message = format!("{} has no result that is a number", function.name);
+            Err(Fault::new(Number::BAD_ARITHMETIC, message))
+        }
+        result => result,
+    }
+}
+
+/// Numbers that overflow never get into a variable.
+fn finite(value: &Value) -> bool {
+    match value {
+        Value::Real(number) => number.is_finite(),
+        Value::Sequence(elements) => elements.iter().all(|e| !matches!(e, Value::Real(number) if !number.is_finite())),
+        _ => true,
+    }
 }
 
 /// Checks the types of arguments for the host.
