@@ -1,5 +1,22 @@
 //! The macro language of the control emulator. Knows nothing of machines, programs, channels or I/O.
 //!
-//! Now here: the numeric output format that listings, registers and macros share ([`format`]).
+//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`], [`format`],
+//! [`pattern`], [`host`], [`func`], [`bytecode`], [`compile`], [`vm`], [`tools`]. A source is lexed and parsed without
+//! ever failing, compiled once to [`bytecode`] with every error it has, and run by [`vm::run`] against a [`host::Host`].
 
+pub mod ast;
+pub mod bytecode;
+pub mod compile;
+pub mod diag;
+pub mod fault;
 pub mod format;
+pub mod func;
+pub mod host;
+pub mod ident;
+pub mod lex;
+pub mod parse;
+pub mod pattern;
+pub mod source;
+pub mod tools;
+pub mod value;
+pub mod vm;

@@ -1,0 +1,369 @@
+//! The code of a macro.
+//!
+//! Invariant: an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
+//! their own that are filled once. Every instruction knows its statement.
+
+use crate::func::Function;
+use crate::source::{Source, Span};
+use crate::value::{Kind, Value};
+use std::sync::Arc;
+
+/// A register of a frame.
+pub type Slot = u16;
+/// A position in the code.
+pub type Target = u16;
+/// No register.
+pub const NO_SLOT: Slot = Slot::MAX;
+/// Most instructions and registers of a macro.
+pub const MAX_CODE: usize = 60_000;
+
+/// Comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// `.EQ.`
+    Equal,
+    /// `.NE.`
+    NotEqual,
+    /// `.LT.`
+    Less,
+    /// `.LE.`
+    LessEqual,
+    /// `.GT.`
+    Greater,
+    /// `.GE.`
+    GreaterEqual,
+}
+
+/// Commands without a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommandCode {
+    /// MATCH/ON
+    MatchOn,
+    /// MATCH/OFF
+    MatchOff,
+    /// OUTPUT
+    Output,
+    /// EXEC/NEXT of formatted text
+    ExecNextFormat,
+    /// EXEC/NOW of formatted text
+    ExecNowFormat,
+    /// EXEC/NEXT of values
+    ExecNext,
+    /// EXEC/NOW of values
+    ExecNow,
+    /// TAPERD
+    TapeRead,
+    /// TAPEWT
+    TapeWrite,
+    /// SEARCH
+    Search,
+    /// SAVMODAL
+    SaveModal,
+    /// RSTMODAL
+    RestoreModal,
+    /// LPRINT/ON
+    ListingOn,
+    /// LPRINT/OFF
+    ListingOff,
+    /// LPRINT/n
+    Skip,
+    /// PPRINT
+    Print,
+    /// OPEN
+    Open,
+    /// CLOSE
+    Close,
+    /// WRITE
+    Write,
+    /// ERROR
+    Error,
+    /// SYSTEM
+    System,
+}
+
+/// Variables that the machine itself knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Own {
+    /// `$ERRNO`
+    Status,
+    /// `$MNEST`
+    Nesting,
+    /// `$CI`
+    Channel,
+    /// `$CHSIZ`, `$CHMAX`
+    Channels,
+}
+
+/// One instruction. `list` is a position in [`Code::lists`].
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs, reason = "the operands are named the same way throughout: destination, operands, list, target")]
+pub enum Op {
+    Move {
+        to: Slot,
+        a: Slot,
+    },
+    Typed {
+        to: Slot,
+        a: Slot,
+        kind: Kind,
+    },
+    Add {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Subtract {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Multiply {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Divide {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Power {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Join {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Negate {
+        to: Slot,
+        a: Slot,
+    },
+    Number {
+        to: Slot,
+        a: Slot,
+    },
+    Not {
+        to: Slot,
+        a: Slot,
+    },
+    Truth {
+        to: Slot,
+        a: Slot,
+    },
+    Xor {
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    Compare {
+        relation: Relation,
+        to: Slot,
+        a: Slot,
+        b: Slot,
+    },
+    /// Adds to a number, text or sequence in place.
+    AddTo {
+        to: Slot,
+        a: Slot,
+    },
+    Jump {
+        target: Target,
+    },
+    JumpIf {
+        a: Slot,
+        target: Target,
+    },
+    JumpUnless {
+        a: Slot,
+        target: Target,
+    },
+    JumpUnlessCompare {
+        relation: Relation,
+        a: Slot,
+        b: Slot,
+        target: Target,
+    },
+    /// Jumps if the values have one type and are equal.
+    JumpIfWhen {
+        a: Slot,
+        b: Slot,
+        target: Target,
+    },
+    /// Jumps if `a` lies between the registers `low` and `low+1`.
+    JumpIfThru {
+        a: Slot,
+        low: Slot,
+        target: Target,
+    },
+    /// Checks the operands of a DO: variable, end in `end`, step in `end+1`; jumps if there is no pass.
+    DoStart {
+        variable: Slot,
+        end: Slot,
+        target: Target,
+    },
+    /// Steps and jumps to the body if there is another pass.
+    DoNext {
+        variable: Slot,
+        end: Slot,
+        target: Target,
+    },
+    Element {
+        to: Slot,
+        a: Slot,
+        index: Slot,
+    },
+    Elements {
+        to: Slot,
+        a: Slot,
+        list: u16,
+    },
+    SetElement {
+        to: Slot,
+        index: Slot,
+        a: Slot,
+    },
+    SetElements {
+        to: Slot,
+        list: u16,
+        a: Slot,
+    },
+    Range {
+        to: Slot,
+        a: Slot,
+        list: u16,
+    },
+    Sequence {
+        to: Slot,
+        list: u16,
+    },
+    ReadShared {
+        to: Slot,
+        shared: u16,
+    },
+    WriteShared {
+        shared: u16,
+        a: Slot,
+    },
+    SharedElements {
+        to: Slot,
+        shared: u16,
+        list: u16,
+    },
+    SetSharedElements {
+        shared: u16,
+        list: u16,
+        a: Slot,
+    },
+    ReadSystem {
+        to: Slot,
+        system: u16,
+        list: u16,
+    },
+    WriteSystem {
+        system: u16,
+        list: u16,
+        a: Slot,
+    },
+    ReadOwn {
+        to: Slot,
+        own: Own,
+    },
+    Declare {
+        to: Slot,
+        declaration: u16,
+    },
+    DeclareShared {
+        shared: u16,
+        declaration: u16,
+    },
+    Math {
+        to: Slot,
+        a: Slot,
+        function: u16,
+    },
+    Call {
+        to: Slot,
+        function: u16,
+        list: u16,
+    },
+    CallMacro {
+        to: Slot,
+        callee: u16,
+        list: u16,
+    },
+    Command {
+        command: CommandCode,
+        list: u16,
+    },
+    Read {
+        list: u16,
+        targets: u16,
+        again: bool,
+    },
+    Trace {
+        statement: u16,
+    },
+    Return,
+}
+
+/// A declaration executed at run time.
+#[derive(Clone, Debug)]
+pub struct Declaration {
+    /// Type.
+    pub kind: Option<Kind>,
+    /// Registers of the sizes.
+    pub sizes: Vec<Slot>,
+    /// With the hidden channel dimension.
+    pub channel: bool,
+    /// Register of the first value.
+    pub value: Option<Slot>,
+}
+
+/// Where a shared variable lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shared {
+    /// In the object's store.
+    Object(u32),
+    /// In the host's store.
+    Global(u32),
+}
+
+/// Compiled macro.
+#[derive(Clone, Debug)]
+pub struct Code {
+    /// Name shown in diagnostics and traces.
+    pub name: String,
+    /// Its file.
+    pub source: Arc<Source>,
+    /// Instructions.
+    pub ops: Vec<Op>,
+    /// Place of the statement of each instruction.
+    pub places: Vec<Span>,
+    /// Number of registers.
+    pub registers: usize,
+    /// Registers that hold constants.
+    pub constants: Vec<(Slot, Value)>,
+    /// Registers cleared at entry.
+    pub locals: Vec<Slot>,
+    /// Registers of `$P` arguments.
+    pub arguments: Vec<(u8, Slot)>,
+    /// Registers and types of the parameters of a function.
+    pub parameters: Vec<(Slot, Option<Kind>)>,
+    /// Register and type of the result of a function.
+    pub result: Option<(Slot, Option<Kind>)>,
+    /// Register lists.
+    pub lists: Vec<Vec<Slot>>,
+    /// Declarations.
+    pub declarations: Vec<Declaration>,
+    /// Shared variables used.
+    pub shared: Vec<(Shared, Option<Kind>)>,
+    /// Functions used.
+    pub functions: Vec<&'static Function>,
+    /// Statements in standard style, for the trace.
+    pub statements: Vec<String>,
+    /// Is a user function.
+    pub is_function: bool,
+}

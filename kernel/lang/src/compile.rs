@@ -1,0 +1,467 @@
+//! From the tree to bytecode, with every check that can be made before running.
+//!
+//! Invariant: all diagnostics of a file are found in one pass; a program holds code only for macros without errors.
+//! Names of shared variables and functions are resolved once, here. Facts: reference macro-language.md 1.4 to 1.6, 2, 3.
+
+mod assign;
+mod expression;
+mod flow;
+mod names;
+mod statement;
+
+use crate::ast::{Macro, Scope, StatementKind};
+use crate::bytecode::{Code, Declaration, MAX_CODE, Op, Shared, Slot};
+use crate::diag::{Diagnostic, Number};
+use crate::host::Environment;
+use crate::parse::{self, MAX_DIAGNOSTICS};
+use crate::source::{Source, Span};
+use crate::value::{Kind, Value};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// Which names must be declared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strong {
+    /// None.
+    #[default]
+    Off,
+    /// GLOBAL and OBJECT in the declaration macro only.
+    Partial,
+    /// Locals too.
+    Full,
+}
+
+/// Where a macro will run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Place {
+    /// Where every command is possible.
+    #[default]
+    Any,
+    /// Declaration macro.
+    Declaration,
+    /// Data macro: no OUTPUT.
+    Data,
+    /// Startup or shutdown macro: no OUTPUT.
+    Startup,
+}
+
+/// How to compile.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Strong declaration.
+    pub strong: Strong,
+    /// Warn of variables that are read and never assigned.
+    pub uninitialised: bool,
+    /// Put trace instructions into the code.
+    pub trace: bool,
+    /// Kind of macro.
+    pub place: Place,
+}
+
+/// A user function as its callers see it.
+#[derive(Clone, Debug)]
+pub(crate) struct FunctionSymbol {
+    index: u16,
+    parameters: Vec<Option<Kind>>,
+    result: Option<Kind>,
+}
+
+/// A shared variable as its users see it.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedSymbol {
+    shared: Shared,
+    kind: Option<Kind>,
+    indices: usize,
+    channel: bool,
+}
+
+/// Everything compiled so far; grows when sources are added.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// Code by index; empty for macros with errors.
+    pub macros: Vec<Arc<Code>>,
+    /// Number of variables in the object's store.
+    pub objects: u32,
+    /// Names of the global variables by index; the first hundred are `%G00` to `%G99`.
+    pub globals: Vec<String>,
+    functions: FxHashMap<String, FunctionSymbol>,
+    shared: FxHashMap<String, SharedSymbol>,
+    included: Vec<String>,
+}
+
+impl Program {
+    /// A program without macros.
+    #[must_use]
+    pub fn new() -> Program {
+        Program { globals: (0..100).map(|number| format!("%G{number:02}")).collect(), ..Program::default() }
+    }
+
+    /// Index of a user function.
+    #[must_use]
+    pub fn function(&self, name: &str) -> Option<u16> {
+        self.functions.get(name).map(|symbol| symbol.index)
+    }
+}
+
+/// What became of a source.
+#[derive(Debug, Default)]
+pub struct Added {
+    /// Macros without a header, by index, in order.
+    pub macros: Vec<u16>,
+    /// Everything found, in order of place.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Added {
+    /// Tells whether nothing of the source may run.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(Diagnostic::is_error)
+    }
+}
+
+/// Compiles a source into `program`.
+pub fn add(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
+    let source = Arc::new(source);
+    let mut added = Added::default();
+    load(program, environment, &source, options, &mut added, 0);
+    added.diagnostics.sort_by_key(|diagnostic| (diagnostic.file != source.name, diagnostic.line, diagnostic.column));
+    if added.diagnostics.len() > MAX_DIAGNOSTICS {
+        added.diagnostics.truncate(MAX_DIAGNOSTICS);
+        let message = format!("only the first {MAX_DIAGNOSTICS} diagnostics are listed");
+        added.diagnostics.push(Diagnostic::new(&source, Span::default(), Number::TOO_MANY, message));
+    }
+    added
+}
+
+/// Compiles embedded macro code: an expression whose value is wanted, or statements.
+pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
+    match parse::expression(&source) {
+        Some(_) => {
+            let text = format!("%EMBEDDED={}", source.text.trim_end());
+            let header = format!("MACRO/%EMBEDDED()\n{text}\nENDMAC");
+            program.functions.remove("EMBEDDED");
+            let mut added = add(program, environment, Source::new(source.name, header), options);
+            added.macros.extend(program.function("EMBEDDED"));
+            added
+        }
+        None => add(program, environment, source, options),
+    }
+}
+
+fn load(
+    program: &mut Program,
+    environment: &mut dyn Environment,
+    source: &Arc<Source>,
+    options: Options,
+    added: &mut Added,
+    depth: usize,
+) {
+    let (macros, diagnostics) = parse::parse(source);
+    added.diagnostics.extend(diagnostics);
+    for statement in macros.iter().flat_map(|one| &one.statements) {
+        if let StatementKind::Include(name) = &statement.kind {
+            include(program, environment, source, (name, statement.span), options, added, depth);
+        }
+    }
+    let indices: Vec<u16> = macros.iter().map(|one| register(program, source, one, &mut added.diagnostics)).collect();
+    for one in &macros {
+        share(program, source, one, options, &mut added.diagnostics);
+    }
+    for (one, index) in macros.iter().zip(indices) {
+        let before = added.diagnostics.len();
+        let code = MacroCompiler::new(program, environment, source, options, &mut added.diagnostics).compile(one);
+        let good = !added.diagnostics.get(before..).is_some_and(|new| new.iter().any(Diagnostic::is_error));
+        if let (true, Some(place)) = (good, program.macros.get_mut(usize::from(index))) {
+            *place = Arc::new(code);
+        }
+        if one.header.is_none() && depth == 0 {
+            added.macros.push(index);
+        }
+    }
+}
+
+fn include(
+    program: &mut Program,
+    environment: &mut dyn Environment,
+    source: &Arc<Source>,
+    (name, span): (&String, Span),
+    options: Options,
+    added: &mut Added,
+    depth: usize,
+) {
+    if program.included.contains(name) {
+        return;
+    }
+    program.included.push(name.clone());
+    if depth >= 20 {
+        let message = "files are included more than 20 levels deep";
+        added.diagnostics.push(Diagnostic::new(source, span, Number::TOO_DEEP, message));
+        return;
+    }
+    match environment.include(name, &source.name) {
+        Some(text) => load(program, environment, &Arc::new(text), options, added, depth + 1),
+        None => {
+            let message = format!("the file '{name}' cannot be read");
+            added.diagnostics.push(Diagnostic::new(source, span, Number::NO_FILE, message));
+        }
+    }
+}
+
+/// Gives a macro its index, and its name if it is a function.
+fn register(program: &mut Program, source: &Arc<Source>, one: &Macro, diagnostics: &mut Vec<Diagnostic>) -> u16 {
+    let index = u16::try_from(program.macros.len()).unwrap_or(u16::MAX);
+    if index == u16::MAX {
+        diagnostics.push(Diagnostic::new(source, one.span, Number::TOO_LARGE, "there are too many macros"));
+        return index;
+    }
+    program.macros.push(Arc::new(Code::empty(source)));
+    if let Some(header) = &one.header {
+        let parameters = header.parameters.iter().map(|(_, kind)| *kind).collect();
+        let symbol = FunctionSymbol { index, parameters, result: header.result };
+        if program.functions.insert(header.name.clone(), symbol).is_some() {
+            let message = format!("the function {} is defined twice", header.name);
+            diagnostics.push(Diagnostic::new(source, header.span, Number::DUPLICATE_FUNCTION, message));
+        }
+    }
+    index
+}
+
+/// Makes the shared variables that a macro declares.
+fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, diagnostics: &mut Vec<Diagnostic>) {
+    for statement in &one.statements {
+        let StatementKind::Declare { scope, kind, channel, names } = &statement.kind else { continue };
+        if *scope == Scope::Local {
+            continue;
+        }
+        if options.strong != Strong::Off && options.place != Place::Declaration && options.place != Place::Any {
+            let message = "under strong declaration GLOBAL and OBJECT variables are declared in the declaration macro";
+            diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
+        }
+        for declared in names {
+            let shared = if *scope == Scope::Global {
+                program.globals.push(declared.name.clone());
+                Shared::Global(u32::try_from(program.globals.len() - 1).unwrap_or(u32::MAX))
+            } else {
+                program.objects += 1;
+                Shared::Object(program.objects - 1)
+            };
+            let symbol = SharedSymbol { shared, kind: *kind, indices: declared.sizes.len(), channel: *channel };
+            if program.shared.contains_key(&declared.name) || program.functions.contains_key(&declared.name) {
+                let message = format!("{} is declared already", declared.name);
+                diagnostics.push(Diagnostic::new(source, declared.span, Number::REDECLARED, message));
+            } else {
+                program.shared.insert(declared.name.clone(), symbol);
+            }
+        }
+    }
+}
+
+impl Code {
+    fn empty(source: &Arc<Source>) -> Code {
+        Code {
+            name: String::new(),
+            source: Arc::clone(source),
+            ops: Vec::new(),
+            places: Vec::new(),
+            registers: 0,
+            constants: Vec::new(),
+            locals: Vec::new(),
+            arguments: Vec::new(),
+            parameters: Vec::new(),
+            result: None,
+            lists: Vec::new(),
+            declarations: Vec::new(),
+            shared: Vec::new(),
+            functions: Vec::new(),
+            statements: Vec::new(),
+            is_function: false,
+        }
+    }
+}
+
+/// A local name.
+#[derive(Clone, Debug)]
+struct Local {
+    slot: Slot,
+    kind: Option<Kind>,
+    indices: usize,
+    channel: bool,
+    /// Must be declared, and where it first is.
+    declared: Option<u32>,
+    written: bool,
+    read: Option<Span>,
+    user: bool,
+}
+
+/// Compiles one macro.
+struct MacroCompiler<'a> {
+    program: &'a Program,
+    environment: &'a mut dyn Environment,
+    source: &'a Arc<Source>,
+    options: Options,
+    diagnostics: &'a mut Vec<Diagnostic>,
+    code: Code,
+    locals: FxHashMap<String, Local>,
+    temporaries: Vec<Slot>,
+    used: usize,
+    place: Span,
+    blocks: Vec<flow::Open>,
+    labels: FxHashMap<String, usize>,
+    jumps: Vec<(usize, String, Span)>,
+}
+
+impl<'a> MacroCompiler<'a> {
+    fn new(
+        program: &'a Program,
+        environment: &'a mut dyn Environment,
+        source: &'a Arc<Source>,
+        options: Options,
+        diagnostics: &'a mut Vec<Diagnostic>,
+    ) -> MacroCompiler<'a> {
+        MacroCompiler {
+            program,
+            environment,
+            source,
+            options,
+            diagnostics,
+            code: Code::empty(source),
+            locals: FxHashMap::default(),
+            temporaries: Vec::new(),
+            used: 0,
+            place: Span::default(),
+            blocks: Vec::new(),
+            labels: FxHashMap::default(),
+            jumps: Vec::new(),
+        }
+    }
+
+    fn compile(mut self, one: &Macro) -> Code {
+        self.code.name = self.source.name.clone();
+        self.place = one.span;
+        self.declare_locals(one);
+        if let Some(header) = &one.header {
+            self.header(header);
+        }
+        for statement in &one.statements {
+            self.place = statement.span;
+            self.used = 0;
+            self.statement(statement);
+        }
+        self.finish_blocks();
+        self.emit(Op::Return);
+        self.finish_jumps();
+        self.warn_uninitialised();
+        if self.code.ops.len() > MAX_CODE || self.code.registers > MAX_CODE {
+            self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
+        }
+        self.code
+    }
+
+    fn header(&mut self, header: &crate::ast::Header) {
+        self.code.name.clone_from(&header.name);
+        self.code.is_function = true;
+        for (name, kind) in &header.parameters {
+            let slot = self.new_local(name, *kind, Some(0));
+            self.code.parameters.push((slot, *kind));
+            if let Some(local) = self.locals.get_mut(name) {
+                local.written = true;
+            }
+        }
+        let slot = self.new_local(&header.name, header.result, Some(0));
+        if let Some(local) = self.locals.get_mut(&header.name) {
+            local.written = true;
+        }
+        self.code.result = Some((slot, header.result));
+    }
+
+    fn error(&mut self, span: Span, number: Number, message: impl Into<String>) {
+        self.error_with(span, number, message, None);
+    }
+
+    fn error_with(&mut self, span: Span, number: Number, message: impl Into<String>, help: Option<String>) {
+        self.diagnostics.push(Diagnostic::new(self.source, span, number, message).help(help));
+    }
+
+    fn emit(&mut self, op: Op) -> usize {
+        self.code.ops.push(op);
+        self.code.places.push(self.place);
+        self.code.ops.len() - 1
+    }
+
+    fn here(&self) -> u16 {
+        u16::try_from(self.code.ops.len()).unwrap_or(u16::MAX)
+    }
+
+    fn slot(&mut self) -> Slot {
+        self.code.registers += 1;
+        Slot::try_from(self.code.registers - 1).unwrap_or(0)
+    }
+
+    fn temporary(&mut self) -> Slot {
+        self.used += 1;
+        if let Some(slot) = self.temporaries.get(self.used - 1) {
+            return *slot;
+        }
+        let slot = self.slot();
+        self.temporaries.push(slot);
+        slot
+    }
+
+    fn constant(&mut self, value: Value) -> Slot {
+        if matches!(value, Value::Real(_) | Value::Logical(_) | Value::Null | Value::Keyword(_) | Value::Text(_)) {
+            let same = |other: &Value| {
+                other.kind() == value.kind()
+                    && match (other, &value) {
+                        (Value::Text(a), Value::Text(b)) => a == b,
+                        (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),
+                        _ => other.equals(&value) == Some(true),
+                    }
+            };
+            if let Some((slot, _)) = self.code.constants.iter().rev().take(50).find(|(_, other)| same(other)) {
+                return *slot;
+            }
+        }
+        let slot = self.slot();
+        self.code.constants.push((slot, value));
+        slot
+    }
+
+    fn list(&mut self, slots: Vec<Slot>) -> u16 {
+        if slots.is_empty() && self.code.lists.first().is_some_and(Vec::is_empty) {
+            return 0;
+        }
+        if self.code.lists.is_empty() {
+            self.code.lists.push(Vec::new());
+            if slots.is_empty() {
+                return 0;
+            }
+        }
+        self.code.lists.push(slots);
+        u16::try_from(self.code.lists.len() - 1).unwrap_or(u16::MAX)
+    }
+
+    fn declaration(&mut self, declaration: Declaration) -> u16 {
+        self.code.declarations.push(declaration);
+        u16::try_from(self.code.declarations.len() - 1).unwrap_or(u16::MAX)
+    }
+
+    fn shared(&mut self, shared: Shared, kind: Option<Kind>) -> u16 {
+        let known = self.code.shared.iter().position(|(other, _)| *other == shared);
+        let position = known.unwrap_or_else(|| {
+            self.code.shared.push((shared, kind));
+            self.code.shared.len() - 1
+        });
+        u16::try_from(position).unwrap_or(u16::MAX)
+    }
+
+    fn trace(&mut self) {
+        if !self.options.trace {
+            return;
+        }
+        let text = crate::tools::standard_line(self.source.slice(self.place));
+        self.code.statements.push(text);
+        let statement = u16::try_from(self.code.statements.len() - 1).unwrap_or(u16::MAX);
+        self.emit(Op::Trace { statement });
+    }
+}

@@ -1,0 +1,104 @@
+//! Local names: declarations, first uses, near misses.
+
+use super::{Local, MacroCompiler, Strong};
+use crate::ast::{Macro, Scope, StatementKind};
+use crate::bytecode::Slot;
+use crate::diag::Number;
+use crate::ident;
+use crate::source::Span;
+use crate::value::Kind;
+
+impl MacroCompiler<'_> {
+    /// Collects the locals that the macro declares, so that their types are known everywhere in it.
+    pub(super) fn declare_locals(&mut self, one: &Macro) {
+        for statement in &one.statements {
+            let StatementKind::Declare { scope: Scope::Local, kind, channel, names } = &statement.kind else {
+                continue;
+            };
+            for declared in names {
+                let taken = self.locals.contains_key(&declared.name)
+                    || self.program.shared.contains_key(&declared.name)
+                    || self.program.functions.contains_key(&declared.name)
+                    || one.header.as_ref().is_some_and(|header| {
+                        header.name == declared.name || header.parameters.iter().any(|(name, _)| *name == declared.name)
+                    });
+                if taken {
+                    let message = format!("{} is declared already", declared.name);
+                    self.error(declared.span, Number::REDECLARED, message);
+                    continue;
+                }
+                self.new_local(&declared.name, *kind, Some(declared.span.start));
+                if let Some(local) = self.locals.get_mut(&declared.name) {
+                    local.indices = declared.sizes.len();
+                    local.channel = *channel;
+                    local.written = true;
+                }
+            }
+        }
+    }
+
+    pub(super) fn new_local(&mut self, name: &str, kind: Option<Kind>, declared: Option<u32>) -> Slot {
+        let slot = self.slot();
+        self.code.locals.push(slot);
+        let user = !name.starts_with(['%', '$']);
+        let local = Local { slot, kind, indices: 0, channel: false, declared, written: false, read: None, user };
+        self.locals.insert(name.to_owned(), local);
+        slot
+    }
+
+    /// Finds or makes a local; notes whether it is read or written.
+    pub(super) fn local(&mut self, name: &str, span: Span, write: bool) -> Local {
+        if !self.locals.contains_key(name) {
+            self.new_local(name, None, None);
+        }
+        let strong = self.options.strong == Strong::Full;
+        let mut undeclared = false;
+        let mut found = None;
+        if let Some(local) = self.locals.get_mut(name) {
+            local.written |= write;
+            if !write && local.read.is_none() {
+                local.read = Some(span);
+            }
+            undeclared = strong && local.user && local.declared.is_none_or(|at| at > span.start);
+            found = Some(local.clone());
+        }
+        if undeclared {
+            let help = self.near_name(name);
+            self.error_with(span, Number::UNDECLARED, format!("{name} is not declared before this"), help);
+        }
+        found.unwrap_or(Local {
+            slot: 0,
+            kind: None,
+            indices: 0,
+            channel: false,
+            declared: None,
+            written: true,
+            read: None,
+            user: false,
+        })
+    }
+
+    pub(super) fn near_name(&self, name: &str) -> Option<String> {
+        let locals = self.locals.iter().filter(|(_, local)| local.user && local.written).map(|(name, _)| name.as_str());
+        let shared = self.program.shared.keys().map(String::as_str);
+        let functions = self.program.functions.keys().map(String::as_str);
+        let mut all: Vec<&str> = locals.chain(shared).chain(functions).collect();
+        all.sort_unstable();
+        ident::nearest(name, all).map(|near| format!("did you mean {near}?"))
+    }
+
+    pub(super) fn warn_uninitialised(&mut self) {
+        if !self.options.uninitialised {
+            return;
+        }
+        let unset = self.locals.iter().filter(|(_, local)| local.user && !local.written);
+        let mut unset: Vec<(String, Span)> =
+            unset.filter_map(|(name, local)| Some((name.clone(), local.read?))).collect();
+        unset.sort_by_key(|(_, span)| span.start);
+        for (name, span) in unset {
+            let help = self.near_name(&name);
+            let message = format!("{name} is read here, but nothing in this macro assigns it");
+            self.error_with(span, Number::UNINITIALISED, message, help);
+        }
+    }
+}

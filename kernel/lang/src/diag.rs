@@ -1,0 +1,211 @@
+//! Diagnostics of the language: numbers, severities, and their rendering with the source line and a caret.
+//!
+//! Invariant: every number of [`TABLE`] has a page in `docs/diagnostics`. Facts: reference macro-language.md 10 (the
+//! number of an inhibited SYSTEM); every other number is this project's own.
+
+use crate::source::{Source, Span};
+use std::fmt;
+
+/// A diagnostic number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Number(pub u32);
+
+macro_rules! numbers {
+    ($($name:ident = $number:literal, $severity:literal, $about:literal;)*) => {
+        impl Number {
+            $(#[doc = $about] pub const $name: Number = Number($number);)*
+        }
+        /// Every number with its severity and what it is about.
+        pub const TABLE: &[(Number, u8, &str)] = &[$((Number($number), $severity, $about)),*];
+    };
+}
+
+numbers! {
+    SYSTEM_INHIBITED = 1118001, 8, "operating system command that is not allowed";
+    LINE_TOO_LONG = 2910001, 8, "line longer than 512 characters";
+    OPEN_TEXT = 2910002, 8, "text without its closing quote";
+    STRANGE_CHARACTER = 2910003, 8, "character that the macro language does not have";
+    BAD_NAME = 2910004, 8, "name that is too long or malformed";
+    BAD_NUMBER = 2910005, 8, "malformed number or code";
+    SYNTAX = 2910010, 8, "statement or expression that cannot be read";
+    UNKNOWN_COMMAND = 2910011, 8, "command that the macro language does not have";
+    TOO_DEEP = 2910012, 8, "expression or blocks nested too deeply";
+    UNBALANCED = 2910013, 8, "block without its end, or end without its block";
+    BARE_CALL = 2910014, 8, "function call standing alone as a statement";
+    BAD_TARGET = 2910015, 8, "left side that cannot be assigned to";
+    BAD_EXIT = 2910016, 8, "EXIT outside of enough loops";
+    BAD_LABEL = 2910017, 8, "label that is missing, repeated or malformed";
+    BAD_WHEN = 2910018, 8, "WHEN list with something else than constants";
+    RESERVED_WORD = 2910019, 8, "reserved word in a place where it means nothing";
+    UNKNOWN_VARIABLE = 2910020, 8, "system variable that does not exist";
+    UNKNOWN_FUNCTION = 2910021, 8, "function that does not exist";
+    WRONG_COUNT = 2910022, 8, "wrong number of arguments or indices";
+    WRONG_TYPE = 2910023, 8, "operand or argument of the wrong type";
+    READ_ONLY = 2910024, 8, "assignment to a read-only variable";
+    REDECLARED = 2910025, 8, "name that is declared twice or may not be declared";
+    UNDECLARED = 2910026, 8, "undeclared name under strong declaration";
+    UNINITIALISED = 2910027, 4, "variable that is read but never assigned";
+    BAD_ARRAY = 2910028, 8, "array used as a single value, or a bad dimension";
+    BAD_FORMAT = 2910029, 8, "malformed string format";
+    BAD_PATTERN = 2910030, 8, "malformed regular expression";
+    NOT_HERE = 2910031, 8, "statement or function that is not available here";
+    UNKNOWN_IDENTIFIER = 2910032, 8, "code or data identifier that does not exist";
+    TOO_LARGE = 2910033, 8, "macro with too many statements or variables";
+    NO_FILE = 2910034, 8, "file of an INCLUD that cannot be read";
+    TOO_MANY = 2910035, 8, "further diagnostics of a file are not listed";
+    DUPLICATE_FUNCTION = 2910036, 8, "function defined twice, or a malformed MACRO header";
+    TYPE_MISMATCH = 2910050, 8, "value of the wrong type at run time";
+    OUT_OF_RANGE = 2910051, 8, "index outside of a text, sequence or array";
+    BAD_ARITHMETIC = 2910052, 8, "arithmetic without a result";
+    FORMAT_MISMATCH = 2910053, 8, "string format that does not fit its arguments";
+    RE_ENTERED = 2910054, 8, "function entered while it is running";
+    TICKS = 2910055, 8, "macro that ran longer than its budget";
+    DEPTH = 2910056, 8, "macros nested deeper than the budget";
+    SIZE = 2910057, 8, "text, sequence or array larger than the budget";
+    UNITS = 2910058, 8, "unit number out of range or too many units open";
+    BACKTRACKING = 2910059, 8, "regular expression that needs too many steps";
+    UNIT_NOT_OPEN = 2910060, 8, "end-of-file test on a unit that is not open";
+    STEP_ZERO = 2910061, 8, "DO loop with step zero";
+    UNKNOWN_DIAGNOSTIC = 2910062, 8, "ERROR with a number that no table has";
+    NO_HOST = 2910063, 8, "command or function that the host does not offer";
+    BAD_VECTOR = 2910064, 8, "vector or matrix of an impossible size";
+    TERMAC_GENERATED = 2910065, 0, "macro ended because of an error";
+    TYPED_STORE = 2910066, 8, "value of the wrong type for a declared variable";
+    AUTHOR = 2910090, 0, "diagnostic issued by a macro itself";
+}
+
+impl Number {
+    /// Severity from the table, 8 for numbers of other tables.
+    #[must_use]
+    pub fn severity(self) -> u8 {
+        TABLE.iter().find(|(number, ..)| *number == self).map_or(8, |(_, severity, _)| *severity)
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:08}", self.0)
+    }
+}
+
+/// One diagnostic with its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Stable number.
+    pub number: Number,
+    /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
+    pub severity: u8,
+    /// What is wrong, one sentence.
+    pub message: String,
+    /// A near miss or another way out.
+    pub help: Option<String>,
+    /// File.
+    pub file: String,
+    /// Line, 1-based.
+    pub line: u32,
+    /// Column, 1-based, in characters.
+    pub column: u32,
+    /// Characters to mark, at least one.
+    pub width: u32,
+    /// Text of the line.
+    pub source_line: String,
+    /// Macro, for run-time diagnostics.
+    pub macro_name: Option<String>,
+}
+
+impl Diagnostic {
+    /// A diagnostic of `span` in `source`.
+    #[must_use]
+    pub fn new(source: &Source, span: Span, number: Number, message: impl Into<String>) -> Diagnostic {
+        let (line, column) = source.place(span.start);
+        let source_line = source.line_text(line).to_owned();
+        let marked = source.slice(span).lines().next().map_or(0, |text| text.chars().count());
+        Diagnostic {
+            number,
+            severity: number.severity(),
+            message: message.into(),
+            help: None,
+            file: source.name.clone(),
+            line,
+            column,
+            width: u32::try_from(marked).unwrap_or(1).max(1),
+            source_line,
+            macro_name: None,
+        }
+    }
+
+    /// Adds a near miss or another way out.
+    #[must_use]
+    pub fn help(mut self, help: Option<String>) -> Diagnostic {
+        self.help = help;
+        self
+    }
+
+    /// Tells whether the macro cannot be used.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity >= 8
+    }
+
+    /// Type word of the severity.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        word(self.severity)
+    }
+}
+
+/// Type word of a severity: Message, Warning, Error, Fatal.
+#[must_use]
+pub fn word(severity: u8) -> &'static str {
+    match severity {
+        0..=3 => "Message",
+        4..=7 => "Warning",
+        8..=15 => "Error",
+        _ => "Fatal",
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} {}: {}", self.word(), self.number, self.message)?;
+        let name = self.macro_name.as_ref().map(|name| format!(" in {name}")).unwrap_or_default();
+        writeln!(f, "  --> {}:{}:{}{name}", self.file, self.line, self.column)?;
+        let shown: String = self.source_line.chars().map(|c| if c.is_control() { ' ' } else { c }).take(600).collect();
+        writeln!(f, "{:>5} | {shown}", self.line)?;
+        let room = shown.chars().count().max(1);
+        let before = (self.column as usize - 1).min(room);
+        let width = (self.width as usize).min(room.saturating_sub(before).max(1));
+        writeln!(f, "      | {}{}", " ".repeat(before), "^".repeat(width))?;
+        if let Some(help) = &self.help {
+            writeln!(f, "      = {help}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_has_a_page() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/diagnostics");
+        let list = std::fs::read_to_string(format!("{folder}/README.md")).unwrap();
+        for (number, ..) in TABLE {
+            let page = std::fs::read_to_string(format!("{folder}/{number}.md"));
+            assert!(page.is_ok_and(|page| page.starts_with(&format!("# {number}: "))), "no page for {number}");
+            assert!(list.contains(&format!("({number}.md)")), "{number} is not listed");
+        }
+    }
+
+    #[test]
+    fn rendered_with_a_caret() {
+        let source = Source::new("park.mac", "A=1\nB=$XX+1");
+        let diagnostic = Diagnostic::new(&source, Span { start: 6, end: 9 }, Number::UNKNOWN_VARIABLE, "no $XX")
+            .help(Some("did you mean $XM?".into()));
+        assert_eq!(
+            diagnostic.to_string(),
+            "Error 02910020: no $XX\n  --> park.mac:2:3\n    2 | B=$XX+1\n      |   ^^^\n      = did you mean $XM?\n"
+        );
+    }
+}

@@ -1,0 +1,401 @@
+//! The functions of the language.
+//!
+//! Invariant: a function is found by its row in one table; what it computes never depends on its name. Angles are in
+//! degrees. Facts: the function catalogue of the reference.
+
+mod convert;
+mod date;
+mod files;
+mod geometry;
+mod math;
+mod matrix;
+mod text;
+mod vector;
+
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::host::Host;
+use crate::value::{Kind, Value};
+use crate::vm::State;
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+/// What a computing function may use.
+pub struct Context<'a> {
+    /// The machine.
+    pub state: &'a mut State,
+    /// The outside.
+    pub host: &'a mut dyn Host,
+}
+
+/// How a function is computed.
+#[derive(Clone, Copy)]
+pub enum Way {
+    /// From one number, none where it has no result.
+    Math(fn(f64) -> Option<f64>),
+    /// From its arguments.
+    Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
+    /// By the host.
+    Host,
+    /// Part of another product or out of scope; the text tells which.
+    Missing(&'static str),
+}
+
+/// A row of the table.
+pub struct Function {
+    /// Name with its dollar sign.
+    pub name: &'static str,
+    /// Types of the arguments: `n s q l k c r` and `a` for any, upper case from the first optional one on, `+` after
+    /// the last group that may repeat.
+    pub arguments: &'static str,
+    /// Type of the result if there is only one.
+    pub result: Option<Kind>,
+    /// How it is computed.
+    pub way: Way,
+}
+
+impl std::fmt::Debug for Function {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl PartialEq for Function {
+    fn eq(&self, other: &Function) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Function {
+    /// Least number of arguments.
+    #[must_use]
+    pub fn least(&self) -> usize {
+        self.arguments.bytes().take_while(|byte| byte.is_ascii_lowercase()).count()
+    }
+
+    /// Most arguments.
+    #[must_use]
+    pub fn most(&self) -> usize {
+        if self.arguments.ends_with('+') { usize::MAX } else { self.arguments.len() }
+    }
+
+    /// Letter of the type of an argument.
+    #[must_use]
+    pub fn letter(&self, position: usize) -> u8 {
+        let letters = self.arguments.trim_end_matches('+').as_bytes();
+        letters.get(position).copied().unwrap_or(b'a').to_ascii_lowercase()
+    }
+}
+
+/// Tells whether a value of this type may stand for a letter of a signature.
+#[must_use]
+pub fn fits(letter: u8, kind: Kind) -> bool {
+    match letter {
+        b'n' => kind == Kind::Real,
+        b's' => kind == Kind::Text,
+        b'q' => kind == Kind::Sequence,
+        b'l' => kind == Kind::Logical,
+        b'k' => kind == Kind::Keyword || kind == Kind::Record,
+        b'c' => kind == Kind::Code,
+        b'r' => kind == Kind::Register,
+        _ => true,
+    }
+}
+
+const R: Option<Kind> = Some(Kind::Real);
+const S: Option<Kind> = Some(Kind::Text);
+const Q: Option<Kind> = Some(Kind::Sequence);
+const L: Option<Kind> = Some(Kind::Logical);
+const A: Option<Kind> = None;
+
+const fn math(name: &'static str, function: fn(f64) -> Option<f64>) -> Function {
+    Function { name, arguments: "n", result: R, way: Way::Math(function) }
+}
+
+const fn pure(
+    name: &'static str,
+    arguments: &'static str,
+    result: Option<Kind>,
+    function: fn(&mut Context<'_>, &[Value]) -> Outcome<Value>,
+) -> Function {
+    Function { name, arguments, result, way: Way::Compute(function) }
+}
+
+const fn host(name: &'static str, arguments: &'static str, result: Option<Kind>) -> Function {
+    Function { name, arguments, result, way: Way::Host }
+}
+
+const fn missing(name: &'static str, why: &'static str) -> Function {
+    Function { name, arguments: "A+", result: A, way: Way::Missing(why) }
+}
+
+const POST: &str = "it belongs to the post product";
+const SCOPE: &str = "it builds or shows geometry of a model, which this project does not do";
+const NOT_YET: &str = "it is not part of this implementation yet";
+
+/// Every function.
+pub static TABLE: &[Function] = &[
+    math("$FSIN", math::sine),
+    math("$FCOS", math::cosine),
+    math("$FTAN", math::tangent),
+    math("$FASIN", math::arc_sine),
+    math("$FACOS", math::arc_cosine),
+    math("$FATAN", math::arc_tangent),
+    math("$FEXP", math::exponential),
+    math("$FLN", math::natural_logarithm),
+    math("$FLOG", math::logarithm),
+    math("$FSQRT", math::root),
+    math("$FABS", |n| Some(n.abs())),
+    math("$FSIGN", |n| Some(if n == 0.0 { 0.0 } else { n.signum() })),
+    math("$FINT", |n| Some(n.trunc())),
+    math("$FFRAC", |n| Some(n - n.trunc())),
+    math("$FNINT", |n| Some(n.round())),
+    math("$FCEIL", |n| Some(n.ceil())),
+    math("$FFLOOR", |n| Some(n.floor())),
+    pure("$FATAN2", "nn", R, math::arc_tangent_of_two),
+    pure("$FMOD", "nn", R, math::remainder),
+    pure("$FMAX", "nnN+", R, math::largest),
+    pure("$FMIN", "nnN+", R, math::smallest),
+    pure("$FDIST", "nnnnnn", R, math::distance),
+    pure("$FCHAR", "n", S, text::character),
+    pure("$FICHAR", "s", R, text::code_of),
+    pure("$FLEN", "a", R, text::length),
+    pure("$FINDEX", "ss", R, text::index),
+    pure("$FFIND", "aaN", R, text::find),
+    pure("$FEDIT", "ssAN", S, text::edit),
+    pure("$FMATCH", "ssAN", S, text::matched),
+    pure("$FSPLIT", "ssN", Q, text::split),
+    pure("$FSWRIT", "sA+", S, text::formatted),
+    pure("$FTOLOWR", "s", S, text::lower),
+    pure("$FTOUPER", "s", S, text::upper),
+    pure("$FTRIM", "sS", S, text::trim),
+    pure("$FTRIML", "sS", S, text::trim_left),
+    pure("$FTRIMR", "sS", S, text::trim_right),
+    pure("$FELEM", "qn", A, text::element),
+    pure("$FSUBSQ", "qnn", Q, text::part_of_sequence),
+    pure("$FSUBST", "snn", S, text::part_of_text),
+    pure("$FSEQ", "A+", Q, text::sequence),
+    pure("$FDATE", "sA", S, date::date),
+    pure("$FCTIME", "n", S, date::time_text),
+    pure("$FATOF", "s", R, convert::number),
+    pure("$FCVREAL", "a", R, convert::real),
+    pure("$FCVINT", "a", R, convert::whole),
+    pure("$FMINOR", "a", A, convert::minor),
+    pure("$FMAJOR", "aN", A, convert::major),
+    pure("$FISNUM", "a", L, |_, v| Ok(convert::is(v, Kind::Real))),
+    pure("$FISSTR", "a", L, |_, v| Ok(convert::is(v, Kind::Text))),
+    pure("$FISSEQ", "a", L, |_, v| Ok(convert::is(v, Kind::Sequence))),
+    pure("$FISWRD", "a", L, |_, v| Ok(convert::is(v, Kind::Keyword))),
+    pure("$FIF", "laa", A, convert::choice),
+    pure("$FCHOOSE", "naA+", A, convert::choose),
+    pure("$FSWITCH", "laA+", A, convert::switch),
+    pure("$FVADD", "qq", Q, vector::add),
+    pure("$FVSUB", "qq", Q, vector::subtract),
+    pure("$FVMULT", "qn", Q, vector::multiply),
+    pure("$FVDOT", "qq", R, vector::dot_product),
+    pure("$FVLEN", "q", R, vector::length),
+    pure("$FVNORM", "q", Q, vector::unit),
+    pure("$FVANG", "qq", A, vector::angle),
+    pure("$FVCROSS", "qq", A, vector::cross_product),
+    pure("$FVROTN", "qqn", Q, vector::turn_toward),
+    pure("$FVROTV", "nqqN", Q, vector::turn_about),
+    pure("$FMX", "aA+", A, matrix::build),
+    pure("$FMXINV", "q", A, matrix::inverse),
+    pure("$FMXTRSP", "q", Q, matrix::transpose),
+    pure("$FMXMULT", "qq", Q, matrix::product),
+    pure("$FMXTRFP", "qq", Q, matrix::point),
+    pure("$FMXTRFV", "qq", Q, matrix::vector),
+    pure("$FMXTYPE", "qK", R, matrix::kind),
+    pure("$FGCYPT3", "qqq", A, geometry::cylinder_through_points),
+    pure("$FGLNXPL", "qq", A, geometry::line_and_plane),
+    pure("$FGLSXCY", "qqqQN", A, geometry::segment_and_cylinder),
+    pure("$FGLSXSP", "qqqn", A, geometry::segment_and_sphere),
+    pure("$FGPLPT3", "qqq", A, geometry::plane_through_points),
+    pure("$FGPLPTN", "qq", A, geometry::plane_with_normal),
+    pure("$FGPTRPL", "qqQ", A, geometry::projection),
+    pure("$FEOF", "N", L, files::at_end),
+    pure("$FBASNAM", "sS", S, files::base_name),
+    pure("$FDIRNAM", "s", S, files::directory),
+    pure("$FARGC", "SS", R, files::argument_count),
+    pure("$FARGV", "nSS", S, files::argument),
+    pure("$FPNAME", "s", S, files::qualifier_name),
+    pure("$FPVALUE", "s", S, files::qualifier_value),
+    pure("$FGETENV", "s", A, files::environment),
+    pure("$FGETDEF", "s", A, files::definition),
+    pure("$FSORT", "aA+", A, files::sort),
+    host("$FACCESS", "sN", L),
+    host("$FSTAT", "ss", R),
+    host("$FGETCWD", "", S),
+    host("$FSETCWD", "s", S),
+    host("$FTMPFILE", "S", S),
+    host("$FDIALOG", "sS", S),
+    host("$FPAUSE", "S", L),
+    host("$FDOC", "sS", R),
+    host("$FMRU_OPEN", "S", R),
+    host("$FMRU_CLOSE", "n", A),
+    host("$FMRU_GETKEY", "nA", A),
+    host("$FMRU_GETKEYS", "nN", A),
+    host("$FMRU_DELKEY", "nA", A),
+    host("$FMRU_DELKEYS", "nQ", A),
+    host("$FMRU_GETPARAM", "nasA", A),
+    host("$FMRU_GETPARAMS", "nA", A),
+    host("$FMRU_SETPARAM", "nasa", A),
+    host("$FMRU_DELPARAM", "nas", A),
+    host("$FMRU_DELPARAMS", "naQ", A),
+    host("$FERSEV", "nN", R),
+    host("$FERSTA", "nL", L),
+    host("$FERTXT", "n", S),
+    host("$FMACID", "SN", Q),
+    host("$FMACSTA", "aL", Q),
+    host("$FREGFMT", "a", S),
+    host("$FREGPOS", "s", R),
+    host("$FCEADD", "aN", L),
+    host("$FCEGET", "a", A),
+    host("$FCESEEK", "aK", A),
+    host("$FCEGAC", "c", A),
+    host("$FCESAC", "c", A),
+    host("$FCEDAC", "rN", L),
+    host("$FCEGNCV", "sNNN", A),
+    host("$FCESNCV", "saNNN", L),
+    host("$FCEPP", "aA+", A),
+    host("$FCERST", "sNL", L),
+    host("$FCETIMESYNC", "", L),
+    host("$FGET", "aNN", R),
+    host("$FGETR", "aNN", R),
+    host("$FAPPLY", "a", L),
+    host("$FDK", "Q", Q),
+    host("$FIK", "AN", Q),
+    host("$FKINCFG", "aA+", R),
+    host("$FKINROT", "aA+", R),
+    host("$FUNWIND", "aA+", R),
+    host("$FMSNCH", "N", R),
+    host("$FMSDCH", "n", R),
+    host("$FMSACH", "nnN", R),
+    host("$FMSGAX", "nn", R),
+    host("$FMSRAX", "nn", R),
+    host("$FMSGCH", "a", R),
+    host("$FMSWCH", "nnN+", R),
+    host("$FMSGPOS", "n", A),
+    host("$FMSGPOSJ", "A+", A),
+    host("$FMSGPOSW", "A+", A),
+    host("$FMSLIMIT", "A+", Q),
+    host("$FMSMAX", "nnnN+", R),
+    host("$FMSMOVE", "nnnA+", R),
+    host("$FMSSLAV", "nnNNA+", R),
+    host("$FMSUNWIND", "nA+", R),
+    host("$FMSUPDPOS", "A", R),
+    host("$FMSGDCV", "nn", R),
+    host("$FMSGRCV", "nn", R),
+    host("$FMSGLCV", "nnA+", A),
+    host("$FMSGFCV", "nnA+", A),
+    host("$FMSSDCV", "nnn", R),
+    host("$FMSSRCV", "nnn", R),
+    host("$FMSSLCV", "nnaA+", R),
+    host("$FMSSFCV", "nnaA+", R),
+    host("$FMSGCS", "nNNN", Q),
+    host("$FMSSCS", "qnNNN", R),
+    host("$FMSLCS", "Q", R),
+    host("$FMSGREF", "nnA+", A),
+    host("$FMSSREF", "nnq", R),
+    host("$FMSDELAY", "n", R),
+    host("$FMSMSP", "nA", R),
+    host("$FMSCHUCK", "nk", R),
+    host("$FMSATA", "nn", R),
+    host("$FMSID", "aA+", R),
+    host("$FMSIDN", "n", S),
+    host("$FMSIDT", "n", R),
+    missing("$FMSTOOL", SCOPE),
+    missing("$FMSHLD", SCOPE),
+    missing("$FMSPART", SCOPE),
+    missing("$FMSFIXTURE", SCOPE),
+    missing("$FMSCHIP", SCOPE),
+    missing("$FMSTPS", SCOPE),
+    missing("$FMSCMRA", SCOPE),
+    missing("$FMSPIC", SCOPE),
+    missing("$FMSIDS", NOT_YET),
+    missing("$FMSPCK", NOT_YET),
+    missing("$FMSADDTOOL", NOT_YET),
+    missing("$FMSBTC", NOT_YET),
+    missing("$FMSETC", NOT_YET),
+    missing("$FMSCOLR", SCOPE),
+    missing("$FMSGOUG", SCOPE),
+    missing("$FMSESF", SCOPE),
+    missing("$FMSSETUP", SCOPE),
+    missing("$FMSTRN", NOT_YET),
+    missing("$FMSPROB", NOT_YET),
+    missing("$FMSPRID", NOT_YET),
+    missing("$FMSPPOS", NOT_YET),
+    missing("$FMSPDAT", NOT_YET),
+    missing("$FMSCEZ", NOT_YET),
+    missing("$FMSLSR", NOT_YET),
+    missing("$FMSNEAR", NOT_YET),
+    missing("$FMSVCL", NOT_YET),
+    missing("$FMSADPT", NOT_YET),
+    missing("$FMSMRS", NOT_YET),
+    missing("$FMSTOLER", NOT_YET),
+    missing("$FCLREC", POST),
+    missing("$FCLS", POST),
+    missing("$FCL", POST),
+    missing("$FSIZE", POST),
+    missing("$FCLASS", POST),
+    missing("$FSUBCL", POST),
+    missing("$FARG", POST),
+    missing("$FGETARG", POST),
+    missing("$FLOOK", POST),
+    missing("$FINFO", POST),
+    missing("$FCLINFO", POST),
+    missing("$FGETSB", POST),
+    missing("$FAPPOS", POST),
+    missing("$FOPPATH", POST),
+    missing("$FTLTAB", POST),
+    missing("$FEDRAP", POST),
+];
+
+/// Finds a function by its name, upper case.
+#[must_use]
+pub fn named(name: &str) -> Option<&'static Function> {
+    static NAMES: OnceLock<HashMap<&'static str, &'static Function>> = OnceLock::new();
+    NAMES.get_or_init(|| TABLE.iter().map(|function| (function.name, function)).collect()).get(name).copied()
+}
+
+/// An argument as a number.
+fn number(arguments: &[Value], position: usize) -> Outcome<f64> {
+    let value = arguments.get(position).unwrap_or(&Value::Unset);
+    value.as_real().ok_or_else(|| Fault::kind("a number", value))
+}
+
+/// An argument as a text.
+fn string(arguments: &[Value], position: usize) -> Outcome<&str> {
+    let value = arguments.get(position).unwrap_or(&Value::Unset);
+    value.as_text().ok_or_else(|| Fault::kind("a text", value))
+}
+
+/// An argument as a sequence.
+fn sequence(arguments: &[Value], position: usize) -> Outcome<&[Value]> {
+    let value = arguments.get(position).unwrap_or(&Value::Unset);
+    value.as_sequence().ok_or_else(|| Fault::kind("a sequence", value))
+}
+
+/// An argument as a sequence of numbers.
+fn numbers(arguments: &[Value], position: usize) -> Outcome<Vec<f64>> {
+    sequence(arguments, position)?
+        .iter()
+        .map(|value| value.as_real().ok_or_else(|| Fault::kind("a number", value)))
+        .collect()
+}
+
+/// A whole number that counts something; fractions are discarded, negatives are 0.
+fn count(number: f64) -> usize {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let whole = number.max(0.0) as usize;
+    whole
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn real(count: usize) -> Value {
+    Value::Real(count as f64)
+}
+
+fn impossible<T>(message: impl Into<String>) -> Outcome<T> {
+    Err(Fault::new(Number::BAD_ARITHMETIC, message))
+}

@@ -1,0 +1,152 @@
+//! Names of files, command lines, settings, sorting.
+
+use super::{Context, count, number, real, string};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::ident;
+use crate::value::{Kind, Value};
+use std::cmp::Ordering;
+
+pub(super) fn at_end(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    if arguments.is_empty() {
+        let Some(function) = super::named("$FEOF") else { return Ok(Value::Null) };
+        return context.host.function(context.state, function, arguments);
+    }
+    crate::vm::units::at_end(context.state, number(arguments, 0)?).map(Value::Logical)
+}
+
+const SEPARATORS: [char; 2] = ['/', '\\'];
+
+pub(super) fn base_name(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let path = string(arguments, 0)?;
+    let mut name = path.rsplit(SEPARATORS).next().unwrap_or(path);
+    if arguments.len() > 1
+        && let Some(at) = name.rfind(string(arguments, 1)?)
+    {
+        name = name.get(..at).unwrap_or(name);
+    }
+    Ok(Value::text(name))
+}
+
+pub(super) fn directory(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let path = string(arguments, 0)?;
+    Ok(Value::text(path.rfind(SEPARATORS).and_then(|at| path.get(..at)).unwrap_or("")))
+}
+
+/// Arguments of a text, or of the command line the host knows.
+fn split(context: &Context<'_>, arguments: &[Value], position: usize) -> Outcome<Vec<String>> {
+    let text = match arguments.get(position) {
+        Some(_) => string(arguments, position)?.to_owned(),
+        None => context.host.setting(false, "$PARAM").unwrap_or_default(),
+    };
+    if arguments.len() > position + 1 {
+        let separator = string(arguments, position + 1)?;
+        if !separator.is_empty() {
+            return Ok(text.split(separator).map(str::to_owned).collect());
+        }
+    }
+    let (mut parts, mut current, mut quoted, mut open) = (Vec::new(), String::new(), false, false);
+    for c in text.chars() {
+        match c {
+            '"' => {
+                quoted = !quoted;
+                open = true;
+                current.push(c);
+            }
+            ' ' | '\t' if !quoted => {
+                if open {
+                    parts.push(std::mem::take(&mut current));
+                }
+                open = false;
+            }
+            c => {
+                open = true;
+                current.push(c);
+            }
+        }
+    }
+    if open {
+        parts.push(current);
+    }
+    Ok(parts)
+}
+
+pub(super) fn argument_count(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    Ok(real(split(context, arguments, 0)?.len()))
+}
+
+pub(super) fn argument(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let parts = split(context, arguments, 1)?;
+    let position = number(arguments, 0)?;
+    let found = if position >= 1.0 { parts.get(count(position) - 1) } else { None };
+    Ok(Value::text(found.map(String::as_str).unwrap_or("")))
+}
+
+fn qualifier(text: &str) -> Option<(&str, &str)> {
+    let rest = text.trim().strip_prefix('/').or_else(|| text.trim().strip_prefix('-'))?;
+    Some(rest.split_once('=').unwrap_or((rest, "")))
+}
+
+pub(super) fn qualifier_name(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    Ok(Value::text(qualifier(string(arguments, 0)?).map_or("", |(name, _)| name)))
+}
+
+pub(super) fn qualifier_value(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let text = string(arguments, 0)?;
+    Ok(Value::text(qualifier(text).map_or(text, |(_, value)| value).replace('"', "")))
+}
+
+fn setting(context: &Context<'_>, definition: bool, arguments: &[Value]) -> Outcome<Value> {
+    Ok(context.host.setting(definition, string(arguments, 0)?).map_or(Value::Null, Value::text))
+}
+
+pub(super) fn environment(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    setting(context, false, arguments)
+}
+
+pub(super) fn definition(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    setting(context, true, arguments)
+}
+
+/// Sorts a sequence, optionally as rows of several columns; the file form needs a host with files.
+pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let Some(Value::Sequence(all)) = arguments.first() else {
+        return Err(Fault::new(Number::NO_HOST, "$FSORT sorts sequences; files are not sorted here"));
+    };
+    let width = if arguments.len() > 1 { count(number(arguments, 1)?).max(1) } else { 1 };
+    let mut keys = Vec::new();
+    for pair in arguments.get(2..).unwrap_or(&[]).chunks(2) {
+        let field = pair.first().and_then(Value::as_real).map_or(0, count);
+        let down = matches!(pair.get(1), Some(Value::Keyword(code)) if ident::minor_name(*code) == Some("DECR"));
+        if field < 1 || field > width {
+            context.state.status = 22;
+            return Ok(Value::Null);
+        }
+        keys.push((field - 1, down));
+    }
+    if keys.is_empty() {
+        keys.push((0, false));
+    }
+    if all.len() % width != 0 {
+        context.state.status = 22;
+        return Ok(Value::Null);
+    }
+    let mut rows: Vec<&[Value]> = all.chunks(width).collect();
+    rows.sort_by(|a, b| {
+        keys.iter().fold(Ordering::Equal, |order, (field, down)| {
+            let one = || match (a.get(*field), b.get(*field)) {
+                (Some(x), Some(y)) => x.order(y).unwrap_or_else(|| rank(x).cmp(&rank(y))),
+                _ => Ordering::Equal,
+            };
+            order.then_with(|| if *down { one().reverse() } else { one() })
+        })
+    });
+    context.state.status = 0;
+    Ok(Value::sequence(rows.concat()))
+}
+
+/// Order of values of different types.
+fn rank(value: &Value) -> usize {
+    let kind = value.kind();
+    kind.and_then(|kind| Kind::ALL.iter().position(|other| *other == kind)).map_or(0, |at| at + 1)
+}

@@ -1,0 +1,307 @@
+//! Matrices: sequences of 12 numbers (three rows of rotation and translation) or of n×n numbers by rows.
+
+use super::math::{cosine, sine};
+use super::{Context, impossible, numbers};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::ident;
+use crate::value::{Record, Value};
+
+/// A square matrix; 12 numbers become 4×4.
+#[derive(Clone)]
+struct Matrix {
+    size: usize,
+    cells: Vec<f64>,
+    /// Was given as 3×4.
+    short: bool,
+}
+
+impl Matrix {
+    fn identity(size: usize) -> Matrix {
+        let cells = (0..size * size).map(|at| if at % (size + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        Matrix { size, cells, short: size == 4 }
+    }
+
+    fn new(mut cells: Vec<f64>) -> Outcome<Matrix> {
+        if cells.len() == 12 {
+            cells.extend([0.0, 0.0, 0.0, 1.0]);
+            return Ok(Matrix { size: 4, cells, short: true });
+        }
+        match (1..=16).find(|size| size * size == cells.len()) {
+            Some(size) => Ok(Matrix { size, cells, short: false }),
+            None => Err(Fault::new(Number::BAD_VECTOR, format!("{} numbers are no matrix", cells.len()))),
+        }
+    }
+
+    fn at(&self, row: usize, column: usize) -> f64 {
+        self.cells.get(row * self.size + column).copied().unwrap_or(0.0)
+    }
+
+    fn put(&mut self, row: usize, column: usize, value: f64) {
+        if let Some(cell) = self.cells.get_mut(row * self.size + column) {
+            *cell = value;
+        }
+    }
+
+    fn value(&self) -> Value {
+        let keep = if self.short { 12 } else { self.cells.len() };
+        Value::numbers(self.cells.get(..keep).unwrap_or(&self.cells))
+    }
+
+    fn times(&self, other: &Matrix) -> Matrix {
+        let mut result = Matrix { short: self.short && other.short, ..Matrix::identity(self.size) };
+        for row in 0..self.size {
+            for column in 0..self.size {
+                let sum = (0..self.size).map(|k| self.at(row, k) * other.at(k, column)).sum();
+                result.put(row, column, sum);
+            }
+        }
+        result
+    }
+
+    fn inverted(&self) -> Option<Matrix> {
+        let (mut left, mut right) = (self.clone(), Matrix { short: self.short, ..Matrix::identity(self.size) });
+        for pivot in 0..self.size {
+            let best =
+                (pivot..self.size).max_by(|a, b| left.at(*a, pivot).abs().total_cmp(&left.at(*b, pivot).abs()))?;
+            if left.at(best, pivot).abs() < 1e-12 {
+                return None;
+            }
+            for column in 0..self.size {
+                for matrix in [&mut left, &mut right] {
+                    let (a, b) = (matrix.at(best, column), matrix.at(pivot, column));
+                    matrix.put(pivot, column, a);
+                    if best != pivot {
+                        matrix.put(best, column, b);
+                    }
+                }
+            }
+            let scale = left.at(pivot, pivot);
+            for column in 0..self.size {
+                for matrix in [&mut left, &mut right] {
+                    matrix.put(pivot, column, matrix.at(pivot, column) / scale);
+                }
+            }
+            for row in (0..self.size).filter(|row| *row != pivot) {
+                let factor = left.at(row, pivot);
+                for column in 0..self.size {
+                    for matrix in [&mut left, &mut right] {
+                        matrix.put(row, column, matrix.at(row, column) - factor * matrix.at(pivot, column));
+                    }
+                }
+            }
+        }
+        Some(right)
+    }
+
+    fn shifted(shift: &[f64]) -> Matrix {
+        let mut result = Matrix::identity(4);
+        shift.iter().take(3).enumerate().for_each(|(row, value)| result.put(row, 3, *value));
+        result
+    }
+
+    /// Rotation in the plane of two axes.
+    fn rotated((a, b): (usize, usize), degrees: f64) -> Matrix {
+        let (s, c) = (sine(degrees).unwrap_or(0.0), cosine(degrees).unwrap_or(1.0));
+        let mut result = Matrix::identity(4);
+        result.put(a, a, c);
+        result.put(b, b, c);
+        result.put(a, b, -s);
+        result.put(b, a, s);
+        result
+    }
+}
+
+/// Words and numbers of $FMX in order.
+struct Items<'a>(&'a [Value]);
+
+impl Items<'_> {
+    fn word(&mut self, word: &str) -> bool {
+        let found = match self.0.first() {
+            Some(Value::Keyword(code)) => ident::minor_name(*code) == Some(word),
+            Some(Value::Record(Record { subclass, .. })) => ident::major_name(*subclass) == Some(word),
+            _ => false,
+        };
+        if found {
+            self.0 = self.0.get(1..).unwrap_or(&[]);
+        }
+        found
+    }
+
+    fn numbers(&mut self) -> Vec<f64> {
+        let found: Vec<f64> = self.0.iter().map_while(Value::as_real).collect();
+        self.0 = self.0.get(found.len()..).unwrap_or(&[]);
+        found
+    }
+}
+
+const PLANES: [(&str, (usize, usize)); 3] = [("XYROT", (0, 1)), ("YZROT", (1, 2)), ("ZXROT", (2, 0))];
+
+pub(super) fn build(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let mut items = Items(arguments);
+    let inverse = items.word("INVERS");
+    if items.word("MSYS") {
+        let last = items.word("LAST");
+        let Some(function) = super::named("$FMX") else { return Ok(Value::Null) };
+        let asked = [Value::Logical(last)];
+        let frame = context.host.function(context.state, function, &asked)?;
+        return if inverse { invert(&numbers(&[frame], 0)?) } else { Ok(frame) };
+    }
+    let first = items.numbers();
+    let matrix = if first.len() == 12 { Matrix::new(first)? } else { steps(&first, &mut items)? };
+    if !items.0.is_empty() {
+        return Err(Fault::new(Number::TYPE_MISMATCH, "$FMX cannot read the rest of its arguments"));
+    }
+    if inverse { matrix.inverted().map_or_else(singular, |matrix| Ok(matrix.value())) } else { Ok(matrix.value()) }
+}
+
+fn steps(first: &[f64], items: &mut Items<'_>) -> Outcome<Matrix> {
+    let wrong = |what: &str| Err(Fault::new(Number::WRONG_COUNT, format!("$FMX needs {what}")));
+    if !matches!(first.len(), 2 | 3) {
+        return wrong("two or three numbers, or twelve");
+    }
+    let mut matrix = Matrix::identity(4);
+    while let Some((_, plane)) = PLANES.into_iter().find(|(word, _)| items.word(word)) {
+        let [degrees] = items.numbers()[..] else { return wrong("one angle after the name of a plane") };
+        let turn = Matrix::rotated(plane, degrees);
+        let turn = if items.word("AT") {
+            let centre = items.numbers();
+            if !matches!(centre.len(), 2 | 3) {
+                return wrong("two or three numbers after AT");
+            }
+            let back: Vec<f64> = centre.iter().map(|value| -value).collect();
+            Matrix::shifted(&centre).times(&turn).times(&Matrix::shifted(&back))
+        } else {
+            turn
+        };
+        matrix = matrix.times(&turn);
+    }
+    if items.word("TRANS") {
+        let shift = items.numbers();
+        if !matches!(shift.len(), 2 | 3) {
+            return wrong("two or three numbers after TRANS");
+        }
+        matrix = matrix.times(&Matrix::shifted(&shift));
+    }
+    Ok(Matrix::shifted(first).times(&matrix))
+}
+
+fn singular() -> Outcome<Value> {
+    impossible("this matrix has no inverse")
+}
+
+fn invert(cells: &[f64]) -> Outcome<Value> {
+    Matrix::new(cells.to_vec())?.inverted().map_or_else(singular, |matrix| Ok(matrix.value()))
+}
+
+pub(super) fn inverse(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    invert(&numbers(arguments, 0)?)
+}
+
+pub(super) fn transpose(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let matrix = Matrix::new(numbers(arguments, 0)?)?;
+    let mut result = matrix.clone();
+    let size = if matrix.short { 3 } else { matrix.size };
+    for row in 0..size {
+        for column in 0..size {
+            result.put(row, column, matrix.at(column, row));
+        }
+    }
+    Ok(result.value())
+}
+
+pub(super) fn product(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let (a, b) = (Matrix::new(numbers(arguments, 0)?)?, Matrix::new(numbers(arguments, 1)?)?);
+    if a.size != b.size {
+        return Err(Fault::new(Number::BAD_VECTOR, "these matrices have different sizes"));
+    }
+    Ok(a.times(&b).value())
+}
+
+fn transformed(arguments: &[Value], translation: f64) -> Outcome<Value> {
+    let (matrix, input) = (Matrix::new(numbers(arguments, 0)?)?, numbers(arguments, 1)?);
+    let homogeneous = matrix.size == 4;
+    let size = if homogeneous { 3 } else { matrix.size };
+    let at = |column: usize| input.get(column).copied().unwrap_or(0.0);
+    let mut result = input.clone();
+    for (row, cell) in result.iter_mut().take(size).enumerate() {
+        *cell = (0..size.min(input.len())).map(|column| matrix.at(row, column) * at(column)).sum();
+        if homogeneous {
+            *cell += translation * matrix.at(row, 3);
+        }
+    }
+    Ok(Value::numbers(&result))
+}
+
+pub(super) fn point(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    transformed(arguments, 1.0)
+}
+
+pub(super) fn vector(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    transformed(arguments, 0.0)
+}
+
+pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let matrix = Matrix::new(numbers(arguments, 0)?)?;
+    let homogeneous = matrix.size == 4;
+    let size = if homogeneous { 3 } else { matrix.size };
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let translation = homogeneous && (0..3).any(|row| !near(matrix.at(row, 3), 0.0));
+    let identity = (0..size).all(|r| (0..size).all(|c| near(matrix.at(r, c), f64::from(u8::from(r == c)))));
+    let zero = (0..size).all(|r| (0..size).all(|c| near(matrix.at(r, c), 0.0)));
+    let column = |c: usize| (0..size).map(|r| matrix.at(r, c)).collect::<Vec<f64>>();
+    let lengths: Vec<f64> = (0..size).map(|c| super::vector::norm(&column(c))).collect();
+    let scale = !zero && lengths.iter().any(|length| !near(*length, 1.0));
+    let square = (0..size).all(|a| (0..a).all(|b| near(super::vector::dot(&column(a), &column(b)), 0.0)));
+    let mirror = determinant(&matrix, size) < 0.0;
+    let diagonal = (0..size).all(|r| (0..size).all(|c| r == c || near(matrix.at(r, c), 0.0)));
+    let rotation = if zero || diagonal {
+        0.0
+    } else if square {
+        100.0
+    } else {
+        200.0
+    };
+    let parts = [
+        (Some("TRANS"), if translation { 10.0 } else { 0.0 }),
+        (Some("ROTATE"), rotation),
+        (Some("SCALE"), if scale { 1000.0 } else { 0.0 }),
+        (Some("MIRROR"), if mirror { 10000.0 } else { 0.0 }),
+        (None, if identity { 1.0 } else { 0.0 }),
+    ];
+    let mut wanted = Items(arguments.get(1..).unwrap_or(&[]));
+    for (word, part) in parts {
+        if word.is_some_and(|word| wanted.word(word)) {
+            return Ok(Value::Real(part));
+        }
+    }
+    Ok(Value::Real(parts.iter().map(|(_, part)| part).sum()))
+}
+
+fn determinant(matrix: &Matrix, size: usize) -> f64 {
+    let mut work = matrix.clone();
+    let mut result = 1.0;
+    for pivot in 0..size {
+        let best = (pivot..size).max_by(|a, b| work.at(*a, pivot).abs().total_cmp(&work.at(*b, pivot).abs()));
+        let best = best.unwrap_or(pivot);
+        if work.at(best, pivot) == 0.0 {
+            return 0.0;
+        }
+        if best != pivot {
+            result = -result;
+            for column in 0..size {
+                let (a, b) = (work.at(best, column), work.at(pivot, column));
+                work.put(pivot, column, a);
+                work.put(best, column, b);
+            }
+        }
+        result *= work.at(pivot, pivot);
+        for row in pivot + 1..size {
+            let factor = work.at(row, pivot) / work.at(pivot, pivot);
+            for column in pivot..size {
+                work.put(row, column, work.at(row, column) - factor * work.at(pivot, column));
+            }
+        }
+    }
+    result
+}

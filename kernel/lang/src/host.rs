@@ -1,0 +1,148 @@
+//! What a macro asks the outside, at compile time and at run time.
+//!
+//! Invariant: the language reaches nothing but through these traits; calls carry indices of tables given once, never
+//! names. [`Test`] is the double used by tests and by `macro run`.
+
+mod double;
+
+pub use double::Test;
+
+use crate::diag::{Diagnostic, Number};
+use crate::fault::{Fault, Outcome};
+use crate::format::Registers;
+use crate::func::Function;
+use crate::source::Source;
+use crate::value::{Kind, Value};
+use crate::vm::State;
+
+/// A system variable of the host's table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SystemVariable {
+    /// Name with its dollar sign, upper case.
+    pub name: String,
+    /// Type, none if it may vary.
+    pub kind: Option<Kind>,
+    /// May be assigned.
+    pub writable: bool,
+    /// Number of indices it takes; 0 for a single value.
+    pub indices: u8,
+}
+
+/// What the compiler must know of the outside.
+pub trait Environment {
+    /// The system variables; the position is the index used at run time.
+    fn system(&self) -> &[SystemVariable];
+    /// Index of a code identifier, 0 for `CODE_NONE`.
+    fn code(&self, name: &str) -> Option<u32>;
+    /// Index of a data identifier, 0 for `REG_NONE`.
+    fn register(&self, name: &str) -> Option<u32>;
+    /// All code and data identifiers, for near misses.
+    fn identifiers(&self) -> Vec<String>;
+    /// Text of a file of functions named by a file.
+    fn include(&mut self, name: &str, from: &str) -> Option<Source>;
+}
+
+/// A command for the host.
+#[derive(Debug)]
+pub enum Command<'a> {
+    /// MATCH/ON, OFF
+    Match(bool),
+    /// OUTPUT, with the arguments of the macro as they are now: number and value.
+    Output(&'a [(u8, Value)]),
+    /// EXEC of a block; the flag is NOW.
+    ExecBlock(bool, &'a str),
+    /// EXEC of identifiers and values; the flag is NOW.
+    ExecItems(bool, &'a [Value]),
+    /// TAPERD
+    TapeRead,
+    /// TAPEWT
+    TapeWrite,
+    /// SEARCH
+    Search(i64),
+    /// SAVMODAL
+    SaveModal,
+    /// RSTMODAL
+    RestoreModal,
+    /// LPRINT/ON, OFF
+    Listing(bool),
+    /// LPRINT/n
+    Skip(i64),
+    /// PPRINT
+    Print(&'a str),
+    /// SYSTEM; the answer is the status
+    System(&'a str),
+}
+
+/// What a running macro asks of the outside.
+pub trait Host: Registers {
+    /// Reads a system variable.
+    ///
+    /// # Errors
+    /// The variable is not available here, or an index is out of range.
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value>;
+
+    /// Writes a system variable.
+    ///
+    /// # Errors
+    /// The variable is not available here, or the value is out of its range.
+    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()>;
+
+    /// Lets `access` read or change a global variable.
+    fn global(&mut self, index: u32, access: &mut dyn FnMut(&mut Value));
+
+    /// Carries out a command; the answer is a status for `$ERRNO`.
+    ///
+    /// # Errors
+    /// The command is not available here, or failed.
+    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32>;
+
+    /// Calls a function that the language cannot compute on its own. Two functions of the language ask the host for a
+    /// part: `$FEOF` without arguments for the end of the NC program, `$FMX` with one truth value for the machine frame
+    /// (true: the last one).
+    ///
+    /// # Errors
+    /// The function is not available here, or its arguments are impossible.
+    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+        let _ = (state, arguments);
+        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name)))
+    }
+
+    /// Reports a diagnostic of a running macro.
+    fn report(&mut self, diagnostic: Diagnostic);
+
+    /// Severity and text of a diagnostic of the host's tables, for `ERROR/number`.
+    fn diagnostic(&self, number: u32) -> Option<(u8, String)> {
+        let _ = number;
+        None
+    }
+
+    /// Takes one line of the macro trace.
+    fn trace(&mut self, line: &str);
+
+    /// Text of a file, none if it cannot be read.
+    fn read_file(&mut self, path: &str) -> Option<String>;
+
+    /// Replaces a file; false if it cannot be written.
+    fn write_file(&mut self, path: &str, text: &str) -> bool;
+
+    /// One line from the console.
+    fn read_console(&mut self) -> Option<String> {
+        None
+    }
+
+    /// One line to the console.
+    fn write_console(&mut self, line: &str) {
+        let _ = line;
+    }
+
+    /// Now, in seconds since 1970-01-01 00:00 and the offset of the local zone in seconds with its name.
+    fn now(&self) -> (f64, i32, String) {
+        (0.0, 0, "UTC".to_owned())
+    }
+
+    /// Value of an environment variable or of a `block.symbol` of the definition file.
+    fn setting(&self, definition: bool, name: &str) -> Option<String> {
+        let _ = (definition, name);
+        None
+    }
+}

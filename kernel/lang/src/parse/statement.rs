@@ -1,0 +1,414 @@
+//! Statements: assignments and commands.
+//!
+//! Facts: reference macro-language.md 1.5, 3 and 6. The undocumented reserved words ENDIF, ENDDO, ENDWHILE, ENDCASE and
+//! LEAVE are taken as `ENDOF/…` and `EXIT`.
+
+use super::{Parsed, Parser};
+use crate::ast::{Block, Declared, Expr, ExprKind, Header, Scope, StatementKind, Variable, When};
+use crate::diag::Number;
+use crate::ident;
+use crate::lex::{Sign, Token};
+use crate::value::Kind;
+
+/// Words a statement of the control emulator may begin with.
+pub(super) const COMMANDS: &[&str] = &[
+    "CASE", "CLOSE", "DECLAR", "DO", "ELSE", "ELSEIF", "ENDMAC", "ENDOF", "ERROR", "EXEC", "EXIT", "IF", "INCLUD",
+    "JUMPTO", "LPRINT", "MACRO", "MATCH", "OPEN", "OUTPUT", "PPRINT", "READ", "REPEAT", "RSTMODAL", "SAVMODAL",
+    "SEARCH", "SYSTEM", "TAPERD", "TAPEWT", "TERMAC", "UNTIL", "WHEN", "WHILE", "WRITE",
+];
+
+impl Parser<'_> {
+    /// Reads the statement of the line.
+    pub(crate) fn statement(&mut self) -> Parsed<StatementKind> {
+        let kind = match (self.peek(), self.peek_at(1)) {
+            (None, _) => StatementKind::Empty,
+            (Some(Token::Name(name)), None | Some(Token::Sign(Sign::Slash))) => {
+                let span = self.span();
+                self.at += 1;
+                let arguments = self.eat(Sign::Slash);
+                match self.named(name, arguments)? {
+                    Some(kind) => kind,
+                    None => return self.unknown(name, span),
+                }
+            }
+            _ => self.assignment()?,
+        };
+        self.done()?;
+        Ok(kind)
+    }
+
+    fn unknown<T>(&mut self, name: &str, span: crate::source::Span) -> Parsed<T> {
+        if COMMANDS.contains(&name) {
+            return self.fail_at(span, Number::SYNTAX, format!("{name} is not written this way"), None);
+        }
+        if matches!(name, "LET" | "FOR" | "ENDFOR" | "INTERN" | "RESERV" | "DELETE") {
+            return self.fail_at(span, Number::RESERVED_WORD, format!("{name} is reserved but has no meaning"), None);
+        }
+        if ident::reserved(name) == Some(ident::Reserved::Post) || ident::major_code(name).is_some() {
+            let message = format!("{name} is a record of the post product; control emulator macros have no records");
+            return self.fail_at(span, Number::NOT_HERE, message, None);
+        }
+        let help = match name {
+            "RETURN" => Some("TERMAC ends a macro or function".to_owned()),
+            "CALL" | "USRFUN" => Some("functions are called inside expressions".to_owned()),
+            "GOTO" => Some("JUMPTO/label jumps".to_owned()),
+            "LOOP" => Some("the loops are DO, WHILE and REPEAT".to_owned()),
+            "DIALOG" => Some("a dialog is the function $FDIALOG()".to_owned()),
+            _ => ident::nearest(name, COMMANDS.iter().copied()).map(|near| format!("did you mean {near}?")),
+        };
+        self.fail_at(span, Number::UNKNOWN_COMMAND, format!("there is no command {name}"), help)
+    }
+
+    fn named(&mut self, name: &str, arguments: bool) -> Parsed<Option<StatementKind>> {
+        Ok(Some(match (name, arguments) {
+            ("IF", true) => StatementKind::If(self.expression()?),
+            ("ELSEIF", true) => StatementKind::ElseIf(self.expression()?),
+            ("ELSE", false) => StatementKind::Else,
+            ("CASE", true) => StatementKind::Case(self.expression()?),
+            ("WHEN", true) => self.when()?,
+            ("WHILE", true) => StatementKind::While(self.expression()?),
+            ("REPEAT", false) => StatementKind::Repeat,
+            ("UNTIL", true) => StatementKind::Until(self.expression()?),
+            ("DO", true) => self.do_loop()?,
+            ("ENDOF", true) => self.end_of()?,
+            ("ENDIF", false) => StatementKind::EndOf(Block::If),
+            ("ENDCASE" | "ENDC", false) => StatementKind::EndOf(Block::Case),
+            ("ENDWHILE" | "ENDW", false) => StatementKind::EndOf(Block::While),
+            ("ENDDO", false) => StatementKind::EndOf(Block::Do),
+            ("EXIT" | "LEAVE", false) => StatementKind::Exit(1),
+            ("EXIT" | "LEAVE", true) => self.exit()?,
+            ("JUMPTO", true) => self.jump()?,
+            ("TERMAC", false) => StatementKind::Terminate,
+            ("ENDMAC", false) => StatementKind::EndMacro,
+            ("DECLAR", true) => self.declare()?,
+            ("OUTPUT", false) => StatementKind::Output,
+            ("TAPERD", false) => StatementKind::TapeRead,
+            ("TAPEWT", false) => StatementKind::TapeWrite,
+            ("SAVMODAL", false) => StatementKind::SaveModal,
+            ("RSTMODAL", false) => StatementKind::RestoreModal,
+            ("MATCH", true) => StatementKind::Match(self.on_or_off()?),
+            ("SEARCH", true) => StatementKind::Search(self.expression()?),
+            ("EXEC", true) => self.exec()?,
+            ("LPRINT", true) => match self.switch() {
+                Some(on) => StatementKind::Listing(on),
+                None => StatementKind::Skip(self.expression()?),
+            },
+            ("PPRINT", true) => StatementKind::Print(self.list()?),
+            ("OPEN", true) => StatementKind::Open(self.counted(1, 3)?),
+            ("CLOSE", true) => StatementKind::Close(self.expression()?),
+            ("WRITE", true) => StatementKind::Write(self.counted(2, usize::MAX)?),
+            ("READ", true) => self.read()?,
+            ("ERROR", true) => StatementKind::Error(self.list()?),
+            ("SYSTEM", true) => StatementKind::System(self.expression()?),
+            ("INCLUD", true) => self.include()?,
+            _ => return Ok(None),
+        }))
+    }
+
+    fn counted(&mut self, least: usize, most: usize) -> Parsed<Vec<Expr>> {
+        let list = self.list()?;
+        if list.len() < least || list.len() > most {
+            let message =
+                if list.len() < least { "an argument is missing here" } else { "there are too many arguments" };
+            return self.fail(Number::WRONG_COUNT, message);
+        }
+        Ok(list)
+    }
+
+    fn switch(&mut self) -> Option<bool> {
+        if self.tokens.len() != self.at + 1 {
+            return None;
+        }
+        if self.eat_word("ON") { Some(true) } else { self.eat_word("OFF").then_some(false) }
+    }
+
+    fn on_or_off(&mut self) -> Parsed<bool> {
+        match self.switch() {
+            Some(on) => Ok(on),
+            None => self.fail(Number::SYNTAX, "ON or OFF is expected here"),
+        }
+    }
+
+    fn end_of(&mut self) -> Parsed<StatementKind> {
+        let Some(Token::Name(name)) = self.peek() else {
+            return self.fail(Number::SYNTAX, "IF, CASE, WHILE or DO is expected here");
+        };
+        let block = match name.as_str() {
+            "IF" => Block::If,
+            "CASE" => Block::Case,
+            "WHILE" => Block::While,
+            "DO" => Block::Do,
+            "REPEAT" => return self.fail(Number::SYNTAX, "REPEAT ends with UNTIL/condition"),
+            _ => return self.fail(Number::SYNTAX, "IF, CASE, WHILE or DO is expected here"),
+        };
+        self.at += 1;
+        Ok(StatementKind::EndOf(block))
+    }
+
+    fn when(&mut self) -> Parsed<StatementKind> {
+        if self.eat_word("OTHERS") {
+            return Ok(StatementKind::When(Vec::new()));
+        }
+        let mut items = Vec::new();
+        loop {
+            let first = self.expression()?;
+            let thru = matches!(
+                (self.peek(), self.peek_at(1), self.peek_at(2)),
+                (Some(Token::Sign(Sign::Comma)), Some(Token::Name(word)), Some(Token::Sign(Sign::Comma))) if word == "THRU"
+            );
+            if thru {
+                self.at += 3;
+                items.push(When::Thru(first, self.expression()?));
+            } else {
+                items.push(When::One(first));
+            }
+            if !self.eat(Sign::Comma) {
+                return Ok(StatementKind::When(items));
+            }
+        }
+    }
+
+    fn do_loop(&mut self) -> Parsed<StatementKind> {
+        let variable = self.target()?;
+        self.expect(Sign::Assign)?;
+        let start = self.expression()?;
+        self.expect(Sign::Comma)?;
+        let end = self.expression()?;
+        let step = if self.eat(Sign::Comma) { Some(self.expression()?) } else { None };
+        Ok(StatementKind::Do { variable, start, end, step })
+    }
+
+    fn exit(&mut self) -> Parsed<StatementKind> {
+        if let Some(Token::Number(number)) = self.peek()
+            && (1.0..=100.0).contains(number)
+            && number.fract() == 0.0
+        {
+            self.at += 1;
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            return Ok(StatementKind::Exit(*number as u32));
+        }
+        self.fail(Number::BAD_EXIT, "EXIT takes a whole number of loops")
+    }
+
+    fn jump(&mut self) -> Parsed<StatementKind> {
+        let start = self.span();
+        let mut label = String::new();
+        while let Some(token) = self.peek() {
+            match token {
+                Token::Name(name) | Token::Percent(name) => label.push_str(name),
+                Token::Number(number) if number.fract() == 0.0 => {
+                    let span = self.span();
+                    label.push_str(self.source.slice(span));
+                }
+                _ => return self.fail(Number::BAD_LABEL, "a label is expected here"),
+            }
+            self.at += 1;
+        }
+        if label.is_empty() {
+            return self.fail(Number::BAD_LABEL, "a label is expected here");
+        }
+        Ok(StatementKind::Jump(label, start.to(self.before())))
+    }
+
+    fn exec(&mut self) -> Parsed<StatementKind> {
+        let now = match (self.peek(), self.peek_at(1)) {
+            (Some(Token::Name(name)), Some(Token::Sign(Sign::Comma))) if name == "NOW" || name == "NEXT" => {
+                self.at += 2;
+                name == "NOW"
+            }
+            _ => false,
+        };
+        Ok(StatementKind::Exec(now, self.list()?))
+    }
+
+    fn read(&mut self) -> Parsed<StatementKind> {
+        let source = self.expression()?;
+        self.expect(Sign::Comma)?;
+        let mut again = false;
+        for (word, decr) in [("INCR", false), ("DECR", true)] {
+            if self.eat_word(word) {
+                again = decr;
+                self.expect(Sign::Comma)?;
+                break;
+            }
+        }
+        let format = self.expression()?;
+        let mut targets = Vec::new();
+        while self.eat(Sign::Comma) {
+            targets.push(self.target()?);
+        }
+        Ok(StatementKind::Read { source, again, format, targets })
+    }
+
+    fn include(&mut self) -> Parsed<StatementKind> {
+        let Some(Token::Text(name)) = self.peek() else {
+            return self.fail(Number::SYNTAX, "INCLUD takes the name of a file between quotes");
+        };
+        self.at += 1;
+        Ok(StatementKind::Include(name.clone()))
+    }
+
+    fn kind(&mut self) -> Option<Kind> {
+        let Some(Token::Name(name)) = self.peek() else { return None };
+        let kind = Kind::named(name)?;
+        self.at += 1;
+        Some(kind)
+    }
+
+    fn declare(&mut self) -> Parsed<StatementKind> {
+        let (mut scope, mut kind, mut channel) = (Scope::Local, None, false);
+        loop {
+            let words = [("LOCAL", Scope::Local), ("OBJECT", Scope::Object), ("GLOBAL", Scope::Global)];
+            if let Some((_, found)) = words.into_iter().find(|(word, _)| self.eat_word(word)) {
+                scope = found;
+            } else if let Some(found) = self.kind() {
+                kind = Some(found);
+            } else if self.eat_word("CHANNEL") {
+                channel = true;
+            } else if self.eat_word("EXTERN") {
+                let span = self.before();
+                let message = "external functions are not supported: macros run in a sandbox";
+                return self.fail_at(span, Number::NOT_HERE, message, Some("write the function as a MACRO".into()));
+            } else {
+                break;
+            }
+            self.expect(Sign::Comma)?;
+        }
+        let mut names = vec![self.declared()?];
+        while self.eat(Sign::Comma) {
+            names.push(self.declared()?);
+        }
+        Ok(StatementKind::Declare { scope, kind, channel, names })
+    }
+
+    fn declared(&mut self) -> Parsed<Declared> {
+        let span = self.span();
+        let name = self.new_name()?;
+        let mut sizes = Vec::new();
+        if self.eat(Sign::Open) {
+            sizes = self.list()?;
+            self.expect(Sign::Close)?;
+        }
+        let value = if self.eat(Sign::Assign) { Some(self.expression()?) } else { None };
+        Ok(Declared { name, sizes, value, span })
+    }
+
+    /// Reads a name that is being declared.
+    fn new_name(&mut self) -> Parsed<String> {
+        let span = self.span();
+        match self.peek() {
+            Some(Token::Percent(name)) => {
+                self.at += 1;
+                Ok(name.clone())
+            }
+            Some(Token::Name(name)) if !ident::needs_percent(name) => {
+                self.at += 1;
+                Ok(name.clone())
+            }
+            Some(Token::Name(name)) => {
+                let help = Some(format!("write %{name} for a variable of this name"));
+                self.fail_at(span, Number::REDECLARED, format!("{name} is a word of the language"), help)
+            }
+            Some(Token::Global(_) | Token::Local(_) | Token::Param(_) | Token::System(_)) => {
+                self.fail(Number::REDECLARED, "%Gnn, %Lnn and $ names exist without a declaration")
+            }
+            _ => self.fail(Number::SYNTAX, "a name is expected here"),
+        }
+    }
+
+    /// Reads the header of a function after `MACRO/`.
+    pub(crate) fn header(&mut self) -> Parsed<Header> {
+        let result = self.kind();
+        if result.is_some() {
+            self.expect(Sign::Comma)?;
+        }
+        let span = self.span();
+        let name = self.new_name()?;
+        let mut parameters: Vec<(String, Option<Kind>)> = Vec::new();
+        self.expect(Sign::Open)?;
+        if !self.eat(Sign::Close) {
+            loop {
+                let kind = self.kind();
+                if kind.is_some() {
+                    self.expect(Sign::Comma)?;
+                }
+                let place = self.span();
+                let parameter = self.new_name()?;
+                if parameter == name || parameters.iter().any(|(other, _)| *other == parameter) {
+                    let message = format!("{parameter} stands twice in this header");
+                    return self.fail_at(place, Number::DUPLICATE_FUNCTION, message, None);
+                }
+                parameters.push((parameter, kind));
+                if !self.eat(Sign::Comma) {
+                    break;
+                }
+            }
+            self.expect(Sign::Close)?;
+        }
+        self.done()?;
+        Ok(Header { name, result, parameters, span })
+    }
+
+    /// Reads what may be assigned to: a variable or an element.
+    fn target(&mut self) -> Parsed<Expr> {
+        let start = self.span();
+        let Some(token) = self.peek() else {
+            return self.fail(Number::SYNTAX, "a variable is missing here");
+        };
+        let variable = match token {
+            Token::Name(name) if self.assignable(name) => Variable::User(name.clone()),
+            Token::Name(name) => {
+                let help = Some(format!("write %{name} for a variable of this name"));
+                let message = format!("{name} is a word of the language and cannot be assigned to");
+                return self.fail_at(start, Number::BAD_TARGET, message, help);
+            }
+            Token::Percent(name) => Variable::User(name.clone()),
+            Token::Global(number) => Variable::Global(*number),
+            Token::Local(number) => Variable::Local(*number),
+            Token::Param(number) => Variable::Param(*number),
+            Token::System(name) if matches!(name.as_str(), "$TRUE" | "$FALSE" | "$NULL" | "$PI") => {
+                return self.fail(Number::BAD_TARGET, format!("{name} is a constant"));
+            }
+            Token::System(name) => Variable::System(name.clone()),
+            _ => return self.fail(Number::BAD_TARGET, "a variable is expected here"),
+        };
+        self.at += 1;
+        let kind = self.variable(variable)?;
+        let span = start.to(self.before());
+        if matches!(kind, ExprKind::Range(..)) {
+            return self.fail_at(span, Number::BAD_TARGET, "a range cannot be assigned to", None);
+        }
+        Ok(Expr::new(kind, span))
+    }
+
+    fn assignable(&self, name: &str) -> bool {
+        !ident::needs_percent(name) && !["CODE_", "REG_", "DATA_"].iter().any(|prefix| name.starts_with(prefix))
+    }
+
+    fn assignment(&mut self) -> Parsed<StatementKind> {
+        let start = self.span();
+        if self.is_bare_call() {
+            let help = Some("assign its result, for instance %L01=…".to_owned());
+            return self.fail_at(start, Number::BARE_CALL, "a call is a value and no statement", help);
+        }
+        let target = self.target()?;
+        let sign = match self.sign() {
+            Some(sign) if is_assignment(sign) => sign,
+            _ => return self.fail(Number::SYNTAX, "`=` is expected here"),
+        };
+        self.at += 1;
+        let value = self.expression()?;
+        Ok(StatementKind::Assign { target, sign, value })
+    }
+
+    fn is_bare_call(&self) -> bool {
+        let called = matches!(self.peek(), Some(Token::System(_) | Token::Name(_)))
+            && matches!(self.peek_at(1), Some(Token::Sign(Sign::Open)));
+        let assigns = |token: &crate::lex::Spanned| matches!(token.token, Token::Sign(sign) if is_assignment(sign));
+        called && !self.tokens.iter().any(assigns)
+    }
+}
+
+fn is_assignment(sign: Sign) -> bool {
+    matches!(sign, Sign::Assign | Sign::AddAssign | Sign::SubtractAssign | Sign::MultiplyAssign | Sign::DivideAssign)
+}

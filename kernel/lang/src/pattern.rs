@@ -1,0 +1,127 @@
+//! Regular expressions in the dialect of the line editor `ed`.
+//!
+//! Invariant: matching uses no recursion and stops with a fault when its step budget is used up, so no expression and
+//! no text can hang or crash a macro. Facts: reference macro-language.md 4. Choices of this project: a star on a group
+//! works; a star with nothing before it is literal; replacing all substitutes an empty match once per position, never
+//! directly after a match; splitting ignores empty matches.
+
+mod compile;
+mod edit;
+mod matcher;
+
+use crate::fault::Outcome;
+
+/// Steps one search may take.
+pub const STEPS: u64 = 2_000_000;
+/// Most instructions of one expression.
+pub const MAX_PROGRAM: usize = 20_000;
+
+/// A set of characters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Class {
+    One(char),
+    Any,
+    Set { ranges: Vec<(char, char)>, negated: bool },
+}
+
+impl Class {
+    fn holds(&self, character: char) -> bool {
+        match self {
+            Class::One(one) => *one == character,
+            Class::Any => true,
+            Class::Set { ranges, negated } => {
+                ranges.iter().any(|(low, high)| (*low..=*high).contains(&character)) != *negated
+            }
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Step {
+    One(Class),
+    /// Longest run of a class, giving back one by one.
+    Run(Class, u32, u32),
+    Reference(usize),
+    Start,
+    End,
+    WordStart,
+    WordEnd,
+    Save(usize),
+    /// Try the next step first, then the target.
+    Split(usize),
+    Jump(usize),
+    /// Remembers where a pass of a group's loop began.
+    Mark(usize),
+    /// Ends a loop whose pass consumed nothing.
+    Moved(usize),
+    Done,
+}
+
+/// A compiled expression.
+#[derive(Clone, Debug)]
+pub struct Pattern {
+    steps: Vec<Step>,
+    slots: usize,
+    first: Option<char>,
+    anchored: bool,
+}
+
+/// Byte ranges of a match: the whole, then the groups 1 to 9.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Match {
+    /// Start and end of the whole and of each group that took part.
+    pub groups: [Option<(usize, usize)>; 10],
+}
+
+impl Match {
+    /// Start and end of the whole match.
+    #[must_use]
+    pub fn whole(&self) -> (usize, usize) {
+        self.groups.first().copied().flatten().unwrap_or((0, 0))
+    }
+}
+
+impl Pattern {
+    /// Compiles an expression.
+    ///
+    /// # Errors
+    /// A malformed or oversized expression.
+    pub fn new(text: &str) -> Outcome<Pattern> {
+        compile::compile(text)
+    }
+
+    /// Finds the leftmost match that begins at byte `from` or later.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn find(&self, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
+        matcher::find(self, text, from, budget)
+    }
+
+    /// Replaces all matches (`which` 0) or the `which`-th one.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn replace(&self, text: &str, with: &str, which: usize) -> Outcome<String> {
+        edit::replace(self, text, with, which)
+    }
+
+    /// Text of the `which`-th match (1-based), or `template` with its groups filled in.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn nth(&self, text: &str, template: Option<&str>, which: usize) -> Outcome<Option<String>> {
+        edit::nth(self, text, template, which)
+    }
+
+    /// Pieces between matches, at most `limit` if that is not 0.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn split(&self, text: &str, limit: usize) -> Outcome<Vec<String>> {
+        edit::split(self, text, limit)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,237 @@
+//! From the text of an expression to steps.
+
+use super::{Class, MAX_PROGRAM, Pattern, Step};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+
+struct Compiler {
+    text: Vec<char>,
+    at: usize,
+    steps: Vec<Step>,
+    /// Open groups: number and position of their first step.
+    open: Vec<(usize, usize)>,
+    groups: usize,
+    closed: [bool; 10],
+    slots: usize,
+}
+
+fn bad<T>(message: &str) -> Outcome<T> {
+    Err(Fault::new(Number::BAD_PATTERN, message))
+}
+
+pub(super) fn compile(text: &str) -> Outcome<Pattern> {
+    let mut compiler = Compiler {
+        text: text.chars().collect(),
+        at: 0,
+        steps: vec![Step::Save(0)],
+        open: Vec::new(),
+        groups: 0,
+        closed: [false; 10],
+        slots: 20,
+    };
+    if compiler.eat('^') {
+        compiler.steps.push(Step::Start);
+    }
+    // First step of the item that a repetition would repeat.
+    let mut item: Option<usize> = None;
+    while let Some(character) = compiler.next() {
+        item = compiler.item(character, item)?;
+        if compiler.steps.len() > MAX_PROGRAM {
+            return bad("this regular expression is too large");
+        }
+    }
+    if !compiler.open.is_empty() {
+        return bad("a `\\(` has no `\\)`");
+    }
+    compiler.steps.push(Step::Save(1));
+    compiler.steps.push(Step::Done);
+    let anchored = compiler.steps.get(1) == Some(&Step::Start);
+    let first = match compiler.steps.iter().find(|step| !matches!(step, Step::Save(_))) {
+        Some(Step::One(Class::One(first))) => Some(*first),
+        _ => None,
+    };
+    Ok(Pattern { steps: compiler.steps, slots: compiler.slots, first, anchored })
+}
+
+impl Compiler {
+    fn next(&mut self) -> Option<char> {
+        let character = self.text.get(self.at).copied()?;
+        self.at += 1;
+        Some(character)
+    }
+
+    fn eat(&mut self, wanted: char) -> bool {
+        let found = self.text.get(self.at) == Some(&wanted);
+        self.at += usize::from(found);
+        found
+    }
+
+    fn item(&mut self, character: char, before: Option<usize>) -> Outcome<Option<usize>> {
+        let start = self.steps.len();
+        match character {
+            '*' if before.is_some() => {
+                self.repeat(before.unwrap_or(start), 0, u32::MAX)?;
+                return Ok(None);
+            }
+            '.' => self.steps.push(Step::One(Class::Any)),
+            '[' => {
+                let set = self.set()?;
+                self.steps.push(Step::One(set));
+            }
+            '$' if self.at == self.text.len() => {
+                self.steps.push(Step::End);
+                return Ok(None);
+            }
+            '\\' => return self.escape(before, start),
+            other => self.steps.push(Step::One(Class::One(other))),
+        }
+        Ok(Some(start))
+    }
+
+    fn escape(&mut self, before: Option<usize>, start: usize) -> Outcome<Option<usize>> {
+        match self.next() {
+            None => bad("a regular expression cannot end with `\\`"),
+            Some('<') => {
+                self.steps.push(Step::WordStart);
+                Ok(None)
+            }
+            Some('>') => {
+                self.steps.push(Step::WordEnd);
+                Ok(None)
+            }
+            Some('(') => {
+                self.groups += 1;
+                if self.groups > 9 {
+                    return bad("there can be nine groups");
+                }
+                self.open.push((self.groups, start));
+                self.steps.push(Step::Save(2 * self.groups));
+                Ok(None)
+            }
+            Some(')') => {
+                let Some((number, start)) = self.open.pop() else { return bad("a `\\)` has no `\\(`") };
+                if let Some(closed) = self.closed.get_mut(number) {
+                    *closed = true;
+                }
+                self.steps.push(Step::Save(2 * number + 1));
+                Ok(Some(start))
+            }
+            Some('{') => {
+                let (least, most) = self.bounds()?;
+                let Some(item) = before else { return bad("there is nothing before this `\\{`") };
+                self.repeat(item, least, most)?;
+                Ok(None)
+            }
+            Some('}') => bad("a `\\}` has no `\\{`"),
+            Some('0') => {
+                self.steps.push(Step::One(Class::One('0')));
+                Ok(Some(start))
+            }
+            Some(digit @ '1'..='9') => {
+                let number = digit.to_digit(10).map_or(0, |digit| digit as usize);
+                if self.closed.get(number) != Some(&true) {
+                    return bad("a back reference names a group that is not complete before it");
+                }
+                self.steps.push(Step::Reference(number));
+                Ok(Some(start))
+            }
+            Some(other) => {
+                self.steps.push(Step::One(Class::One(other)));
+                Ok(Some(start))
+            }
+        }
+    }
+
+    fn bounds(&mut self) -> Outcome<(u32, u32)> {
+        let least = self.bound()?;
+        let most = if self.eat(',') {
+            if self.text.get(self.at) == Some(&'\\') { Some(u32::MAX) } else { self.bound()? }
+        } else {
+            least
+        };
+        match (least, most) {
+            (Some(least), Some(most)) if least <= most && self.eat('\\') && self.eat('}') => Ok((least, most)),
+            _ => bad("repetitions are written `\\{m\\}`, `\\{m,\\}` or `\\{m,n\\}`"),
+        }
+    }
+
+    fn bound(&mut self) -> Outcome<Option<u32>> {
+        let mut number: Option<u32> = None;
+        while let Some(digit) = self.text.get(self.at).and_then(|c| c.to_digit(10)) {
+            self.at += 1;
+            let value = number.unwrap_or(0) * 10 + digit;
+            if value > 255 {
+                return bad("repetitions go up to 255");
+            }
+            number = Some(value);
+        }
+        Ok(number)
+    }
+
+    fn set(&mut self) -> Outcome<Class> {
+        let negated = self.eat('^');
+        let mut ranges = Vec::new();
+        let mut first = true;
+        loop {
+            let Some(low) = self.next() else { return bad("a `[` has no `]`") };
+            if low == ']' && !first {
+                return Ok(Class::Set { ranges, negated });
+            }
+            first = false;
+            let dash = self.text.get(self.at) == Some(&'-');
+            match self.text.get(self.at + 1).copied() {
+                Some(high) if dash && high != ']' => {
+                    self.at += 2;
+                    if high < low {
+                        return bad("a range in a set runs backwards");
+                    }
+                    ranges.push((low, high));
+                }
+                _ => ranges.push((low, low)),
+            }
+        }
+    }
+
+    fn repeat(&mut self, start: usize, least: u32, most: u32) -> Outcome<()> {
+        let body: Vec<Step> = self.steps.split_off(start.min(self.steps.len()));
+        if let [Step::One(class)] = body.as_slice() {
+            self.steps.push(Step::Run(class.clone(), least, most));
+            return Ok(());
+        }
+        let copies = if most == u32::MAX { least + 1 } else { most };
+        if body.len().saturating_mul(copies as usize) > MAX_PROGRAM {
+            return bad("this regular expression is too large");
+        }
+        for _ in 0..least {
+            self.copy(&body, start);
+        }
+        if most == u32::MAX {
+            let slot = self.slots;
+            self.slots += 1;
+            let begin = self.steps.len();
+            self.steps.push(Step::Split(begin + body.len() + 4));
+            self.steps.push(Step::Mark(slot));
+            self.copy(&body, start);
+            self.steps.push(Step::Moved(slot));
+            self.steps.push(Step::Jump(begin));
+        } else {
+            let end = self.steps.len() + (most - least) as usize * (body.len() + 1);
+            for _ in least..most {
+                self.steps.push(Step::Split(end));
+                self.copy(&body, start);
+            }
+        }
+        Ok(())
+    }
+
+    /// Appends a copy of steps that were compiled at `from`, moving the targets of their jumps.
+    fn copy(&mut self, body: &[Step], from: usize) {
+        let here = self.steps.len();
+        let moved = |target: usize| target - from + here;
+        self.steps.extend(body.iter().map(|step| match step {
+            Step::Split(target) => Step::Split(moved(*target)),
+            Step::Jump(target) => Step::Jump(moved(*target)),
+            other => other.clone(),
+        }));
+    }
+}

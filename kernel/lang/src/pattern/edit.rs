@@ -1,0 +1,97 @@
+//! Replacing, extracting and splitting.
+
+use super::{Match, Pattern, STEPS};
+use crate::fault::Outcome;
+
+/// Calls `each` with every match from left to right until it answers false.
+fn matches(pattern: &Pattern, text: &str, mut each: impl FnMut(&Match) -> bool) -> Outcome<()> {
+    let (mut from, mut last_end) = (0usize, None);
+    let mut budget = STEPS;
+    while let Some(found) = pattern.find(text, from, &mut budget)? {
+        let (start, end) = found.whole();
+        let empty_behind_a_match = start == end && last_end == Some(start);
+        if !empty_behind_a_match && !each(&found) {
+            break;
+        }
+        last_end = Some(end);
+        from = if start == end {
+            end + text.get(end..).and_then(|r| r.chars().next()).map_or(1, char::len_utf8)
+        } else {
+            end
+        };
+        if pattern.anchored || from > text.len() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Appends `template` with `\1` to `\9` filled in.
+fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
+    let mut characters = template.chars();
+    while let Some(character) = characters.next() {
+        if character != '\\' {
+            out.push(character);
+            continue;
+        }
+        match characters.next() {
+            Some(digit @ '1'..='9') => {
+                let group = digit.to_digit(10).and_then(|digit| found.groups.get(digit as usize)).copied().flatten();
+                out.push_str(group.and_then(|(start, end)| text.get(start..end)).unwrap_or(""));
+            }
+            Some(other) => out.push(other),
+            None => out.push('\\'),
+        }
+    }
+}
+
+pub(super) fn replace(pattern: &Pattern, text: &str, with: &str, which: usize) -> Outcome<String> {
+    let (mut out, mut copied, mut count) = (String::with_capacity(text.len()), 0usize, 0usize);
+    matches(pattern, text, |found| {
+        count += 1;
+        if which == 0 || count == which {
+            let (start, end) = found.whole();
+            out.push_str(text.get(copied..start).unwrap_or(""));
+            fill(&mut out, with, text, found);
+            copied = end;
+        }
+        count != which
+    })?;
+    out.push_str(text.get(copied..).unwrap_or(""));
+    Ok(out)
+}
+
+pub(super) fn nth(pattern: &Pattern, text: &str, template: Option<&str>, which: usize) -> Outcome<Option<String>> {
+    let (mut result, mut count) = (None, 0usize);
+    matches(pattern, text, |found| {
+        count += 1;
+        if count == which {
+            let (start, end) = found.whole();
+            let mut out = String::new();
+            match template {
+                Some(template) => fill(&mut out, template, text, found),
+                None => out.push_str(text.get(start..end).unwrap_or("")),
+            }
+            result = Some(out);
+        }
+        count != which
+    })?;
+    Ok(result)
+}
+
+pub(super) fn split(pattern: &Pattern, text: &str, limit: usize) -> Outcome<Vec<String>> {
+    let (mut pieces, mut copied) = (Vec::new(), 0usize);
+    matches(pattern, text, |found| {
+        let (start, end) = found.whole();
+        if limit > 0 && pieces.len() + 1 >= limit {
+            return false;
+        }
+        if start < end {
+            pieces.push(text.get(copied..start).unwrap_or("").to_owned());
+            copied = end;
+        }
+        true
+    })?;
+    pieces.push(text.get(copied..).unwrap_or("").to_owned());
+    Ok(pieces)
+}

@@ -1,0 +1,179 @@
+//! Backtracking over the steps with a stack of its own.
+//!
+//! Invariant: every pass of the loop costs one step of the budget, so time and stack are bounded by it.
+
+use super::{Class, Match, Pattern, Step};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+
+const NONE: usize = usize::MAX;
+
+enum Back {
+    /// Go on with a step at a place.
+    Branch(usize, usize),
+    /// A slot had another value.
+    Slot(usize, usize),
+    /// A run may give back characters down to a place: step, lowest place, place.
+    Run(usize, usize, usize),
+}
+
+pub(super) fn find(pattern: &Pattern, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
+    let mut slots = vec![NONE; pattern.slots];
+    let mut stack = Vec::new();
+    let mut start = from;
+    while start <= text.len() {
+        if let Some(first) = pattern.first {
+            match text.get(start..).and_then(|rest| rest.find(first)) {
+                Some(ahead) => start += ahead,
+                None => return Ok(None),
+            }
+        }
+        slots.fill(NONE);
+        stack.clear();
+        if attempt(pattern, text, start, &mut slots, &mut stack, budget)? {
+            return Ok(Some(captured(&slots)));
+        }
+        if pattern.anchored {
+            return Ok(None);
+        }
+        start += character(text, start).map_or(1, char::len_utf8);
+    }
+    Ok(None)
+}
+
+fn captured(slots: &[usize]) -> Match {
+    let mut found = Match::default();
+    for (group, pair) in found.groups.iter_mut().zip(slots.chunks(2)) {
+        if let [start, end] = pair
+            && *start != NONE
+            && *end != NONE
+        {
+            *group = Some((*start, *end));
+        }
+    }
+    found
+}
+
+fn character(text: &str, at: usize) -> Option<char> {
+    match text.as_bytes().get(at) {
+        Some(byte) if byte.is_ascii() => Some(char::from(*byte)),
+        _ => text.get(at..)?.chars().next(),
+    }
+}
+
+fn before(text: &str, at: usize) -> Option<char> {
+    text.get(..at)?.chars().next_back()
+}
+
+fn is_word(character: Option<char>) -> bool {
+    character.is_some_and(|c| c.is_alphanumeric() || c == '_')
+}
+
+fn attempt(
+    pattern: &Pattern,
+    text: &str,
+    start: usize,
+    slots: &mut [usize],
+    stack: &mut Vec<Back>,
+    budget: &mut u64,
+) -> Outcome<bool> {
+    let (mut step, mut at) = (0usize, start);
+    loop {
+        if *budget == 0 {
+            return Err(Fault::new(Number::BACKTRACKING, "this regular expression needs too many steps on this text"));
+        }
+        *budget -= 1;
+        let mut good = true;
+        match pattern.steps.get(step) {
+            None | Some(Step::Done) => return Ok(true),
+            Some(Step::One(class)) => match character(text, at).filter(|c| class.holds(*c)) {
+                Some(c) => at += c.len_utf8(),
+                None => good = false,
+            },
+            Some(Step::Run(class, least, most)) => match run(text, at, class, *least, *most, budget) {
+                Some((low, high)) => {
+                    at = high;
+                    if low < high {
+                        stack.push(Back::Run(step + 1, low, high));
+                    }
+                }
+                None => good = false,
+            },
+            Some(Step::Reference(group)) => match referred(text, slots, *group) {
+                Some(part) if text.get(at..).is_some_and(|rest| rest.starts_with(part)) => {
+                    *budget = budget.saturating_sub(part.len() as u64 / 16);
+                    at += part.len();
+                }
+                _ => good = false,
+            },
+            Some(Step::Start) => good = at == 0,
+            Some(Step::End) => good = at == text.len(),
+            Some(Step::WordStart) => good = !is_word(before(text, at)) && is_word(character(text, at)),
+            Some(Step::WordEnd) => good = is_word(before(text, at)) && !is_word(character(text, at)),
+            Some(Step::Save(slot) | Step::Mark(slot)) => {
+                if let Some(place) = slots.get_mut(*slot) {
+                    stack.push(Back::Slot(*slot, *place));
+                    *place = at;
+                }
+            }
+            Some(Step::Moved(slot)) => good = slots.get(*slot) != Some(&at),
+            Some(Step::Split(target)) => stack.push(Back::Branch(*target, at)),
+            Some(Step::Jump(target)) => {
+                step = *target;
+                continue;
+            }
+        }
+        if good {
+            step += 1;
+        } else if !back(text, slots, stack, &mut step, &mut at) {
+            return Ok(false);
+        }
+    }
+}
+
+/// Longest run of a class from `at`: the lowest place to give back to and the end.
+fn run(text: &str, at: usize, class: &Class, least: u32, most: u32, budget: &mut u64) -> Option<(usize, usize)> {
+    let (mut count, mut place) = (0u32, at);
+    let mut low = if least == 0 { Some(at) } else { None };
+    while count < most
+        && let Some(c) = character(text, place).filter(|c| class.holds(*c))
+    {
+        place += c.len_utf8();
+        count += 1;
+        if count == least {
+            low = Some(place);
+        }
+    }
+    *budget = budget.saturating_sub(u64::from(count) / 16);
+    low.map(|low| (low, place))
+}
+
+fn referred<'a>(text: &'a str, slots: &[usize], group: usize) -> Option<&'a str> {
+    text.get(*slots.get(2 * group)?..*slots.get(2 * group + 1)?)
+}
+
+/// Undoes up to the last choice; false if there is none.
+fn back(text: &str, slots: &mut [usize], stack: &mut Vec<Back>, step: &mut usize, at: &mut usize) -> bool {
+    while let Some(last) = stack.pop() {
+        match last {
+            Back::Slot(slot, value) => {
+                if let Some(place) = slots.get_mut(slot) {
+                    *place = value;
+                }
+            }
+            Back::Branch(target, place) => {
+                (*step, *at) = (target, place);
+                return true;
+            }
+            Back::Run(target, low, high) => {
+                let place = high - before(text, high).map_or(1, char::len_utf8);
+                if place > low {
+                    stack.push(Back::Run(target, low, place));
+                }
+                (*step, *at) = (target, place);
+                return true;
+            }
+        }
+    }
+    false
+}

@@ -1,0 +1,318 @@
+//! Values of the macro language: what a variable holds and an expression yields.
+//!
+//! Invariant: a value is two machine words; numbers, truth values and names never allocate, texts and sequences are
+//! shared until somebody changes them. Facts: reference macro-language.md 1.2 and 1.4.
+
+use std::sync::Arc;
+
+/// A record name: class and subclass, `-1` standing for `*`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Record {
+    /// Class number, 2000 for major words.
+    pub class: i32,
+    /// Subclass number.
+    pub subclass: i32,
+}
+
+/// One value.
+#[derive(Clone, Debug, Default)]
+pub enum Value {
+    /// Never assigned: 0 in arithmetic, false in logic, a blank text where a text is wanted.
+    #[default]
+    Unset,
+    /// `$NULL`, equal only to itself.
+    Null,
+    /// The only numeric type.
+    Real(f64),
+    /// Truth value.
+    Logical(bool),
+    /// Text; the empty text counts as one blank in `$FLEN`.
+    Text(Arc<String>),
+    /// Sequence; never holds a sequence or an array.
+    Sequence(Arc<Vec<Value>>),
+    /// Minor word by code.
+    Keyword(i32),
+    /// Major word or record name.
+    Record(Record),
+    /// Code identifier by the host's index, 0 = `CODE_NONE`.
+    Code(u32),
+    /// Data identifier by the host's index, 0 = `REG_NONE`.
+    Register(u32),
+    /// Storage of an array variable; never an operand.
+    Array(Box<Array>),
+}
+
+/// Storage of an array variable.
+#[derive(Clone, Debug)]
+pub struct Array {
+    /// Sizes, first index first; row-major.
+    pub sizes: Vec<u32>,
+    /// Type of the elements.
+    pub kind: Option<Kind>,
+    /// Last dimension is the hidden channel dimension.
+    pub channel: bool,
+    /// Elements.
+    pub elements: Vec<Value>,
+}
+
+impl Array {
+    /// Position of `indices` (1-based) in the elements.
+    #[must_use]
+    pub fn position(&self, indices: &[i64]) -> Option<usize> {
+        if indices.len() != self.sizes.len() {
+            return None;
+        }
+        let mut position = 0usize;
+        for (&index, &size) in indices.iter().zip(&self.sizes) {
+            if index < 1 || index > i64::from(size) {
+                return None;
+            }
+            position = position * size as usize + usize::try_from(index - 1).ok()?;
+        }
+        Some(position)
+    }
+}
+
+/// Type of a value as the language names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// `REAL`
+    Real,
+    /// `LOGICAL`
+    Logical,
+    /// `STRING`
+    Text,
+    /// `SEQUENCE`
+    Sequence,
+    /// `KEYWORD`
+    Keyword,
+    /// `RECORD`
+    Record,
+    /// `CODE`
+    Code,
+    /// `REG`
+    Register,
+}
+
+impl Kind {
+    /// All types in the order of the reference.
+    pub const ALL: [Kind; 8] = [
+        Kind::Real,
+        Kind::Logical,
+        Kind::Text,
+        Kind::Sequence,
+        Kind::Keyword,
+        Kind::Record,
+        Kind::Code,
+        Kind::Register,
+    ];
+
+    /// Name of the type in a declaration.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Real => "REAL",
+            Kind::Logical => "LOGICAL",
+            Kind::Text => "STRING",
+            Kind::Sequence => "SEQUENCE",
+            Kind::Keyword => "KEYWORD",
+            Kind::Record => "RECORD",
+            Kind::Code => "CODE",
+            Kind::Register => "REG",
+        }
+    }
+
+    /// Type with this name, upper-case.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Value a declared variable of this type starts with.
+    #[must_use]
+    pub fn initial(self) -> Value {
+        match self {
+            Kind::Real => Value::Real(0.0),
+            Kind::Logical => Value::Logical(false),
+            Kind::Text => Value::text(""),
+            Kind::Sequence => Value::sequence(Vec::new()),
+            Kind::Keyword => Value::Keyword(0),
+            Kind::Record => Value::Record(Record { class: 0, subclass: 0 }),
+            Kind::Code => Value::Code(0),
+            Kind::Register => Value::Register(0),
+        }
+    }
+}
+
+impl Value {
+    /// A text value.
+    #[must_use]
+    pub fn text(text: impl Into<String>) -> Value {
+        Value::Text(Arc::new(text.into()))
+    }
+
+    /// A sequence value; `elements` must hold no sequence.
+    #[must_use]
+    pub fn sequence(elements: Vec<Value>) -> Value {
+        Value::Sequence(Arc::new(elements))
+    }
+
+    /// A sequence of numbers.
+    #[must_use]
+    pub fn numbers(numbers: &[f64]) -> Value {
+        Value::sequence(numbers.iter().map(|&n| Value::Real(n)).collect())
+    }
+
+    /// Type, none for `$NULL`, unset and arrays.
+    #[must_use]
+    pub fn kind(&self) -> Option<Kind> {
+        match self {
+            Value::Unset | Value::Null | Value::Array(_) => None,
+            Value::Real(_) => Some(Kind::Real),
+            Value::Logical(_) => Some(Kind::Logical),
+            Value::Text(_) => Some(Kind::Text),
+            Value::Sequence(_) => Some(Kind::Sequence),
+            Value::Keyword(_) => Some(Kind::Keyword),
+            Value::Record(_) => Some(Kind::Record),
+            Value::Code(_) => Some(Kind::Code),
+            Value::Register(_) => Some(Kind::Register),
+        }
+    }
+
+    /// Name of the type for messages.
+    #[must_use]
+    pub fn kind_name(&self) -> &'static str {
+        match (self, self.kind()) {
+            (_, Some(kind)) => kind.name(),
+            (Value::Null, _) => "$NULL",
+            (Value::Array(_), _) => "an array",
+            _ => "an unset value",
+        }
+    }
+
+    /// Number, an unset value counting as 0.
+    #[must_use]
+    pub fn as_real(&self) -> Option<f64> {
+        match self {
+            Value::Real(number) => Some(*number),
+            Value::Unset => Some(0.0),
+            _ => None,
+        }
+    }
+
+    /// Truth value, an unset value counting as false.
+    #[must_use]
+    pub fn as_logical(&self) -> Option<bool> {
+        match self {
+            Value::Logical(truth) => Some(*truth),
+            Value::Unset => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Text, an unset value counting as the empty text.
+    #[must_use]
+    pub fn as_text(&self) -> Option<&str> {
+        match self {
+            Value::Text(text) => Some(text),
+            Value::Unset => Some(""),
+            _ => None,
+        }
+    }
+
+    /// Elements of a sequence.
+    #[must_use]
+    pub fn as_sequence(&self) -> Option<&[Value]> {
+        match self {
+            Value::Sequence(elements) => Some(elements),
+            _ => None,
+        }
+    }
+
+    /// Equality inside one type; none when the types differ (`$NULL` may be compared with anything).
+    #[must_use]
+    pub fn equals(&self, other: &Value) -> Option<bool> {
+        Some(match (self, other) {
+            (Value::Null, Value::Null) => true,
+            (Value::Null, _) | (_, Value::Null) => false,
+            (Value::Unset, Value::Unset) => true,
+            (Value::Real(a), Value::Real(b)) => a == b,
+            (Value::Logical(a), Value::Logical(b)) => a == b,
+            (Value::Text(a), Value::Text(b)) => padded(a, b).is_eq(),
+            (Value::Sequence(a), Value::Sequence(b)) => {
+                a.len() == b.len() && a.iter().zip(b.iter()).all(|(x, y)| x.equals(y) == Some(true))
+            }
+            (Value::Keyword(a), Value::Keyword(b)) => a == b,
+            (Value::Record(a), Value::Record(b)) => a == b,
+            (Value::Code(a), Value::Code(b)) | (Value::Register(a), Value::Register(b)) => a == b,
+            (Value::Unset, known) | (known, Value::Unset) => known.equals(&known.kind()?.initial())?,
+            _ => return None,
+        })
+    }
+
+    /// Order inside one type that has an order (numbers, texts, keywords).
+    #[must_use]
+    pub fn order(&self, other: &Value) -> Option<std::cmp::Ordering> {
+        match (self, other) {
+            (Value::Text(a), Value::Text(b)) => Some(padded(a, b)),
+            (Value::Text(a), Value::Unset) => Some(padded(a, "")),
+            (Value::Unset, Value::Text(b)) => Some(padded("", b)),
+            (Value::Keyword(a), Value::Keyword(b)) => Some(a.cmp(b)),
+            _ => self.as_real()?.partial_cmp(&other.as_real()?),
+        }
+    }
+}
+
+/// Compares two texts as if the shorter were filled up with blanks.
+#[must_use]
+pub fn padded(a: &str, b: &str) -> std::cmp::Ordering {
+    if a.len() == b.len() {
+        return a.cmp(b);
+    }
+    let (mut a, mut b) = (a.chars(), b.chars());
+    loop {
+        match (a.next(), b.next()) {
+            (None, None) => return std::cmp::Ordering::Equal,
+            (x, y) => match x.unwrap_or(' ').cmp(&y.unwrap_or(' ')) {
+                std::cmp::Ordering::Equal => {}
+                other => return other,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_two_words() {
+        assert_eq!(std::mem::size_of::<Value>(), 16);
+    }
+
+    #[test]
+    fn null_equals_nothing_but_itself_and_unset_acts_as_the_other_side() {
+        assert_eq!(Value::Null.equals(&Value::Real(0.0)), Some(false));
+        assert_eq!(Value::Null.equals(&Value::Null), Some(true));
+        assert_eq!(Value::Unset.equals(&Value::Real(0.0)), Some(true));
+        assert_eq!(Value::Unset.equals(&Value::Logical(true)), Some(false));
+        assert_eq!(Value::text("a").equals(&Value::Real(0.0)), None);
+    }
+
+    #[test]
+    fn texts_compare_as_if_padded() {
+        assert_eq!(Value::text("").equals(&Value::text(" ")), Some(true));
+        assert!(padded("A", "A B").is_lt());
+        assert!(padded("a", "A").is_gt());
+    }
+
+    #[test]
+    fn arrays_are_row_major_and_checked() {
+        let array = Array { sizes: vec![2, 3], kind: None, channel: false, elements: vec![Value::Null; 6] };
+        assert_eq!(array.position(&[1, 3]), Some(2));
+        assert_eq!(array.position(&[2, 1]), Some(3));
+        assert_eq!(array.position(&[0, 1]), None);
+        assert_eq!(array.position(&[1, 4]), None);
+        assert_eq!(array.position(&[1]), None);
+    }
+}

@@ -1,0 +1,160 @@
+//! Commands: everything that goes to the host.
+//!
+//! Facts: reference macro-language.md 3.2 to 3.5.
+
+use super::run::{get, slots};
+use super::{State, report, units};
+use crate::bytecode::{Code, CommandCode, Slot};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::host::{Command, Host};
+use crate::value::Value;
+
+/// Carries out a command; true if the macro issued a diagnostic that ends it.
+pub(super) fn command(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    (command, list): (CommandCode, u16),
+    at: usize,
+) -> Outcome<bool> {
+    let slots = slots(code, list);
+    let first = slots.first().map_or(&Value::Unset, |slot| get(frame, *slot));
+    let number = || first.as_real().ok_or_else(|| Fault::kind("a number", first));
+    let request = match command {
+        CommandCode::MatchOn => Command::Match(true),
+        CommandCode::MatchOff => Command::Match(false),
+        CommandCode::TapeRead => Command::TapeRead,
+        CommandCode::TapeWrite => Command::TapeWrite,
+        CommandCode::SaveModal => Command::SaveModal,
+        CommandCode::RestoreModal => Command::RestoreModal,
+        CommandCode::ListingOn => Command::Listing(true),
+        CommandCode::ListingOff => Command::Listing(false),
+        CommandCode::Search => Command::Search(super::data::whole(number()?)),
+        CommandCode::Skip => Command::Skip(super::data::whole(number()?)),
+        CommandCode::Output => return output(state, host, code, frame),
+        CommandCode::ExecNextFormat | CommandCode::ExecNowFormat => {
+            let text = formatted(state, host, frame, slots)?;
+            let now = command == CommandCode::ExecNowFormat;
+            host.command(state, Command::ExecBlock(now, &text))?;
+            return Ok(false);
+        }
+        CommandCode::ExecNext | CommandCode::ExecNow => {
+            return exec(state, host, frame, slots, command == CommandCode::ExecNow);
+        }
+        CommandCode::Print => {
+            let text = formatted(state, host, frame, slots)?;
+            host.command(state, Command::Print(&text))?;
+            return Ok(false);
+        }
+        CommandCode::System => {
+            let text = first.as_text().ok_or_else(|| Fault::kind("a text", first))?;
+            state.status = host.command(state, Command::System(text))?;
+            return Ok(false);
+        }
+        CommandCode::Open => {
+            let values: Vec<Value> = slots.iter().map(|slot| get(frame, *slot).clone()).collect();
+            units::open(state, host, &values)?;
+            return Ok(false);
+        }
+        CommandCode::Close => {
+            units::close(state, host, number()?);
+            return Ok(false);
+        }
+        CommandCode::Write => {
+            let text = formatted(state, host, frame, slots.get(1..).unwrap_or(&[]))?;
+            units::write(state, host, number()?, &text)?;
+            return Ok(false);
+        }
+        CommandCode::Error => return error(state, host, code, frame, slots, at),
+    };
+    host.command(state, request)?;
+    Ok(false)
+}
+
+fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot]) -> Outcome<String> {
+    let Some((format, values)) = slots.split_first() else { return Ok(String::new()) };
+    let text = get(frame, *format);
+    let text = text.as_text().ok_or_else(|| Fault::kind("a format", text))?;
+    let format = state.format(text, false)?;
+    let mut out = String::new();
+    let values: Vec<Value> = values.iter().map(|slot| get(frame, *slot).clone()).collect();
+    crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
+    state.check_text(out.len())?;
+    Ok(out)
+}
+
+/// The register side of a host.
+pub(crate) struct Outside<'a>(pub(crate) &'a mut dyn Host);
+
+impl crate::format::Registers for Outside<'_> {
+    fn code_name(&self, code: u32) -> String {
+        self.0.code_name(code)
+    }
+    fn register_name(&self, register: u32) -> String {
+        self.0.register_name(register)
+    }
+    fn register_text(&mut self, register: crate::format::Register, value: Option<f64>, word: bool) -> Option<String> {
+        self.0.register_text(register, value, word)
+    }
+}
+
+fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> Outcome<bool> {
+    let mut arguments: Vec<(u8, Value)> =
+        code.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
+    arguments.sort_by_key(|(number, _)| *number);
+    host.command(state, Command::Output(&arguments))?;
+    Ok(false)
+}
+
+fn exec(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot], now: bool) -> Outcome<bool> {
+    let values: Vec<Value> = slots.iter().map(|slot| get(frame, *slot).clone()).collect();
+    match values.as_slice() {
+        [Value::Text(text)] => {
+            let text = text.as_ref().clone();
+            host.command(state, Command::ExecBlock(now, &text))?;
+        }
+        [Value::Text(_), ..] => {
+            let text = formatted(state, host, frame, slots)?;
+            host.command(state, Command::ExecBlock(now, &text))?;
+        }
+        items => {
+            host.command(state, Command::ExecItems(now, items))?;
+        }
+    }
+    Ok(false)
+}
+
+fn error(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    slots: &[Slot],
+    at: usize,
+) -> Outcome<bool> {
+    let first = slots.first().map_or(&Value::Unset, |slot| get(frame, *slot));
+    let number = first.as_real().ok_or_else(|| Fault::kind("a severity or a number", first))?;
+    let place = code.places.get(at).copied().unwrap_or_default();
+    let rest = slots.get(1..).unwrap_or(&[]);
+    if (0.0..=99.0).contains(&number) {
+        let text = formatted(state, host, frame, rest)?;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let severity = number as u8;
+        report(code, place, Fault::new(Number::AUTHOR, text), severity, state, host);
+        return Ok(severity >= 8);
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let index = number.max(0.0) as u32;
+    let Some((severity, text)) = host.diagnostic(index) else {
+        let message = format!("no table has a diagnostic {index:08}");
+        return Err(Fault::new(Number::UNKNOWN_DIAGNOSTIC, message));
+    };
+    let format = state.format(&text, false)?;
+    let values: Vec<Value> = rest.iter().map(|slot| get(frame, *slot).clone()).collect();
+    let mut out = String::new();
+    crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
+    report(code, place, Fault::new(Number(index), out), severity, state, host);
+    Ok(severity >= 8)
+}

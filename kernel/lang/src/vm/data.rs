@@ -1,0 +1,406 @@
+//! Texts, sequences, arrays, shared variables and declarations.
+//!
+//! Facts: reference macro-language.md 1.5, 1.7 and 2.
+
+use super::State;
+use super::run::{get, set, slots};
+use crate::bytecode::{Code, NO_SLOT, Shared, Slot};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::host::Host;
+use crate::value::{Array, Kind, Value};
+use std::sync::Arc;
+
+/// Whole part of an index.
+pub(super) fn whole(number: f64) -> i64 {
+    #[allow(clippy::cast_possible_truncation)]
+    let whole = number as i64;
+    whole
+}
+
+fn outside(index: i64, length: usize) -> Fault {
+    Fault::new(Number::OUT_OF_RANGE, format!("the index {index} is outside of 1 to {length}"))
+}
+
+/// A value for a variable of a declared type.
+pub(super) fn typed(value: &Value, kind: Kind) -> Outcome<Value> {
+    match value {
+        Value::Unset => Ok(kind.initial()),
+        value if value.kind() == Some(kind) => Ok(value.clone()),
+        value => {
+            let message = format!("the variable is of type {}, the value is {}", kind.name(), value.kind_name());
+            Err(Fault::new(Number::TYPED_STORE, message))
+        }
+    }
+}
+
+pub(super) fn add(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
+    if matches!(a, Value::Text(_)) || matches!(b, Value::Text(_)) {
+        return join(state, a, b);
+    }
+    let (x, y) = (a.as_real(), b.as_real());
+    match (x, y) {
+        (Some(x), Some(y)) if (x + y).is_finite() => Ok(Value::Real(x + y)),
+        (Some(_), Some(_)) => Err(Fault::new(Number::BAD_ARITHMETIC, "the result is too large")),
+        (Some(_), None) => Err(Fault::kind("a number", b)),
+        _ => Err(Fault::kind("a number or a text", a)),
+    }
+}
+
+pub(super) fn join(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
+    let x = a.as_text().ok_or_else(|| Fault::kind("a text", a))?;
+    let y = b.as_text().ok_or_else(|| Fault::kind("a text", b))?;
+    state.check_text(x.len() + y.len())?;
+    let mut text = String::with_capacity(x.len() + y.len());
+    text.push_str(x);
+    text.push_str(y);
+    Ok(Value::text(text))
+}
+
+/// `+=`: appends to texts and sequences in place.
+pub(super) fn add_to(state: &State, frame: &mut [Value], to: Slot, a: Slot) -> Outcome<()> {
+    let value = get(frame, a).clone();
+    let Some(target) = frame.get_mut(usize::from(to)) else { return Ok(()) };
+    match (target, &value) {
+        (Value::Text(text), value) => {
+            let more = value.as_text().ok_or_else(|| Fault::kind("a text", value))?;
+            state.check_text(text.len() + more.len())?;
+            Arc::make_mut(text).push_str(more);
+        }
+        (Value::Sequence(elements), Value::Sequence(more)) => {
+            state.check_elements(elements.len() + more.len())?;
+            Arc::make_mut(elements).extend(more.iter().cloned());
+        }
+        (Value::Sequence(elements), value) => {
+            if matches!(value, Value::Array(_)) {
+                return Err(Fault::kind("a single value", value));
+            }
+            state.check_elements(elements.len() + 1)?;
+            Arc::make_mut(elements).push(value.clone());
+        }
+        (target @ Value::Unset, Value::Sequence(_)) => *target = value,
+        (target, value) => *target = add(state, target, value)?,
+    }
+    Ok(())
+}
+
+/// Element of a sequence or one-dimensional array that is a number.
+#[inline]
+pub(super) fn element_number(value: &Value, index: f64) -> Option<f64> {
+    let elements = match value {
+        Value::Array(array) if array.sizes.len() == 1 => &array.elements,
+        Value::Sequence(elements) => elements.as_ref(),
+        _ => return None,
+    };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let position = if index >= 1.0 { index as usize - 1 } else { return None };
+    match elements.get(position) {
+        Some(Value::Real(number)) => Some(*number),
+        _ => None,
+    }
+}
+
+/// Stores a number into a one-dimensional array of numbers or a sequence; false if it is neither.
+#[inline]
+pub(super) fn set_element_number(frame: &mut [Value], to: Slot, index: f64, number: f64) -> bool {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let position = if index >= 1.0 { index as usize - 1 } else { return false };
+    let Some(Value::Array(array)) = frame.get_mut(usize::from(to)) else { return false };
+    if array.sizes.len() != 1 {
+        return false;
+    }
+    match array.elements.get_mut(position) {
+        Some(Value::Real(element)) => {
+            *element = number;
+            true
+        }
+        _ => false,
+    }
+}
+
+pub(super) fn element(state: &State, value: &Value, indices: &[i64]) -> Outcome<Value> {
+    let index = indices.first().copied().unwrap_or(0);
+    let position = usize::try_from(index - 1).ok();
+    match value {
+        Value::Array(array) => {
+            let position = array_position(state, array, indices)?;
+            Ok(array.elements.get(position).cloned().unwrap_or(Value::Unset))
+        }
+        Value::Sequence(elements) => {
+            position.and_then(|at| elements.get(at)).cloned().ok_or_else(|| outside(index, elements.len()))
+        }
+        Value::Text(text) => {
+            if text.is_empty() && index == 1 {
+                return Ok(Value::text(" "));
+            }
+            let found = position.and_then(|at| text.chars().nth(at));
+            found.map(|c| Value::text(c.to_string())).ok_or_else(|| outside(index, text.chars().count()))
+        }
+        other => Err(Fault::kind("an array, a text or a sequence", other)),
+    }
+}
+
+fn array_position(state: &State, array: &Array, indices: &[i64]) -> Outcome<usize> {
+    let with_channel;
+    let full = if array.channel && indices.len() + 1 == array.sizes.len() {
+        with_channel = indices.iter().copied().chain([i64::from(state.channel)]).collect::<Vec<_>>();
+        &with_channel
+    } else {
+        indices
+    };
+    array.position(full).ok_or_else(|| {
+        let sizes: Vec<String> = array.sizes.iter().map(u32::to_string).collect();
+        let given: Vec<String> = full.iter().map(i64::to_string).collect();
+        let message = format!("the index ({}) is outside of the array of ({})", given.join(","), sizes.join(","));
+        Fault::new(Number::OUT_OF_RANGE, message)
+    })
+}
+
+pub(super) fn indices(code: &Code, frame: &[Value], list: u16) -> Outcome<Vec<i64>> {
+    slots(code, list)
+        .iter()
+        .map(|slot| {
+            let value = get(frame, *slot);
+            value.as_real().map(whole).ok_or_else(|| Fault::kind("a number as index", value))
+        })
+        .collect()
+}
+
+/// Element by a list of registers; a list that begins with no register asks for the rest of an array.
+pub(super) fn elements(state: &State, code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
+    let all = slots(code, list);
+    if all.first() != Some(&NO_SLOT) {
+        return element(state, value, &indices(code, frame, list)?);
+    }
+    let Value::Array(array) = value else { return Ok(value.clone()) };
+    let indices: Vec<i64> = all.iter().skip(1).map(|slot| get(frame, *slot).as_real().map_or(0, whole)).collect();
+    let from = array_position(state, array, &indices)?;
+    Ok(Value::sequence(array.elements.get(from..).unwrap_or(&[]).to_vec()))
+}
+
+pub(super) fn set_element(state: &State, frame: &mut [Value], to: Slot, indices: &[i64], a: Slot) -> Outcome<()> {
+    let value = get(frame, a).clone();
+    match frame.get_mut(usize::from(to)) {
+        Some(target) => set_in(state, target, indices, value),
+        None => Ok(()),
+    }
+}
+
+fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> Outcome<()> {
+    match target {
+        Value::Array(array) => {
+            let position = array_position(state, array, indices)?;
+            if matches!(value, Value::Sequence(_) | Value::Array(_)) {
+                return Err(Fault::kind("a single value", &value));
+            }
+            let value = match array.kind {
+                Some(kind) => typed(&value, kind)?,
+                None => value,
+            };
+            if let Some(element) = array.elements.get_mut(position) {
+                *element = value;
+            }
+            Ok(())
+        }
+        Value::Sequence(elements) => {
+            let index = indices.first().copied().unwrap_or(0);
+            if matches!(value, Value::Sequence(_) | Value::Array(_)) {
+                return Err(Fault::kind("a single value", &value));
+            }
+            let length = elements.len();
+            let place =
+                usize::try_from(index - 1).ok().filter(|at| *at < length).ok_or_else(|| outside(index, length))?;
+            if let Some(element) = Arc::make_mut(elements).get_mut(place) {
+                *element = value;
+            }
+            Ok(())
+        }
+        other => Err(Fault::kind("an array or a sequence", other)),
+    }
+}
+
+pub(super) fn range_of(code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
+    let mut ends = [None, None];
+    for (end, slot) in ends.iter_mut().zip(slots(code, list)) {
+        if *slot != NO_SLOT {
+            let number = get(frame, *slot);
+            *end = Some(number.as_real().map(whole).ok_or_else(|| Fault::kind("a number as index", number))?);
+        }
+    }
+    let [from, to] = ends;
+    range(value, from.unwrap_or(1), to.unwrap_or(i64::MAX))
+}
+
+/// The elements or characters `from` to `to`, cut at the end; nothing if `to` lies before `from`.
+///
+/// # Errors
+/// An index below 1, or a value without a range.
+pub fn range(value: &Value, from: i64, to: i64) -> Outcome<Value> {
+    if from < 1 || to < 0 {
+        return Err(Fault::new(Number::OUT_OF_RANGE, "a range begins with 1 or later"));
+    }
+    let start = usize::try_from(from - 1).unwrap_or(usize::MAX);
+    let count = usize::try_from(to.saturating_sub(from).saturating_add(1)).unwrap_or(0);
+    match value {
+        Value::Sequence(elements) => Ok(Value::sequence(elements.iter().skip(start).take(count).cloned().collect())),
+        Value::Text(text) => {
+            if text.is_ascii() {
+                let start = start.min(text.len());
+                let end = start.saturating_add(count).min(text.len());
+                return Ok(Value::text(text.get(start..end).unwrap_or("")));
+            }
+            Ok(Value::text(text.chars().skip(start).take(count).collect::<String>()))
+        }
+        Value::Unset => Ok(Value::text("")),
+        other => Err(Fault::kind("a text or a sequence", other)),
+    }
+}
+
+/// Joins values into one flat sequence.
+///
+/// # Errors
+/// There are too many elements.
+pub fn sequence_of<'a>(state: &State, values: impl Iterator<Item = &'a Value>) -> Outcome<Value> {
+    let mut elements = Vec::new();
+    for value in values {
+        match value {
+            Value::Sequence(inner) => elements.extend(inner.iter().cloned()),
+            Value::Array(_) => return Err(Fault::kind("a single value", value)),
+            single => elements.push(single.clone()),
+        }
+        state.check_elements(elements.len())?;
+    }
+    Ok(Value::sequence(elements))
+}
+
+pub(super) fn sequence(state: &State, code: &Code, frame: &[Value], list: u16) -> Outcome<Value> {
+    sequence_of(state, slots(code, list).iter().map(|slot| get(frame, *slot)))
+}
+
+fn with_shared<R>(
+    state: &mut State,
+    host: &mut dyn Host,
+    shared: Shared,
+    access: impl FnOnce(&State, &mut Value) -> R,
+) -> Option<R> {
+    match shared {
+        Shared::Object(index) => {
+            let mut value = std::mem::take(state.object(index)?);
+            let result = access(state, &mut value);
+            *state.object(index)? = value;
+            Some(result)
+        }
+        Shared::Global(index) => {
+            let (mut access, mut result) = (Some(access), None);
+            host.global(index, &mut |value| {
+                if let Some(access) = access.take() {
+                    result = Some(access(state, value));
+                }
+            });
+            result
+        }
+    }
+}
+
+fn shared_of(code: &Code, shared: u16) -> (Shared, Option<Kind>) {
+    code.shared.get(usize::from(shared)).copied().unwrap_or((Shared::Object(0), None))
+}
+
+pub(super) fn read_shared(state: &mut State, host: &mut dyn Host, code: &Code, shared: u16) -> Value {
+    with_shared(state, host, shared_of(code, shared).0, |_, value| value.clone()).unwrap_or_default()
+}
+
+pub(super) fn write_shared(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    shared: u16,
+    value: &Value,
+) -> Outcome<()> {
+    let (place, kind) = shared_of(code, shared);
+    let value = match kind {
+        Some(kind) => typed(value, kind)?,
+        None => value.clone(),
+    };
+    with_shared(state, host, place, |_, target| *target = value);
+    Ok(())
+}
+
+pub(super) fn shared_elements(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    shared: u16,
+    list: u16,
+) -> Outcome<Value> {
+    let work = |state: &State, value: &mut Value| elements(state, code, frame, value, list);
+    with_shared(state, host, shared_of(code, shared).0, work).unwrap_or(Ok(Value::Null))
+}
+
+pub(super) fn set_shared_elements(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    (shared, list): (u16, u16),
+    a: Slot,
+) -> Outcome<()> {
+    let indices = indices(code, frame, list)?;
+    let value = get(frame, a).clone();
+    let work = |state: &State, target: &mut Value| set_in(state, target, &indices, value);
+    with_shared(state, host, shared_of(code, shared).0, work).unwrap_or(Ok(()))
+}
+
+/// The first value of a declared variable.
+pub(super) fn declared(state: &State, code: &Code, frame: &[Value], declaration: u16) -> Outcome<Value> {
+    let Some(declaration) = code.declarations.get(usize::from(declaration)) else { return Ok(Value::Unset) };
+    let value = match (declaration.value, declaration.kind) {
+        (Some(slot), Some(kind)) => typed(get(frame, slot), kind)?,
+        (Some(slot), None) => get(frame, slot).clone(),
+        (None, Some(kind)) => kind.initial(),
+        (None, None) => Value::Null,
+    };
+    if declaration.sizes.is_empty() && !declaration.channel {
+        return Ok(value);
+    }
+    let mut sizes = Vec::new();
+    let mut count = 1usize;
+    for slot in &declaration.sizes {
+        let size = get(frame, *slot).as_real().map_or(0, whole);
+        let size = u32::try_from(size).ok().filter(|size| *size > 0);
+        let size = size.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "the size of an array is 1 or more"))?;
+        count = count.saturating_mul(size as usize);
+        sizes.push(size);
+    }
+    if declaration.channel {
+        count = count.saturating_mul(state.channels as usize);
+        sizes.push(state.channels);
+    }
+    state.check_elements(count)?;
+    let array = Array { sizes, kind: declaration.kind, channel: declaration.channel, elements: vec![value; count] };
+    Ok(Value::Array(Box::new(array)))
+}
+
+/// Initialises a shared variable unless another macro has done so.
+pub(super) fn declare_shared(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    shared: u16,
+    declaration: u16,
+) -> Outcome<()> {
+    let value = declared(state, code, frame, declaration)?;
+    with_shared(state, host, shared_of(code, shared).0, |_, target| {
+        if matches!(target, Value::Unset) {
+            *target = value;
+        }
+    });
+    Ok(())
+}
+
+/// Stores into a register.
+pub(super) fn put(frame: &mut [Value], slot: Slot, value: Value) {
+    set(frame, slot, value);
+}

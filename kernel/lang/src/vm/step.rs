@@ -1,0 +1,418 @@
+//! One instruction, whatever its operands are.
+//!
+//! Invariant: this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
+
+use super::run::{Next, Stop, copy, get, number, relate, set, set_number, slots};
+use super::{State, calls, commands, data};
+use crate::bytecode::{Code, Op, Own, Relation, Slot};
+use crate::compile::Program;
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::func::{Context, Way};
+use crate::host::Host;
+use crate::value::Value;
+
+#[inline(never)]
+fn real(frame: &[Value], slot: Slot) -> Outcome<f64> {
+    let value = get(frame, slot);
+    value.as_real().ok_or_else(|| Fault::kind("a number", value))
+}
+
+fn truth(frame: &[Value], slot: Slot) -> Outcome<bool> {
+    let value = get(frame, slot);
+    value.as_logical().ok_or_else(|| Fault::kind("a truth value", value))
+}
+
+#[cold]
+fn too_large() -> Fault {
+    Fault::new(Number::BAD_ARITHMETIC, "the result is too large or does not exist")
+}
+
+#[cold]
+fn divided_by_zero() -> Fault {
+    Fault::new(Number::BAD_ARITHMETIC, "division by zero")
+}
+
+/// Carries out the instruction at `at`.
+#[allow(clippy::too_many_lines, reason = "one arm per instruction; the work is elsewhere")]
+#[inline(never)]
+pub(super) fn step(
+    program: &Program,
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &mut [Value],
+    at: usize,
+) -> Result<Next, Stop> {
+    let Some(op) = code.ops.get(at) else { return Ok(Next::Return) };
+    macro_rules! good {
+        ($outcome:expr) => {
+            match $outcome {
+                Ok(value) => value,
+                Err(fault) => return Err(Stop::Fault(at, fault)),
+            }
+        };
+    }
+    macro_rules! arithmetic {
+        ($to:expr, $a:expr, $b:expr, $work:expr, $divides:expr) => {{
+            let result: f64 = match (number(frame, $a), number(frame, $b)) {
+                (Some(a), Some(b)) => $work(a, b),
+                _ => f64::NAN,
+            };
+            if result.is_finite() {
+                set_number(frame, $to, result);
+            } else {
+                let result = good!(arithmetic_slow(frame, $a, $b, $work, $divides));
+                set_number(frame, $to, result);
+            }
+        }};
+    }
+    match *op {
+        Op::Move { to, a } => match number(frame, a) {
+            Some(number) => set_number(frame, to, number),
+            None => copy(frame, to, a),
+        },
+        Op::Typed { to, a, kind } => {
+            let value = good!(data::typed(get(frame, a), kind));
+            set(frame, to, value);
+        }
+        Op::Add { to, a, b } => match (number(frame, a), number(frame, b)) {
+            (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
+            _ => {
+                let value = good!(data::add(state, get(frame, a), get(frame, b)));
+                set(frame, to, value);
+            }
+        },
+        Op::Subtract { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a - b, false),
+        Op::Multiply { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a * b, false),
+        Op::Divide { to, a, b } => arithmetic!(to, a, b, |a: f64, b: f64| a / b, true),
+        Op::Power { to, a, b } => arithmetic!(to, a, b, power, true),
+        Op::Join { to, a, b } => {
+            let value = good!(data::join(state, get(frame, a), get(frame, b)));
+            set(frame, to, value);
+        }
+        Op::Negate { to, a } => {
+            let value = good!(real(frame, a));
+            set_number(frame, to, -value);
+        }
+        Op::Number { to, a } => {
+            let value = good!(real(frame, a));
+            set_number(frame, to, value);
+        }
+        Op::Not { to, a } => {
+            let value = good!(truth(frame, a));
+            set(frame, to, Value::Logical(!value));
+        }
+        Op::Truth { to, a } => {
+            let value = good!(truth(frame, a));
+            set(frame, to, Value::Logical(value));
+        }
+        Op::Xor { to, a, b } => {
+            let value = good!(truth(frame, a)) != good!(truth(frame, b));
+            set(frame, to, Value::Logical(value));
+        }
+        Op::Compare { relation, to, a, b } => {
+            let holds = match (number(frame, a), number(frame, b)) {
+                (Some(a), Some(b)) => relate(relation, a, b),
+                _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+            };
+            set(frame, to, Value::Logical(holds));
+        }
+        Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
+            (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
+            _ => good!(data::add_to(state, frame, to, a)),
+        },
+        Op::Jump { target } => return Ok(Next::Jump(target)),
+        Op::JumpIf { a, target } => {
+            if good!(truth(frame, a)) {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::JumpUnless { a, target } => {
+            if !good!(truth(frame, a)) {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::JumpUnlessCompare { relation, a, b, target } => {
+            let holds = match (number(frame, a), number(frame, b)) {
+                (Some(a), Some(b)) => relate(relation, a, b),
+                _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+            };
+            if !holds {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::JumpIfWhen { a, b, target } => {
+            if get(frame, a).equals(get(frame, b)) == Some(true) {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::JumpIfThru { a, low, target } => {
+            let value = get(frame, a);
+            let inside = value.order(get(frame, low)).is_some_and(std::cmp::Ordering::is_ge)
+                && value.order(get(frame, low + 1)).is_some_and(std::cmp::Ordering::is_le);
+            if inside {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::DoStart { variable, end, target } => {
+            let (value, last, step) = good!(loop_numbers(frame, variable, end));
+            if step == 0.0 {
+                return Err(Stop::Fault(at, Fault::new(Number::STEP_ZERO, "the step of this loop is zero")));
+            }
+            if super::run::past(value, last, step) {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::DoNext { variable, end, target } => {
+            let known = (number(frame, variable), number(frame, end), number(frame, end + 1));
+            let (value, last, step) = match known {
+                (Some(value), Some(last), Some(step)) => (value, last, step),
+                _ => good!(loop_numbers(frame, variable, end)),
+            };
+            let value = value + step;
+            set_number(frame, variable, value);
+            if !super::run::past(value, last, step) {
+                return Ok(Next::Jump(target));
+            }
+        }
+        Op::Element { to, a, index } => {
+            let found = match number(frame, index) {
+                Some(position) => data::element_number(get(frame, a), position),
+                None => None,
+            };
+            match found {
+                Some(found) => set_number(frame, to, found),
+                None => good!(element_slow(state, frame, to, a, index)),
+            }
+        }
+        Op::Elements { to, a, list } => {
+            let value = good!(data::elements(state, code, frame, get(frame, a), list));
+            set(frame, to, value);
+        }
+        Op::SetElement { to, index, a } => {
+            let stored = match (number(frame, index), number(frame, a)) {
+                (Some(position), Some(value)) => data::set_element_number(frame, to, position, value),
+                _ => false,
+            };
+            if !stored {
+                let position = good!(real(frame, index));
+                good!(data::set_element(state, frame, to, &[data::whole(position)], a));
+            }
+        }
+        Op::SetElements { to, list, a } => {
+            let indices = good!(data::indices(code, frame, list));
+            good!(data::set_element(state, frame, to, &indices, a));
+        }
+        Op::Range { to, a, list } => {
+            let value = good!(data::range_of(code, frame, get(frame, a), list));
+            set(frame, to, value);
+        }
+        Op::Sequence { to, list } => {
+            let value = good!(data::sequence(state, code, frame, list));
+            set(frame, to, value);
+        }
+        Op::ReadShared { to, shared } => {
+            let value = data::read_shared(state, host, code, shared);
+            set(frame, to, value);
+        }
+        Op::WriteShared { shared, a } => good!(data::write_shared(state, host, code, shared, get(frame, a))),
+        Op::SharedElements { to, shared, list } => {
+            let value = good!(data::shared_elements(state, host, code, frame, shared, list));
+            set(frame, to, value);
+        }
+        Op::SetSharedElements { shared, list, a } => {
+            good!(data::set_shared_elements(state, host, code, frame, (shared, list), a));
+        }
+        Op::ReadSystem { to, system, list } => {
+            let indices = good!(data::indices(code, frame, list));
+            let value = good!(host.read_system(u32::from(system), &indices));
+            set(frame, to, value);
+        }
+        Op::WriteSystem { system, list, a } => {
+            let indices = good!(data::indices(code, frame, list));
+            good!(host.write_system(u32::from(system), &indices, get(frame, a).clone()));
+        }
+        Op::ReadOwn { to, own } => {
+            let value = match own {
+                Own::Status => f64::from(state.status),
+                Own::Nesting => f64::from(state.depth),
+                Own::Channel => f64::from(state.channel),
+                Own::Channels => f64::from(state.channels),
+            };
+            set_number(frame, to, value);
+        }
+        Op::Declare { to, declaration } => {
+            let value = good!(data::declared(state, code, frame, declaration));
+            set(frame, to, value);
+        }
+        Op::DeclareShared { shared, declaration } => {
+            good!(data::declare_shared(state, host, code, frame, shared, declaration));
+        }
+        Op::Math { to, a, function } => {
+            let value = good!(real(frame, a));
+            let result = match code.functions.get(usize::from(function)).map(|function| &function.way) {
+                Some(Way::Math(math)) => math(value).filter(|result| result.is_finite()),
+                _ => None,
+            };
+            let name = || code.functions.get(usize::from(function)).map_or("the function", |function| function.name);
+            let fault = || Fault::new(Number::BAD_ARITHMETIC, format!("{} has no result for {value}", name()));
+            set_number(frame, to, good!(result.ok_or_else(fault)));
+        }
+        Op::Call { to, function, list } => {
+            let value = good!(call(state, host, code, frame, function, list));
+            set(frame, to, value);
+            while let Some(fault) = state.notes.pop() {
+                let place = code.places.get(at).copied().unwrap_or_default();
+                super::report(code, place, fault, 4, state, host);
+            }
+        }
+        Op::CallMacro { to, callee, list } => match call_macro(program, state, host, code, frame, (to, callee, list)) {
+            Ok(()) => {}
+            Err(None) => return Err(Stop::Budget),
+            Err(Some(fault)) => return Err(Stop::Fault(at, fault)),
+        },
+        Op::Command { command, list } => {
+            good!(state.spend(5));
+            if good!(commands::command(state, host, code, frame, (command, list), at)) {
+                return Err(Stop::Raised(at));
+            }
+        }
+        Op::Read { list, targets, again } => {
+            good!(super::units::read(state, host, slots(code, list), slots(code, targets), again, frame));
+        }
+        Op::Trace { statement } => {
+            if let Some(text) = code.statements.get(usize::from(statement)) {
+                host.trace(&format!(" Macro:  {text}"));
+            }
+        }
+        Op::Return => return Ok(Next::Return),
+    }
+    Ok(Next::Step)
+}
+
+#[inline(never)]
+fn element_slow(state: &State, frame: &mut [Value], to: Slot, a: Slot, index: Slot) -> Outcome<()> {
+    let position = real(frame, index)?;
+    let value = data::element(state, get(frame, a), &[data::whole(position)])?;
+    set(frame, to, value);
+    Ok(())
+}
+
+#[inline(never)]
+fn power(a: f64, b: f64) -> f64 {
+    if b == 2.0 { a * a } else { libm::pow(a, b) }
+}
+
+/// The numbers of a DO: variable, end, step.
+#[cold]
+#[inline(never)]
+fn loop_numbers(frame: &[Value], variable: Slot, end: Slot) -> Outcome<(f64, f64, f64)> {
+    Ok((real(frame, variable)?, real(frame, end)?, real(frame, end + 1)?))
+}
+
+/// Arithmetic that is not plain: unset values, wrong types, results that do not exist.
+#[cold]
+#[inline(never)]
+fn arithmetic_slow(frame: &[Value], a: Slot, b: Slot, work: fn(f64, f64) -> f64, divides: bool) -> Outcome<f64> {
+    let (a, b) = (real(frame, a)?, real(frame, b)?);
+    let result = work(a, b);
+    if result.is_finite() {
+        return Ok(result);
+    }
+    Err(if divides && b == 0.0 { divided_by_zero() } else { too_large() })
+}
+
+#[cold]
+#[inline(never)]
+fn compare_slow(a: &Value, b: &Value, relation: Relation) -> Outcome<bool> {
+    let message = || format!("{} and {} cannot be compared this way", a.kind_name(), b.kind_name());
+    let fault = || Fault::new(Number::TYPE_MISMATCH, message());
+    if let Relation::Equal | Relation::NotEqual = relation {
+        let equal = a.equals(b).ok_or_else(fault)?;
+        return Ok(equal == (relation == Relation::Equal));
+    }
+    let order = a.order(b).ok_or_else(fault)?;
+    Ok(match relation {
+        Relation::Less => order.is_lt(),
+        Relation::LessEqual => order.is_le(),
+        Relation::Greater => order.is_gt(),
+        _ => order.is_ge(),
+    })
+}
+
+/// Calls a user function; no fault means that a budget is used up.
+#[inline(never)]
+fn call_macro(
+    program: &Program,
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &mut [Value],
+    (to, callee, list): (Slot, u16, u16),
+) -> Result<(), Option<Fault>> {
+    state.spend(5)?;
+    calls::may_enter(program, state, callee)?;
+    let Some(callee_code) = program.macros.get(usize::from(callee)) else { return Err(None) };
+    let given = calls::Arguments::Parameters(frame, slots(code, list));
+    let end = calls::enter(program, state, host, callee_code, callee, given);
+    if end == super::End::Budget {
+        return Err(None);
+    }
+    match calls::result(state, callee_code, callee) {
+        Value::Real(number) => set_number(frame, to, *number),
+        value => set(frame, to, value.clone()),
+    }
+    Ok(())
+}
+
+fn call(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    function: u16,
+    list: u16,
+) -> Outcome<Value> {
+    state.spend(3)?;
+    let Some(function) = code.functions.get(usize::from(function)).copied() else { return Ok(Value::Null) };
+    let mut arguments = std::mem::take(&mut state.buffer);
+    arguments.clear();
+    arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
+    let result = match function.way {
+        Way::Compute(compute) => compute(&mut Context { state, host }, &arguments),
+        Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),
+        Way::Math(_) | Way::Missing(_) => Ok(Value::Null),
+    };
+    arguments.clear();
+    state.buffer = arguments;
+    match result {
+        Ok(value) if !finite(&value) => {
+            let message = format!("{} has no result that is a number", function.name);
+            Err(Fault::new(Number::BAD_ARITHMETIC, message))
+        }
+        result => result,
+    }
+}
+
+/// Numbers that overflow never get into a variable.
+fn finite(value: &Value) -> bool {
+    match value {
+        Value::Real(number) => number.is_finite(),
+        Value::Sequence(elements) => elements.iter().all(|e| !matches!(e, Value::Real(number) if !number.is_finite())),
+        _ => true,
+    }
+}
+
+/// Checks the types of arguments for the host.
+fn check(function: &'static crate::func::Function, arguments: &[Value]) -> Outcome<()> {
+    for (position, value) in arguments.iter().enumerate() {
+        if let Some(kind) = value.kind()
+            && !crate::func::fits(function.letter(position), kind)
+        {
+            let message = format!("argument {} of {} cannot be {}", position + 1, function.name, value.kind_name());
+            return Err(Fault::new(Number::TYPE_MISMATCH, message));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,182 @@
+//! Text files by unit number, and reading from texts.
+//!
+//! Invariant: failures of files only set `$ERRNO`. Facts: reference macro-language.md 3.4; choices of this project: a
+//! missing file is created when it is written, FRONT truncates, lines end with LF.
+
+use super::run::get;
+use super::{State, data};
+use crate::bytecode::Slot;
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::format;
+use crate::host::Host;
+use crate::ident;
+use crate::value::Value;
+
+const END_OF_FILE: i32 = -1;
+const CANNOT_OPEN: i32 = 2;
+const NOT_OPEN: i32 = 9;
+const BAD_INPUT: i32 = 22;
+
+/// An open unit.
+#[derive(Debug, Default)]
+pub struct Unit {
+    path: String,
+    lines: Vec<String>,
+    next: usize,
+    /// Appends at the end.
+    rear: bool,
+    changed: bool,
+    console: bool,
+}
+
+fn unit_number(value: f64) -> Outcome<u8> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    if (20.0..30.0).contains(&value) {
+        return Ok(value as u8);
+    }
+    Err(Fault::new(Number::UNITS, format!("{value} is no unit; units are 20 to 29")))
+}
+
+pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) -> Outcome<()> {
+    let first = arguments.first().unwrap_or(&Value::Unset);
+    let number = unit_number(first.as_real().ok_or_else(|| Fault::kind("a unit number", first))?)?;
+    let (mut rear, mut path) = (false, format!("unit{number}"));
+    for value in arguments.iter().skip(1) {
+        match value {
+            Value::Keyword(code) => rear = ident::minor_name(*code) == Some("REAR"),
+            Value::Text(text) => path = text.trim().to_owned(),
+            other => return Err(Fault::kind("FRONT, REAR or a file name", other)),
+        }
+    }
+    close(state, host, f64::from(number));
+    if state.units.len() >= state.limits.units {
+        return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
+    }
+    let upper = path.to_ascii_uppercase();
+    let console = upper == "STDIN" || upper == "STDOUT";
+    let text = if console { None } else { host.read_file(&path) };
+    let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
+    let next = if rear { lines.len() } else { 0 };
+    state.units.insert(number, Unit { path, lines, next, rear, changed: false, console });
+    state.status = 0;
+    Ok(())
+}
+
+pub(super) fn close(state: &mut State, host: &mut dyn Host, number: f64) {
+    let Ok(number) = unit_number(number) else {
+        state.status = NOT_OPEN;
+        return;
+    };
+    state.status = match state.units.remove(&number) {
+        Some(unit) if unit.changed => {
+            let mut text = unit.lines.join("\n");
+            text.push('\n');
+            if host.write_file(&unit.path, &text) { 0 } else { CANNOT_OPEN }
+        }
+        Some(_) => 0,
+        None => NOT_OPEN,
+    };
+}
+
+pub(super) fn close_all(state: &mut State, host: &mut dyn Host) {
+    let mut open: Vec<u8> = state.units.keys().copied().collect();
+    open.sort_unstable();
+    for number in open {
+        close(state, host, f64::from(number));
+    }
+}
+
+pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &str) -> Outcome<()> {
+    let number = unit_number(number)?;
+    let most = state.limits.elements;
+    let Some(unit) = state.units.get_mut(&number) else {
+        state.status = NOT_OPEN;
+        return Ok(());
+    };
+    if unit.console {
+        host.write_console(text);
+    } else {
+        if !unit.changed && !unit.rear {
+            unit.lines.truncate(unit.next);
+        }
+        if unit.lines.len() >= most {
+            return Err(Fault::new(Number::SIZE, format!("a file has more than {most} lines")));
+        }
+        unit.lines.push(text.to_owned());
+        unit.next = unit.lines.len();
+        unit.changed = true;
+    }
+    state.status = 0;
+    Ok(())
+}
+
+/// End-of-file test of a unit.
+pub(crate) fn at_end(state: &State, number: f64) -> Outcome<bool> {
+    let number = unit_number(number)?;
+    match state.units.get(&number) {
+        Some(unit) => Ok(!unit.console && unit.next >= unit.lines.len()),
+        None => Err(Fault::new(Number::UNIT_NOT_OPEN, format!("the unit {number} is not open"))),
+    }
+}
+
+fn line(state: &mut State, host: &mut dyn Host, number: f64, again: bool) -> Outcome<Option<String>> {
+    let number = unit_number(number)?;
+    let Some(unit) = state.units.get_mut(&number) else {
+        state.status = NOT_OPEN;
+        return Ok(None);
+    };
+    if unit.console {
+        let line = host.read_console();
+        state.status = if line.is_some() { 0 } else { END_OF_FILE };
+        return Ok(line);
+    }
+    if again {
+        unit.next = unit.next.saturating_sub(1);
+    }
+    let line = unit.lines.get(unit.next).cloned();
+    unit.next += usize::from(line.is_some());
+    state.status = if line.is_some() { 0 } else { END_OF_FILE };
+    Ok(line)
+}
+
+/// READ from a unit or a text into registers.
+pub(super) fn read(
+    state: &mut State,
+    host: &mut dyn Host,
+    sources: &[Slot],
+    targets: &[Slot],
+    again: bool,
+    frame: &mut [Value],
+) -> Outcome<()> {
+    let source = sources.first().map_or(Value::Unset, |slot| get(frame, *slot).clone());
+    let format = sources.get(1).map_or(Value::Unset, |slot| get(frame, *slot).clone());
+    let text = format.as_text().ok_or_else(|| Fault::kind("a format", &format))?;
+    let format = state.format(text, true)?;
+    if format.arguments != targets.len() {
+        let message = format!("the format has {} codes for {} variables", format.arguments, targets.len());
+        return Err(Fault::new(Number::FORMAT_MISMATCH, message));
+    }
+    let line = match &source {
+        Value::Text(text) => {
+            state.status = 0;
+            Some(text.as_ref().clone())
+        }
+        Value::Real(number) => line(state, host, *number, again)?,
+        other => return Err(Fault::kind("a unit number or a text", other)),
+    };
+    let values = match line {
+        Some(line) => {
+            let (values, good) = format::read(&format, &line);
+            if !good {
+                state.status = BAD_INPUT;
+            }
+            values
+        }
+        None => vec![Value::Null; targets.len()],
+    };
+    for (slot, value) in targets.iter().zip(values) {
+        data::put(frame, *slot, value);
+    }
+    Ok(())
+}

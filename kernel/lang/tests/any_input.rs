@@ -1,0 +1,272 @@
+//! Any input gives errors or a program, never a panic; formats and expressions come back as they went in.
+
+use counterpoint_lang::compile::{self, Options, Program};
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::format::{Format, read, wildcard_text, write};
+use counterpoint_lang::host::Test;
+use counterpoint_lang::pattern::Pattern;
+use counterpoint_lang::source::Source;
+use counterpoint_lang::tools::{self, Style};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, Limits, State};
+use proptest::prelude::*;
+
+const PIECES: &[&str] = &[
+    "IF/",
+    "ELSEIF/",
+    "ELSE",
+    "ENDOF/IF",
+    "ENDOF/DO",
+    "ENDOF/CASE",
+    "CASE/",
+    "WHEN/",
+    "OTHERS",
+    "THRU",
+    "WHILE/",
+    "DO/",
+    "REPEAT",
+    "UNTIL/",
+    "EXIT",
+    "EXIT/2",
+    "JUMPTO/A",
+    "A:",
+    "TERMAC",
+    "ENDMAC",
+    "MACRO/",
+    "DECLAR/",
+    "REAL",
+    "STRING",
+    "GLOBAL,",
+    "CHANNEL,",
+    "PPRINT/",
+    "READ/",
+    "WRITE/20,",
+    "OPEN/20",
+    "CLOSE/20",
+    "ERROR/8,",
+    "EXEC/",
+    "OUTPUT",
+    "A",
+    "B",
+    "C(",
+    "F(",
+    "%L01",
+    "%G2",
+    "$P1",
+    "$PI",
+    "$NULL",
+    "$FSIN(",
+    "$FMATCH(",
+    "$FEDIT(",
+    "$FVANG(",
+    "$FMX(",
+    "$FSWRIT(",
+    "$FDATE(",
+    "$FIF(",
+    "{",
+    "}",
+    "(",
+    ")",
+    ",",
+    ":",
+    "=",
+    "+=",
+    "/=",
+    "+",
+    "-",
+    "*",
+    "/",
+    "//",
+    "**",
+    "==",
+    ".LT.",
+    "!",
+    "&&",
+    ".OR.",
+    "^^",
+    "1",
+    "0",
+    "2.5",
+    "99999999",
+    "'!(*)'",
+    "'x'",
+    "''",
+    "'\\(a*\\)*b'",
+    "ON",
+    "FLOOD",
+    "#71",
+    "#*:*",
+    "CODE_RAPID",
+    "REG_AXIS_X",
+    "$\n",
+    "$$ why",
+    "\n",
+    "\n",
+    "\n",
+    " ",
+    "'",
+    ".",
+    "#",
+    "$",
+    "%",
+    "?",
+];
+
+fn soup() -> impl Strategy<Value = String> {
+    prop::collection::vec(prop::sample::select(PIECES), 0..60).prop_map(|pieces| pieces.concat())
+}
+
+/// Mostly valid programs over a few variables.
+fn program() -> impl Strategy<Value = String> {
+    let value = prop::sample::select(
+        &[
+            "A",
+            "B",
+            "C",
+            "1",
+            "-2.5",
+            "'x'",
+            "{1,2}",
+            "$NULL",
+            "ON",
+            "A+B",
+            "A//B",
+            "C(1)",
+            "A(1:2)",
+            "$FLEN(A)",
+            "{A,B}",
+            "$FIF(A.EQ.B,1,2)",
+            "$FSWRIT('!(*)',A)",
+            "A.EQ.B",
+            "A**B",
+            "A/B",
+            "G(B)",
+            "$FVADD(C,C)",
+        ][..],
+    );
+    let name = prop::sample::select(&["A", "B", "C", "D(1)", "D(B)", "%G01"][..]);
+    let statement = prop_oneof![
+        6 => (name, value.clone()).prop_map(|(name, value)| format!("{name}={value}")),
+        2 => value.clone().prop_map(|value| format!("C+={value}")),
+        1 => value.clone().prop_map(|value| format!("IF/{value}\nA=1\nELSE\nB=2\nENDOF/IF")),
+        1 => value.clone().prop_map(|value| format!("DO/I=1,{value}\nC+=I\nENDOF/DO")),
+        1 => value.clone().prop_map(|value| format!("CASE/{value}\nWHEN/1,THRU,5\nA=3\nWHEN/OTHERS\nB='y'\nENDOF/CASE")),
+        1 => value.prop_map(|value| format!("WHILE/{value}\nA=A+'x'\nENDOF/WHILE")),
+    ];
+    prop::collection::vec(statement, 0..12).prop_map(|lines| {
+        let mut text = String::from("MACRO/G(X)\nG=X\nX=1/X\nENDMAC\nDECLAR/D(3)\n");
+        text.push_str(&lines.join("\n"));
+        text
+    })
+}
+
+fn execute(text: &str) {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let options = Options { uninitialised: true, trace: true, ..Options::default() };
+    let added = compile::add(&mut program, &mut host, Source::new("any", text), options);
+    if added.has_errors() {
+        return;
+    }
+    let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3 };
+    let mut state = State::new(limits);
+    for index in added.macros {
+        vm::run(&program, &mut state, &mut host, index, &mut [Value::Real(1.0)]);
+    }
+    vm::close_all(&mut state, &mut host);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let source = Source::from_bytes("any", &bytes);
+        execute(&source.text);
+    }
+
+    #[test]
+    fn any_pieces(text in soup()) {
+        execute(&text);
+        for diagnostic in tools::check(&text, "any") {
+            let _ = diagnostic.to_string();
+        }
+    }
+
+    #[test]
+    fn any_program(text in program()) {
+        execute(&text);
+    }
+
+    #[test]
+    fn formatting_twice_is_formatting_once(text in soup()) {
+        for style in [Style::Standard, Style::C] {
+            if let Ok(once) = tools::format(&text, style) {
+                let twice = tools::format(&once, style);
+                prop_assert_eq!(twice.ok(), Some(once));
+            }
+        }
+    }
+
+    #[test]
+    fn any_format(format in "[-!(^)VFXsef.:0-9ATLMR*@#+ a]{0,20}", number in any::<f64>(), line in ".{0,20}") {
+        let mut host = Test::new();
+        if let Ok(format) = Format::output(&format) {
+            let values = vec![Value::Real(number); format.arguments];
+            let _ = write(&mut String::new(), &format, &values, &mut host);
+        }
+        if let Ok(format) = Format::input(&format) {
+            let (values, _) = read(&format, &line);
+            prop_assert_eq!(values.len(), format.arguments);
+        }
+    }
+
+    #[test]
+    fn numbers_come_back(thousandths in -1_000_000_000i64..1_000_000_000) {
+        let number = thousandths as f64 / 1000.0;
+        let text = wildcard_text(number);
+        prop_assert_eq!(text.parse::<f64>().unwrap_or(0.0), number);
+        let format = Format::input("!(*)").unwrap();
+        let (values, good) = read(&format, &text);
+        prop_assert!(good);
+        prop_assert_eq!(values[0].as_real(), Some(number));
+    }
+
+    #[test]
+    fn any_pattern(pattern in "[ab.*^$\\\\(){}<>1-3,\\[\\]-]{0,20}", text in "[ab]{0,40}") {
+        if let Ok(pattern) = Pattern::new(&pattern) {
+            for result in [pattern.replace(&text, "<\\1>", 0).map(|_| ()), pattern.split(&text, 0).map(|_| ())] {
+                if let Err(fault) = result {
+                    prop_assert_eq!(fault.number, Number::BACKTRACKING);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plain_text_matches_itself(text in "[a-zA-Z0-9 ()+?|<>{}]{1,20}") {
+        let pattern = Pattern::new(&text).unwrap();
+        prop_assert_eq!(pattern.nth(&text, None, 1).unwrap(), Some(text));
+    }
+}
+
+#[test]
+fn reading_takes_linear_time() {
+    let time = |count: usize| {
+        let text = "A=1+(2*3)//'x'.EQ.{1,2} $$ c\n".repeat(count) + &"(".repeat(count) + &"'".repeat(count);
+        let start = std::time::Instant::now();
+        let diagnostics = tools::check(&text, "long");
+        assert!(!diagnostics.is_empty());
+        start.elapsed().as_secs_f64()
+    };
+    time(1000);
+    let (short, long) = (time(2000), time(16_000));
+    assert!(long < short * 8.0 * 6.0 + 0.2, "{short} s, then {long} s for eight times the text");
+}
+
+#[test]
+fn deep_nesting_is_refused_with_a_number() {
+    let deep = "IF/.TRUE.\n".repeat(5000);
+    let diagnostics = tools::check(&deep, "deep");
+    assert!(diagnostics.iter().any(|diagnostic| diagnostic.number == Number::TOO_DEEP));
+    assert!(diagnostics.len() <= 201);
+}

@@ -1,0 +1,118 @@
+//! The public surface as the kernel and the command line use it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+use counterpoint_lang::compile::{self, Options, Place, Program};
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::host::Test;
+use counterpoint_lang::source::Source;
+use counterpoint_lang::tools::{self, RunOptions};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, End, Limits, State};
+
+fn embedded(program: &mut Program, host: &mut Test, text: &str) -> (End, Value) {
+    let added = compile::embedded(program, host, Source::new("embedded", text), Options::default());
+    assert_eq!(added.diagnostics, [], "{text}");
+    let index = *added.macros.last().unwrap();
+    vm::run(program, &mut State::new(Limits::default()), host, index, &mut [])
+}
+
+#[test]
+fn embedded_code_is_an_expression_or_statements() {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let (end, value) = embedded(&mut program, &mut host, "2*3+1");
+    assert_eq!((end, value.as_real()), (End::Normal, Some(7.0)));
+    let (end, value) = embedded(&mut program, &mut host, "%G01=5");
+    assert!(end == End::Normal && matches!(value, Value::Null));
+    let (_, value) = embedded(&mut program, &mut host, "'X'//$FSWRIT('!(*)',%G1)");
+    assert_eq!(value.as_text(), Some("X5"));
+}
+
+#[test]
+fn arguments_come_back_as_the_macro_left_them() {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let text = "$P1=$P1+1\n$P2=$P2(2:)\nOUTPUT\n";
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    let mut arguments = [Value::Real(1.0), Value::text("G64"), Value::Real(9.0)];
+    let mut state = State::new(Limits::default());
+    vm::run(&program, &mut state, &mut host, added.macros[0], &mut arguments);
+    assert_eq!(arguments[0].as_real(), Some(2.0));
+    assert_eq!(arguments[1].as_text(), Some("64"));
+    assert_eq!(arguments[2].as_real(), Some(9.0));
+    assert_eq!(host.commands, ["OUTPUT,2,64"]);
+}
+
+#[test]
+fn locals_start_afresh_and_objects_stay() {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let text = "DECLAR/OBJECT,REAL,RUNS\nRUNS+=1\nA+=1\nPPRINT/'!(*) !(*)',RUNS,A";
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    let mut state = State::new(Limits::default());
+    for _ in 0..2 {
+        vm::run(&program, &mut state, &mut host, added.macros[0], &mut []);
+    }
+    assert_eq!(host.printed, ["1 1", "2 1"]);
+}
+
+#[test]
+fn the_place_of_a_macro_restricts_it() {
+    for (place, text) in [(Place::Data, "OUTPUT"), (Place::Startup, "OUTPUT"), (Place::Declaration, "TAPERD")] {
+        let options = Options { place, ..Options::default() };
+        let added = compile::add(&mut Program::new(), &mut Test::new(), Source::new("m", text), options);
+        assert_eq!(added.diagnostics[0].number, Number::NOT_HERE);
+    }
+}
+
+#[test]
+fn included_files_define_functions_once() {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    host.files.insert("f.mac".into(), "MACRO/TWO()\nTWO=2\nENDMAC\nINCLUD/'f.mac'\n".into());
+    let text = "INCLUD/'f.mac'\nINCLUD/'f.mac'\nPPRINT/'!(*)',TWO()";
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    assert_eq!(added.diagnostics, []);
+    vm::run(&program, &mut State::new(Limits::default()), &mut host, added.macros[0], &mut []);
+    assert_eq!(host.printed, ["2"]);
+}
+
+fn run(files: &[(&str, &str)], options: RunOptions) -> (u8, String, String) {
+    let files: Vec<(String, String)> = files.iter().map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect();
+    let (mut out, mut error) = (Vec::new(), Vec::new());
+    let code = tools::run(&files, &mut out, &mut error, options).unwrap();
+    (code, String::from_utf8(out).unwrap(), String::from_utf8(error).unwrap())
+}
+
+#[test]
+fn run_prints_what_the_last_file_prints() {
+    let functions = ("f", "MACRO/TWICE(V)\nTWICE=2*V\nENDMAC");
+    let (code, out, error) = run(&[functions, ("m", "PPRINT/'!(*)',TWICE(4)")], RunOptions::default());
+    assert_eq!((code, out.as_str(), error.as_str()), (0, "8\n", ""));
+    let (code, out, error) = run(&[("m", "PPRINT/'a'\nERROR/8,'bad'\nPPRINT/'b'")], RunOptions::default());
+    assert_eq!((code, out.as_str()), (1, "a\n"));
+    assert!(
+        error.starts_with("Error 02910090: bad\n  --> m:2:1 in m\n    2 | ERROR/8,'bad'\n      | ^^^^^^^^^^^^^\n"),
+        "{error}"
+    );
+    let (code, out, error) = run(&[("m", "A=")], RunOptions::default());
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(error.contains("02910010"));
+    let (_, out, _) = run(&[("m", "a=1")], RunOptions { trace: true, ..RunOptions::default() });
+    assert_eq!(out, " Macro:* Entering m\n Macro:  A=1\n Macro:* Leaving m, Returning to regular processing\n");
+}
+
+#[test]
+fn budgets_end_a_run() {
+    let limits = Limits { ticks: 10_000, text: 100, elements: 100, depth: 3, units: 1 };
+    for (text, number) in [
+        ("A:JUMPTO/A", Number::TICKS),
+        ("T='x'\nREPEAT\nT+=T\nUNTIL/.FALSE.", Number::SIZE),
+        ("Q={1}\nREPEAT\nQ+=Q\nUNTIL/.FALSE.", Number::SIZE),
+        ("DECLAR/REAL,A(200)", Number::SIZE),
+        ("OPEN/20,'a'\nOPEN/21,'b'", Number::UNITS),
+    ] {
+        let (mut program, mut host) = (Program::new(), Test::new());
+        let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+        assert_eq!(added.diagnostics, []);
+        vm::run(&program, &mut State::new(limits), &mut host, added.macros[0], &mut []);
+        assert_eq!(host.diagnostics[0].number, number, "{text}");
+        assert_eq!(host.diagnostics[0].macro_name.as_deref(), Some("m"));
+    }
+}
