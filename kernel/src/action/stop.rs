@@ -1,7 +1,7 @@
 //! Stops and ends.
 
 use crate::channel::flow::Pending;
-use crate::channel::{Acted, Kernel};
+use crate::channel::{Acted, Halt, Kernel};
 use crate::log::event::{Kind, Stop};
 
 /// Program stop, optional stop, end, rewind.
@@ -22,6 +22,6 @@ pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
             kernel.flow.pending = Some(Pending::Return(None));
             Ok(())
         }
-        Stop::End | Stop::Rewind => Err(kernel.end_program(stop)),
+        Stop::End | Stop::Rewind => Err(Halt::End(Some(stop))),
     }
 }

@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
 use super::block::Firing;
-use super::{Acted, Halt, Kernel};
+use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
@@ -229,10 +229,5 @@ impl Kernel<'_> {
             }
         }
         self.secondary = self.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
-    }
-
-    /// Ends the run of a kernel that has nothing more to do.
-    pub(crate) fn end_of_text() -> Halt {
-        Halt::End(None)
     }
 }

@@ -4,7 +4,7 @@ use super::flow::Frame;
 use super::{Acted, Halt, Kernel};
 use crate::control::State;
 use crate::diag::{self, Facts};
-use crate::log::event::{Diagnostic, Kind, Member, Phase, Stop, Verdict, VerdictKind};
+use crate::log::event::{Diagnostic, Kind, Member, Phase, Verdict, VerdictKind};
 use crate::mcd::program::Range;
 use crate::multi::coordinator::Coordinator;
 use crate::multi::verdict;
@@ -166,11 +166,6 @@ impl Kernel<'_> {
         let place = verdict::place(self.info, self.file, line);
         let reason = format!("polls at {place} for a variable that nobody is left to change");
         self.limit(&reason, VerdictKind::PartnerSpinning)
-    }
-
-    /// End codes: where the program stops.
-    pub(crate) fn end_program(&mut self, stop: Stop) -> Halt {
-        Halt::End(Some(stop))
     }
 }
 

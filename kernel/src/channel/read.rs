@@ -23,7 +23,7 @@ impl Kernel<'_> {
     fn step(&mut self) -> Acted {
         let info = self.info;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
-            return Err(Self::end_of_text());
+            return Err(Halt::End(None));
         };
         if line > range.last {
             return self.text_ends();
@@ -31,7 +31,7 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.next = line + 1;
         }
-        let Some(source) = info.source(file) else { return Err(Self::end_of_text()) };
+        let Some(source) = info.source(file) else { return Err(Halt::End(None)) };
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
@@ -118,7 +118,7 @@ impl Kernel<'_> {
     fn text_ends(&mut self) -> Acted {
         let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
         self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
-        if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Self::end_of_text()) }
+        if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Halt::End(None)) }
     }
 
     fn too_long(&mut self, length: usize) -> Halt {
