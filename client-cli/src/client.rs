@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::pack::Blob;
 
 /// Bytes of an upload chunk.
-const CHUNK: usize = 1 << 20;
+const CHUNK: usize = 64 * 1024;
 /// Digests in one question, so that the message stays small.
 const ASK: usize = 10_000;
 
@@ -105,13 +105,17 @@ impl Client {
     }
 }
 
-fn chunks(blob: &Blob) -> Vec<v1::UploadRequest> {
+/// The first chunk carries the digest; an empty content is one chunk.
+fn chunks(blob: &Blob) -> impl Iterator<Item = v1::UploadRequest> + Send + use<> {
     let mut rest = blob.content.clone();
-    let first: Bytes = rest.split_to(rest.len().min(CHUNK));
-    let mut chunks = vec![v1::UploadRequest { digest: blob.digest.clone(), data: first }];
-    while !rest.is_empty() {
-        let data = rest.split_to(rest.len().min(CHUNK));
-        chunks.push(v1::UploadRequest { digest: String::new(), data });
-    }
-    chunks
+    let mut digest = Some(blob.digest.clone());
+    let size = rest.len() as u64;
+    std::iter::from_fn(move || {
+        if rest.is_empty() && digest.is_none() {
+            return None;
+        }
+        let data: Bytes = rest.split_to(rest.len().min(CHUNK));
+        let size = digest.is_some().then_some(size);
+        Some(v1::UploadRequest { digest: digest.take().unwrap_or_default(), data, size })
+    })
 }

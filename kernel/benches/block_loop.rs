@@ -10,8 +10,8 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
-use counterpoint_kernel::log::digest::Digest;
 use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::machine::{Machine, load, package};
 use counterpoint_kernel::options::Options;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -25,13 +25,23 @@ impl Sink for Count {
     }
 }
 
-struct Hash(Digest);
+/// Results without a log, as `counterpoint run` builds them.
+struct Fold(Folds);
 
-impl Sink for Hash {
-    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.0.event(event));
-        true
+impl Sink for Fold {
+    fn folds(&mut self) -> Option<&mut Folds> {
+        Some(&mut self.0)
     }
+
+    fn events(&mut self, _: u64, _: &[Event]) -> bool {
+        false
+    }
+}
+
+fn results(job: &Job, files: &Memory, channels: usize) {
+    let mut sink = Fold(Folds::new(job.info()));
+    let outcome = job.run(files, &Control::new(channels), &mut sink);
+    std::hint::black_box(sink.0.finish(&outcome));
 }
 
 fn machine(name: &str) -> Arc<Machine> {
@@ -91,13 +101,13 @@ fn block_loop(c: &mut Criterion) {
     group.sample_size(20);
     let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
     group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
-    group.bench_function("milling_with_digest", |b| {
-        b.iter(|| mill_job.run(&files, &Control::new(1), &mut Hash(Digest::new())));
-    });
+    group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
     let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
     group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("one_channel_results", |b| b.iter(|| results(&one, &files, 2)));
     let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
     group.bench_function("two_channels_1000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("two_channels_1000_waits_results", |b| b.iter(|| results(&two, &files, 2)));
     let text = format!(
         "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
         blocks / 5

@@ -1,6 +1,9 @@
 //! The hand on a running job: cancel, live progress, and the test hook that disturbs scheduling.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use crate::log::event::Wait;
 
 /// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
 #[derive(Default)]
@@ -8,6 +11,8 @@ pub struct Control {
     cancel: AtomicBool,
     /// One entry per channel in ascending channel number.
     progress: Box<[Progress]>,
+    /// Takes the place of a missing one.
+    spare: Progress,
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
 }
 
@@ -42,6 +47,11 @@ impl Control {
         &self.progress
     }
 
+    /// Progress that nobody looks at.
+    pub(crate) fn spare(&self) -> &Progress {
+        &self.spare
+    }
+
     pub(crate) fn disturb(&self, channel: u16) {
         if let Some(jitter) = &self.jitter {
             jitter(channel);
@@ -69,6 +79,7 @@ pub struct Progress {
     pub file: AtomicU32,
     /// [`State`] as a number.
     pub state: AtomicU8,
+    standing: Mutex<Option<Wait>>,
 }
 
 /// What a channel does right now.
@@ -110,7 +121,20 @@ impl Progress {
         }
     }
 
+    /// What the channel waits for, if its state is [`State::Waiting`].
+    #[must_use]
+    pub fn waiting_for(&self) -> Option<Wait> {
+        let standing = self.standing.lock().unwrap_or_else(PoisonError::into_inner);
+        standing.as_ref().filter(|_| self.state() == State::Waiting).cloned()
+    }
+
     pub(crate) fn set_state(&self, state: State) {
         self.state.store(state as u8, Ordering::Relaxed);
+    }
+
+    /// The channel stands at a wait.
+    pub(crate) fn stand(&self, wait: Wait) {
+        *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(wait);
+        self.set_state(State::Waiting);
     }
 }

@@ -1,6 +1,6 @@
 //! The files a job may read. The kernel knows no file system: whoever runs a job hands in this view of it.
 
-use std::sync::Arc;
+pub use bytes::Bytes;
 
 /// Why a file could not be had.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -20,11 +20,11 @@ pub enum Error {
 
 /// Read-only view of a job's files by relative path with `/` between parts.
 pub trait Files: Send + Sync {
-    /// Whole content of a file.
+    /// Whole content of a file; cheap to hand on.
     ///
     /// # Errors
     /// [`Error`] when there is no such file or it cannot be read.
-    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error>;
+    fn read(&self, path: &str) -> Result<Bytes, Error>;
 
     /// All paths, sorted.
     fn list(&self) -> Vec<String>;
@@ -32,17 +32,17 @@ pub trait Files: Send + Sync {
 
 /// Files held in memory.
 #[derive(Debug, Clone, Default)]
-pub struct Memory(pub std::collections::BTreeMap<String, Arc<[u8]>>);
+pub struct Memory(pub std::collections::BTreeMap<String, Bytes>);
 
 impl Memory {
     /// Adds or replaces a file.
     pub fn insert(&mut self, path: impl Into<String>, content: impl AsRef<[u8]>) {
-        self.0.insert(path.into(), content.as_ref().into());
+        self.0.insert(path.into(), Bytes::copy_from_slice(content.as_ref()));
     }
 }
 
 impl Files for Memory {
-    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error> {
+    fn read(&self, path: &str) -> Result<Bytes, Error> {
         self.0.get(path).cloned().ok_or_else(|| Error::Missing(path.to_owned()))
     }
 

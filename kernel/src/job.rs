@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::control::Control;
 use crate::files::Files;
 use crate::log::event::Event;
+use crate::log::fold::Folds;
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
@@ -47,8 +48,14 @@ pub struct PrepareError {
     pub findings: Vec<Finding>,
 }
 
-/// Receives the ordered log.
+/// Receives what a job logs.
 pub trait Sink {
+    /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
+    /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
+    fn folds(&mut self) -> Option<&mut Folds> {
+        None
+    }
+
     /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
     /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;

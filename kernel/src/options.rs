@@ -29,7 +29,7 @@ pub struct Limits {
     pub blocks: u64,
     /// Consecutive blocks of one channel that take no time.
     pub zero_time_blocks: u64,
-    /// Events of the whole job.
+    /// Events of one channel.
     pub events: u64,
     /// Length of one block in bytes.
     pub block_length: usize,

@@ -7,11 +7,15 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 
+use bytes::Bytes;
 use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
 use crate::reason::Refusal;
 use crate::store::Store;
+
+/// Most bytes that are set aside for an announced size before they come.
+const RESERVE: usize = 64 << 20;
 
 /// Digest of a content as 64 lower-case hexadecimal digits.
 pub(crate) fn digest(content: &[u8]) -> String {
@@ -39,7 +43,7 @@ pub(crate) struct Blobs {
 #[derive(Debug, Clone)]
 enum Place {
     Files(Store),
-    Memory(Arc<DashMap<String, Arc<[u8]>>>),
+    Memory(Arc<DashMap<String, Bytes>>),
 }
 
 impl Blobs {
@@ -59,9 +63,9 @@ impl Blobs {
         }
     }
 
-    pub(crate) fn read(&self, digest: &str) -> io::Result<Arc<[u8]>> {
+    pub(crate) fn read(&self, digest: &str) -> io::Result<Bytes> {
         match &self.place {
-            Place::Files(store) => fs::read(store.blob(digest)).map(Arc::from),
+            Place::Files(store) => fs::read(store.blob(digest)).map(Bytes::from),
             Place::Memory(blobs) => {
                 blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
             }
@@ -78,14 +82,18 @@ impl Blobs {
         })
     }
 
-    /// Begins to receive a blob announced as `digest`.
-    pub(crate) fn receive(&self, digest: &str) -> Result<Receiver, Refusal> {
+    /// Begins to receive a blob announced as `digest`, and perhaps with its size.
+    pub(crate) fn receive(&self, digest: &str, size: Option<u64>) -> Result<Receiver, Refusal> {
         if !is_digest(digest) {
             return Err(Refusal::field("digest", "must be 64 lower-case hexadecimal digits"));
         }
+        if size.is_some_and(|size| size > self.max) {
+            return Err(Refusal::BlobTooLarge(self.max));
+        }
+        let room = usize::try_from(size.unwrap_or(0)).unwrap_or(0).min(RESERVE);
         let content = match &self.place {
             Place::Files(store) => Content::File(tempfile::NamedTempFile::new_in(store.tmp())?),
-            Place::Memory(_) => Content::Memory(Vec::new()),
+            Place::Memory(_) => Content::Memory(Vec::with_capacity(room)),
         };
         Ok(Receiver { blobs: self.clone(), announced: digest.to_owned(), content, hash: Sha256::new(), size: 0 })
     }
@@ -107,6 +115,11 @@ enum Content {
 }
 
 impl Receiver {
+    /// A chunk is only copied, so it needs no thread that may wait.
+    pub(crate) fn in_memory(&self) -> bool {
+        matches!(self.content, Content::Memory(_))
+    }
+
     pub(crate) fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal> {
         self.size += data.len() as u64;
         if self.size > self.blobs.max {
@@ -152,7 +165,7 @@ mod tests {
         let (_folder, blobs) = blobs(100);
         let name = digest(b"G0X1\nM30\n");
         assert!(!blobs.has(&name));
-        let mut receiver = blobs.receive(&name).unwrap();
+        let mut receiver = blobs.receive(&name, None).unwrap();
         receiver.chunk(b"G0X1\n").unwrap();
         receiver.chunk(b"M30\n").unwrap();
         assert_eq!(receiver.finish().unwrap(), 9);
@@ -163,7 +176,7 @@ mod tests {
     fn memory_holds_them_too() {
         let blobs = Blobs::in_memory(100);
         let name = digest(b"G0X1\n");
-        let mut receiver = blobs.receive(&name).unwrap();
+        let mut receiver = blobs.receive(&name, None).unwrap();
         receiver.chunk(b"G0X1\n").unwrap();
         assert!(!blobs.has(&name));
         receiver.finish().unwrap();
@@ -176,13 +189,14 @@ mod tests {
     #[test]
     fn a_wrong_digest_or_too_much_is_refused_and_leaves_nothing() {
         let (folder, blobs) = blobs(4);
-        let mut receiver = blobs.receive(&digest(b"x")).unwrap();
+        let mut receiver = blobs.receive(&digest(b"x"), None).unwrap();
         receiver.chunk(b"y").unwrap();
         assert!(matches!(receiver.finish(), Err(Refusal::DigestMismatch { .. })));
-        let mut receiver = blobs.receive(&digest(b"12345")).unwrap();
+        let mut receiver = blobs.receive(&digest(b"12345"), Some(4)).unwrap();
         assert_eq!(receiver.chunk(b"12345"), Err(Refusal::BlobTooLarge(4)));
         drop(receiver);
-        assert!(matches!(blobs.receive("../../x"), Err(Refusal::InvalidField { .. })));
+        assert!(matches!(blobs.receive(&digest(b"12345"), Some(5)), Err(Refusal::BlobTooLarge(4))));
+        assert!(matches!(blobs.receive("../../x", None), Err(Refusal::InvalidField { .. })));
         assert_eq!(fs::read_dir(folder.path().join("tmp")).unwrap().count(), 0);
     }
 }

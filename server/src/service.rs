@@ -26,6 +26,8 @@ use crate::runner::{Kernel, Runner};
 
 /// Largest message in either direction, bytes.
 pub const MAX_MESSAGE: usize = 4 << 20;
+/// Bytes of a frame that a client may send at once: an upload chunk with its head.
+const FRAME: u32 = 128 * 1024;
 /// Time that streams and connections get to end after the jobs have.
 const CLOSING: Duration = Duration::from_secs(2);
 
@@ -148,6 +150,7 @@ impl Service {
             .http2_keepalive_interval(Some(Duration::from_secs(30)))
             .http2_keepalive_timeout(Some(Duration::from_secs(10)))
             .initial_stream_window_size(1 << 20)
+            .max_frame_size(FRAME)
             .initial_connection_window_size(4 << 20)
             .max_concurrent_streams(256)
             .http2_max_header_list_size(32 * 1024)

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec};
-use counterpoint_kernel::log::digest::Digest;
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::summary::{Builder, Summary};
+use counterpoint_kernel::log::fold::{Folds, Results};
+use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::Options;
@@ -71,6 +71,24 @@ impl Work {
     /// # Errors
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
+        let (job, control) = self.prepare(jitter)?;
+        let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new() };
+        let outcome = job.run(&self.files, &control, &mut sink);
+        Ok(Done { summary: sink.folds.finish(&outcome).summary, events: sink.events, outcome })
+    }
+
+    /// The same without an ordered log: every kernel feeds its results.
+    ///
+    /// # Errors
+    /// When the job cannot be prepared.
+    pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome), PrepareError> {
+        let (job, control) = self.prepare(jitter)?;
+        let mut sink = Fold(Folds::new(job.info()));
+        let outcome = job.run(&self.files, &control, &mut sink);
+        Ok((sink.0.finish(&outcome), outcome))
+    }
+
+    fn prepare(&self, jitter: Option<fn(u16)>) -> Result<(Job, Control), PrepareError> {
         let spec =
             Spec { machine: self.machine.clone(), programs: self.programs.clone(), options: self.options.clone() };
         let job = Job::prepare(spec, &self.files)?;
@@ -79,26 +97,31 @@ impl Work {
             Some(jitter) => control.with_jitter(jitter),
             None => control,
         };
-        let mut sink = Collect { builder: Builder::new(job.info()), digest: Digest::new(), events: Vec::new() };
-        let outcome = job.run(&self.files, &control, &mut sink);
-        let digest = sink.digest.hex();
-        Ok(Done { summary: sink.builder.finish(&outcome, digest), events: sink.events, outcome })
+        Ok((job, control))
     }
 }
 
 struct Collect {
-    builder: Builder,
-    digest: Digest,
+    folds: Folds,
     events: Vec<Event>,
 }
 
 impl Sink for Collect {
-    fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {
-        for (seq, event) in (first_seq..).zip(batch) {
-            self.builder.event(seq, event);
-            self.digest.event(event);
-        }
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        batch.iter().for_each(|event| self.folds.event(event));
         self.events.extend_from_slice(batch);
         true
+    }
+}
+
+struct Fold(Folds);
+
+impl Sink for Fold {
+    fn folds(&mut self) -> Option<&mut Folds> {
+        Some(&mut self.0)
+    }
+
+    fn events(&mut self, _first_seq: u64, _batch: &[Event]) -> bool {
+        false
     }
 }

@@ -128,7 +128,8 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             refuse(inner, coordinator, channels, members.collect(), text, (tag, own))
         }
     })?;
-    let release = move |meeting| Release { key: key.clone(), primitive: spec.primitive, since_ns, meeting };
+    let parts = spec.parts;
+    let release = |meeting| Release { key: key.clone(), primitive: spec.primitive, since_ns, meeting };
     match after {
         After::Go { t, micro, meeting } => {
             go_on(kernel, (t, micro), release(meeting));
@@ -145,9 +146,10 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             if let Some(verdict) = verdict {
                 kernel.emit_verdict(verdict);
             }
-            kernel.progress.set_state(State::Waiting);
             let wake = kernel.coordinator.try_wait(kernel.rank).unwrap_or_else(|| {
                 kernel.emitter.flush(tag);
+                let participants = parts.iter().collect();
+                kernel.progress.stand(Wait { key: key.clone(), primitive: spec.primitive, participants });
                 kernel.coordinator.wait(kernel.rank)
             });
             kernel.control.disturb(kernel.rank);

@@ -121,6 +121,7 @@ impl Block {
     }
 
     /// Makes a word findable as data; of several words of one register the last one counts.
+    #[inline(always)]
     pub(crate) fn index_word(&mut self, position: usize) {
         if let Some(word) = self.words.get(position)
             && let Some(slot) = self.slots.get_mut(usize::from(word.register))
@@ -133,6 +134,7 @@ impl Block {
     }
 
     /// Takes the data word of a register, if it is there and still free.
+    #[inline]
     pub(crate) fn take(&mut self, register: u8) -> Option<Word> {
         if !self.has(register) {
             return None;

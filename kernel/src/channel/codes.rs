@@ -33,7 +33,12 @@ impl Kernel<'_> {
         let mut conditional = false;
         let mut call = false;
         for position in 0..self.block.words.len() {
-            let Some(word) = self.block.words.get(position).copied() else { break };
+            let Some(word) = self.block.words.get(position) else { break };
+            if self.plan.only_data & 1 << word.register != 0 {
+                self.block.index_word(position);
+                continue;
+            }
+            let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
             match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
                 None if Some(word.register) == self.plan.g && word.value == 65.0 && self.plan.scanner.has_macros() => {

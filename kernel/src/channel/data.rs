@@ -21,6 +21,7 @@ pub(crate) struct Datum {
 
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
+    #[inline(always)]
     pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
         if let Some((data, value)) = self.as_data
             && data == id
@@ -31,6 +32,11 @@ impl Kernel<'_> {
         if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
             return None;
         }
+        self.take_word(id)
+    }
+
+    /// One of the registers of `id` is on the block.
+    fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
         for source in plan.sources.get(usize::from(id.0))? {
             let Some(word) = self.block.take(source.register) else { continue };

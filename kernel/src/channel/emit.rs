@@ -6,11 +6,12 @@
 use crate::job::Sink;
 use crate::log::event::Event;
 use crate::multi::coordinator::Coordinator;
+use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
 use crate::multi::tag::Tag;
 
-/// Events in a chunk that goes straight to the sink: small enough to stay in the cache of the core that made them.
-const DIRECT_CHUNK: usize = 64;
+/// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.
+const NEAR_CHUNK: usize = 64;
 
 /// Where chunks go.
 pub(crate) enum Target<'a> {
@@ -18,11 +19,13 @@ pub(crate) enum Target<'a> {
     Queue(Feeder),
     /// To the sink on this thread: the only kernel of a job needs no merging.
     Direct {
-        /// Counts and limits the log.
+        /// Numbers the log.
         merger: &'a mut Merger,
         /// Receives it.
         sink: &'a mut dyn Sink,
     },
+    /// Into the results of this channel.
+    Lane(&'a mut Feed),
 }
 
 /// Collects events into chunks and hands them on.
@@ -32,15 +35,22 @@ pub(crate) struct Emitter<'a> {
     target: Target<'a>,
     size: usize,
     chunk: Vec<Event>,
+    /// Events handed on.
+    gone: u64,
 }
 
 impl<'a> Emitter<'a> {
     pub(crate) fn new(rank: u16, coordinator: &'a Coordinator, mut target: Target<'a>) -> Self {
         let (size, chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
-            Target::Direct { .. } => (DIRECT_CHUNK, Vec::with_capacity(DIRECT_CHUNK)),
+            Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::with_capacity(NEAR_CHUNK)),
         };
-        Self { rank, coordinator, target, size, chunk }
+        Self { rank, coordinator, target, size, chunk, gone: 0 }
+    }
+
+    /// Events so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.gone + self.chunk.len() as u64
     }
 
     /// Adds an event; a full chunk goes out first.
@@ -54,13 +64,20 @@ impl<'a> Emitter<'a> {
     }
 
     /// Sends what there is. `upto`: no later event is before this tag.
+    #[inline(never)]
     pub(crate) fn flush(&mut self, upto: Tag) {
+        self.gone += self.chunk.len() as u64;
         match &mut self.target {
             Target::Direct { merger, sink } => {
                 if !merger.pass(self.rank, &self.chunk, *sink) {
                     self.coordinator.abort();
                 }
                 self.chunk.clear();
+            }
+            Target::Lane(feed) => {
+                if feed.pass(&mut self.chunk, || self.coordinator.floor(upto.rank)) {
+                    self.coordinator.catch_up(upto);
+                }
             }
             Target::Queue(feeder) => {
                 let next = feeder.try_empty();

@@ -105,6 +105,8 @@ impl Kernel<'_> {
             format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
         } else if self.blocks > limits.blocks {
             format!("more than {} blocks", limits.blocks)
+        } else if self.emitter.count() > limits.events {
+            format!("more than {} events in its log", limits.events)
         } else if self.idle_blocks > limits.zero_time_blocks {
             format!("{} blocks in a row took no time", limits.zero_time_blocks)
         } else {

@@ -18,6 +18,8 @@ pub(crate) struct Plan {
     pub(crate) definition: Option<u8>,
     /// Registers whose words can move an axis or shape an arc: bit by register.
     pub(crate) motion_registers: u128,
+    /// Registers whose words are data whatever their value: bit by register.
+    pub(crate) only_data: u128,
     /// Registers that can supply each data identifier, bit by register.
     pub(crate) registers_of: Vec<u128>,
     /// Where the values of each data identifier come from, in row order.
@@ -74,11 +76,18 @@ impl Plan {
                 speed_registers |= 1 << register;
             }
         }
+        let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
+        let definition = register_of(data::DEFSUB_ID);
+        let only_data = (0..128_u8).filter(|&r| {
+            let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
+            known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
+        });
         Self {
+            only_data: only_data.fold(0, |bits, r| bits | 1 << r),
             scanner: Scanner::new(machine, opskip),
             actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
-            g: machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8),
-            definition: register_of(data::DEFSUB_ID),
+            g,
+            definition,
             motion_registers,
             sources: sources(machine),
             registers_of: machine

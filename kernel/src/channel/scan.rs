@@ -237,6 +237,7 @@ impl Scanner {
     }
 
     /// A word at `at`, if a number follows its letter.
+    #[inline(always)]
     fn word(
         &self,
         line: &[u8],
@@ -308,6 +309,20 @@ const POW10: [f64; 23] = [
 /// Digits whose value is exact in `u64` and `f64`.
 const EXACT_DIGITS: usize = 15;
 
+/// Appends the digits at the start of a text to a number; gives it with the rest of the text.
+#[inline(always)]
+fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
+    while let [byte, rest @ ..] = text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
+        text = rest;
+    }
+    (number, text)
+}
+
 /// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
 fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
     let rest = line.get(at..)?;
@@ -316,20 +331,16 @@ fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
         [b'+', text @ ..] => (false, text),
         text => (false, text),
     };
-    let (mut mantissa, mut length, mut point_at) = (0_u64, 0, None);
-    for &byte in text {
-        let digit = byte.wrapping_sub(b'0');
-        if digit <= 9 {
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-        } else if byte == b'.' && point_at.is_none() {
-            point_at = Some(length);
-        } else {
-            break;
+    let (mantissa, after) = leading_digits(0, text);
+    let digits = text.len() - after.len();
+    let (mantissa, fraction, point, length) = match after {
+        [b'.', decimals @ ..] => {
+            let (mantissa, after) = leading_digits(mantissa, decimals);
+            let fraction = decimals.len() - after.len();
+            (mantissa, fraction, true, digits + 1 + fraction)
         }
-        length += 1;
-    }
-    let digits = point_at.unwrap_or(length);
-    let fraction = point_at.map_or(0, |point| length - point - 1);
+        _ => (mantissa, 0, false, digits),
+    };
     if digits + fraction == 0 {
         return None;
     }
@@ -339,7 +350,7 @@ fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
         _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
     };
     let value = if negative { -magnitude } else { magnitude };
-    let number = Number { value, point: point_at.is_some(), digits: digits.min(255) as u8 };
+    let number = Number { value, point, digits: digits.min(255) as u8 };
     Some((number, at + (rest.len() - text.len()) + length))
 }
 

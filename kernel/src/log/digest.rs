@@ -1,11 +1,15 @@
 //! The fingerprint of a log: equal logs, and only those, have the same digest on every platform.
 //!
-//! BLAKE3 over a canonical binary form of every event in log order. Integers are little-endian, `-0.0` counts as
-//! `0.0`, texts and lists carry their length (u32), kinds and enums their number as listed in this file. Each event
-//! begins with a byte of flags and its kind; a field whose flag is set is the one of the event before (of the duration:
-//! zero) and is left out. A motion says which axes of its start differ from where the last motion ended and which of
-//! its end differ from its start, and gives only those. Invariant: every field of every event can be told from the
-//! form; numbers already given to a kind or a state never change.
+//! A log is fingerprinted channel by channel: its order is that of the events' times, microsteps and channels, so equal
+//! channels make equal logs. Each channel is BLAKE3 over a canonical binary form of its events; the digest of the log
+//! is BLAKE3 over the number and the fingerprint of every channel that has events, the master (0) first.
+//!
+//! The form is made of little-endian words. Each event begins with one word: kind, flags of what is as expected and left
+//! out, axes that change, and how many blocks went before that were as expected (the next line of the file, counted
+//! on, at the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32),
+//! kinds and enums their number as listed in this file. A motion says which axes of its start differ from where the
+//! last motion ended and which of its end differ from its start, and gives only those. Invariant: every field of every
+//! event can be told from the form; numbers already given to a kind or a state never change.
 
 use blake3::Hasher;
 
@@ -14,10 +18,10 @@ use crate::log::event::{
     Verdict, VerdictKind,
 };
 
-/// Bytes that are hashed at once: long runs keep the hash function's parallel lanes busy.
+/// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy.
 const CHUNK: usize = 32 * 1024;
 
-/// Builds the digest of a log, event by event.
+/// Builds the digest of one channel's events.
 #[derive(Debug)]
 pub struct Digest {
     hasher: Hasher,
@@ -25,23 +29,59 @@ pub struct Digest {
 }
 
 /// The canonical form and what it leans on.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Form {
     out: Vec<u8>,
     /// Head of the event before.
     last: Head,
-    /// Where the last motion ended.
+    /// Number of the block before.
+    number: u64,
+    /// Blocks as expected that no word has counted yet.
+    blocks: u16,
+    /// The motion before.
+    motion: Option<Facts>,
+    /// Where it ended.
     end: Position,
+    /// Its feed.
+    feed: f64,
 }
 
-/// The fields that every event has, without its duration.
+/// The fields that every event has; the time is where it ended.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Head {
-    t_ns: i64,
+    over_ns: i64,
     micro: u32,
-    channel: u16,
     file: u16,
     line: u32,
+}
+
+/// What mostly stays the same from motion to motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Facts {
+    kind: MotionKind,
+    feed_unit: FeedUnit,
+    moving: u8,
+    plane_axes: [u8; 2],
+    turns: u16,
+}
+
+/// A run of expected blocks with nothing behind it.
+const ONLY_BLOCKS: u8 = 255;
+
+/// Flags of the word an event begins with.
+mod flag {
+    /// It begins where the one before ended.
+    pub(super) const FOLLOWS: u8 = 1;
+    pub(super) const SAME_MICRO: u8 = 2;
+    pub(super) const NO_TIME: u8 = 4;
+    pub(super) const SAME_FILE: u8 = 8;
+    pub(super) const SAME_LINE: u8 = 16;
+    /// Feed of the motion before.
+    pub(super) const SAME_FEED: u8 = 32;
+    /// Facts of the motion before.
+    pub(super) const SAME_FACTS: u8 = 64;
+    /// A centre is given; it is zero otherwise.
+    pub(super) const CENTER: u8 = 128;
 }
 
 impl Default for Digest {
@@ -51,121 +91,222 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// Digest of an empty log.
+    /// Digest of no events.
     #[must_use]
     pub fn new() -> Self {
         let out = Vec::with_capacity(CHUNK + 1024);
-        Self { hasher: Hasher::new(), form: Form { out, last: Head::default(), end: [0.0; MAX_AXES] } }
+        Self { hasher: Hasher::new(), form: Form { out, ..Form::default() } }
     }
 
-    /// Adds the next event of the log.
+    /// Adds the next event of the channel.
+    #[inline]
     pub fn event(&mut self, event: &Event) {
+        if self.form.expected(event) {
+            return;
+        }
         self.form.event(event);
-        if self.form.out.len() >= CHUNK {
-            self.hasher.update(&self.form.out);
-            self.form.out.clear();
+        if let Some((whole, _)) = self.form.out.split_at_checked(CHUNK) {
+            self.hasher.update(whole);
+            self.form.out.drain(..CHUNK);
         }
     }
 
-    /// The digest as 64 hexadecimal digits.
+    /// The fingerprint; `None` without events.
     #[must_use]
-    pub fn hex(mut self) -> String {
+    pub fn finish(mut self) -> Option<[u8; 32]> {
+        self.form.close();
         self.hasher.update(&self.form.out);
-        self.hasher.finalize().to_hex().to_string()
+        (self.hasher.count() > 0).then(|| *self.hasher.finalize().as_bytes())
+    }
+}
+
+/// The digest of a log as 64 hexadecimal digits, from the fingerprints of its channels in ascending order.
+pub fn log(channels: impl Iterator<Item = (u16, Digest)>) -> String {
+    let mut hasher = Hasher::new();
+    for (number, digest) in channels {
+        if let Some(fingerprint) = digest.finish() {
+            hasher.update(&number.to_le_bytes());
+            hasher.update(&fingerprint);
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Words of one event.
+struct Words {
+    words: [u64; MOST],
+    count: usize,
+}
+
+/// Words an event has at most: its head, facts, feed, two positions, a centre, a length.
+const MOST: usize = 6 + 2 + 2 * MAX_AXES + 2 + 1;
+
+impl Words {
+    #[inline(always)]
+    fn put(&mut self, word: u64) {
+        if let Some(slot) = self.words.get_mut(self.count) {
+            *slot = word;
+            self.count += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn put_float(&mut self, value: f64) {
+        self.put(bits(value));
+    }
+
+    /// Axes that differ, and their values in `now`. A NaN differs from everything.
+    #[inline(always)]
+    fn changed(&mut self, before: &Position, now: &Position) -> u64 {
+        let mut axes = 0_u64;
+        for (axis, (a, b)) in before.iter().zip(now).enumerate() {
+            axes |= u64::from(a != b) << axis;
+        }
+        let mut left = axes;
+        while left != 0 {
+            self.put_float(now.get(left.trailing_zeros() as usize).copied().unwrap_or_default());
+            left &= left - 1;
+        }
+        axes
     }
 }
 
 impl Form {
+    /// A block as expected is only counted.
+    #[inline(always)]
+    fn expected(&mut self, event: &Event) -> bool {
+        let Kind::Block { number } = event.kind else { return false };
+        let last = &mut self.last;
+        let expected = number == self.number.wrapping_add(1)
+            && event.line == last.line.wrapping_add(1)
+            && event.t_ns == last.over_ns
+            && event.micro == last.micro
+            && event.file == last.file
+            && event.dur_ns == 0
+            && self.blocks < u16::MAX;
+        if expected {
+            self.number = number;
+            last.line = event.line;
+            self.blocks += 1;
+        }
+        expected
+    }
+
     fn event(&mut self, event: &Event) {
-        let head =
-            Head { t_ns: event.t_ns, micro: event.micro, channel: event.channel, file: event.file, line: event.line };
+        let head = Head {
+            over_ns: event.t_ns.wrapping_add(event.dur_ns),
+            micro: event.micro,
+            file: event.file,
+            line: event.line,
+        };
         let last = std::mem::replace(&mut self.last, head);
-        let same = [
-            head.t_ns == last.t_ns,
-            head.micro == last.micro,
-            event.dur_ns == 0,
-            head.channel == last.channel,
-            head.file == last.file,
-            head.line == last.line,
-        ];
-        let flags = same.iter().rev().fold(0_u8, |bits, same| bits << 1 | u8::from(*same));
-        let out = &mut self.out;
-        out.extend_from_slice(&[flags, number(&event.kind)]);
-        if !same[0] {
-            out.extend_from_slice(&head.t_ns.to_le_bytes());
-        }
-        if !same[1] {
-            out.extend_from_slice(&head.micro.to_le_bytes());
-        }
-        if !same[2] {
-            out.extend_from_slice(&event.dur_ns.to_le_bytes());
-        }
-        if !same[3] {
-            out.extend_from_slice(&head.channel.to_le_bytes());
-        }
-        if !same[4] {
-            out.extend_from_slice(&head.file.to_le_bytes());
-        }
-        if !same[5] {
-            out.extend_from_slice(&head.line.to_le_bytes());
-        }
-        match &event.kind {
-            Kind::Motion(motion) => self.motion(motion),
-            kind => write_kind(out, kind),
-        }
-    }
-
-    fn motion(&mut self, motion: &Motion) {
-        let turns = motion.turns.to_le_bytes();
-        self.out.extend_from_slice(&[
-            match motion.kind {
-                MotionKind::Rapid => 0,
-                MotionKind::Linear => 1,
-                MotionKind::ArcCw => 2,
-                MotionKind::ArcCcw => 3,
-                MotionKind::Thread => 4,
-            },
-            match motion.feed_unit {
-                FeedUnit::PerMinute => 0,
-                FeedUnit::PerRevolution => 1,
-                FeedUnit::InverseTime => 2,
-                FeedUnit::Rapid => 3,
-            },
-            motion.moving,
-            motion.plane_axes[0],
-            motion.plane_axes[1],
-            turns[0],
-            turns[1],
-        ]);
-        let end = self.end;
-        self.changed(&end, &motion.from);
-        self.changed(&motion.from, &motion.to);
-        self.end = motion.to;
-        if motion.center == [0.0, 0.0] {
-            self.out.push(0);
+        let mut flags = 0;
+        // The first word is written last.
+        let mut words = Words { words: [0; MOST], count: 1 };
+        if event.t_ns == last.over_ns {
+            flags |= flag::FOLLOWS;
         } else {
-            self.out.push(1);
-            float(&mut self.out, motion.center[0]);
-            float(&mut self.out, motion.center[1]);
+            words.put(event.t_ns as u64);
         }
-        float(&mut self.out, motion.feed);
-        float(&mut self.out, motion.length);
+        if event.dur_ns == 0 {
+            flags |= flag::NO_TIME;
+        } else {
+            words.put(event.dur_ns as u64);
+        }
+        if head.micro == last.micro {
+            flags |= flag::SAME_MICRO;
+        } else {
+            words.put(u64::from(head.micro));
+        }
+        if head.file == last.file {
+            flags |= flag::SAME_FILE;
+        } else {
+            words.put(u64::from(head.file));
+        }
+        if head.line == last.line {
+            flags |= flag::SAME_LINE;
+        } else {
+            words.put(u64::from(head.line));
+        }
+        let mut axes = 0;
+        match &event.kind {
+            Kind::Motion(motion) => axes = self.motion(motion, &mut words, &mut flags),
+            Kind::Block { number } => {
+                self.number = *number;
+                words.put(*number);
+            }
+            _ => {}
+        }
+        words.words[0] =
+            u64::from(number(&event.kind)) | u64::from(flags) << 8 | axes << 16 | u64::from(self.blocks) << 32;
+        self.blocks = 0;
+        for word in words.words.iter().take(words.count) {
+            self.out.extend_from_slice(&word.to_le_bytes());
+        }
+        write_kind(&mut self.out, &event.kind);
     }
 
-    /// Bits of the axes that differ, then their values in `now`. A NaN differs from everything.
-    fn changed(&mut self, before: &Position, now: &Position) {
-        let mark = self.out.len();
-        self.out.push(0);
-        let mut bits = 0_u8;
-        for (axis, (a, b)) in before.iter().zip(now).enumerate() {
-            if a != b {
-                bits |= 1 << axis;
-                float(&mut self.out, *b);
-            }
+    /// The words of a motion; gives the axes that change, of the start and of the end.
+    #[inline(always)]
+    fn motion(&mut self, motion: &Motion, words: &mut Words, flags: &mut u8) -> u64 {
+        let facts = Facts {
+            kind: motion.kind,
+            feed_unit: motion.feed_unit,
+            moving: motion.moving,
+            plane_axes: motion.plane_axes,
+            turns: motion.turns,
+        };
+        if self.motion == Some(facts) {
+            *flags |= flag::SAME_FACTS;
+        } else {
+            self.motion = Some(facts);
+            words.put(facts.word());
         }
-        if let Some(slot) = self.out.get_mut(mark) {
-            *slot = bits;
+        if motion.feed == self.feed {
+            *flags |= flag::SAME_FEED;
+        } else {
+            self.feed = motion.feed;
+            words.put_float(motion.feed);
         }
+        let from = words.changed(&self.end, &motion.from);
+        let to = words.changed(&motion.from, &motion.to);
+        self.end = motion.to;
+        if motion.center != [0.0; 2] {
+            *flags |= flag::CENTER;
+            words.put_float(motion.center[0]);
+            words.put_float(motion.center[1]);
+        }
+        words.put_float(motion.length);
+        from | to << 8
+    }
+
+    /// Writes what is only counted so far.
+    fn close(&mut self) {
+        if self.blocks > 0 {
+            let word = u64::from(ONLY_BLOCKS) | u64::from(self.blocks) << 32;
+            self.out.extend_from_slice(&word.to_le_bytes());
+            self.blocks = 0;
+        }
+    }
+}
+
+impl Facts {
+    fn word(self) -> u64 {
+        let kind = match self.kind {
+            MotionKind::Rapid => 0,
+            MotionKind::Linear => 1,
+            MotionKind::ArcCw => 2,
+            MotionKind::ArcCcw => 3,
+            MotionKind::Thread => 4,
+        };
+        let unit = match self.feed_unit {
+            FeedUnit::PerMinute => 0,
+            FeedUnit::PerRevolution => 1,
+            FeedUnit::InverseTime => 2,
+            FeedUnit::Rapid => 3,
+        };
+        let [a, b] = self.turns.to_le_bytes();
+        u64::from_le_bytes([kind, unit, self.moving, self.plane_axes[0], self.plane_axes[1], a, b, 0])
     }
 }
 
@@ -194,8 +335,7 @@ fn number(kind: &Kind) -> u8 {
 
 fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
     match kind {
-        Kind::Dwell | Kind::Motion(_) => {}
-        Kind::Block { number } => out.extend_from_slice(&number.to_le_bytes()),
+        Kind::Dwell | Kind::Motion(_) | Kind::Block { .. } => {}
         Kind::Lifecycle(phase) => out.push(phase_number(*phase)),
         Kind::Tool { action, tool, offset } => {
             out.push(match action {
@@ -304,10 +444,13 @@ fn primitive_number(primitive: Primitive) -> u8 {
     }
 }
 
-fn float(out: &mut Vec<u8>, value: f64) {
+fn bits(value: f64) -> u64 {
     // Adding zero turns -0.0 into 0.0 and changes nothing else; every NaN counts as the same one.
-    let bits = if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() };
-    out.extend_from_slice(&bits.to_le_bytes());
+    if value.is_nan() { f64::NAN.to_bits() } else { (value + 0.0).to_bits() }
+}
+
+fn float(out: &mut Vec<u8>, value: f64) {
+    out.extend_from_slice(&bits(value).to_le_bytes());
 }
 
 fn length(out: &mut Vec<u8>, count: usize) {

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use crate::log::event::{Event, FileId, Kind, Primitive, Release, Wait};
+use crate::log::event::{FileId, Primitive, Release, Wait};
 use crate::log::info::{BLOCK_TEXT, Info};
+use crate::log::told::{Told, What};
 
 /// One meeting, or a wait that never came true.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,18 +74,13 @@ impl Meetings {
         Self { info, pending: Vec::new(), met: Vec::new(), texts: FxHashMap::default(), blocks: FxHashMap::default() }
     }
 
-    /// Takes note of waits and releases; other events are of no interest.
-    pub(crate) fn event(&mut self, event: &Event) {
-        match &event.kind {
-            Kind::Wait(wait) => self.pending.push(Pending {
-                wait: (**wait).clone(),
-                channel: event.channel,
-                t_ns: event.t_ns,
-                file: event.file,
-                line: event.line,
-            }),
-            Kind::Release(release) => self.release(event, release),
-            _ => {}
+    /// Takes note of waits and releases; nothing else is of interest.
+    pub(crate) fn take(&mut self, told: Told) {
+        let Told { t_ns, channel, file, line, what, .. } = told;
+        match what {
+            What::Wait(wait) => self.pending.push(Pending { wait: *wait, channel, t_ns, file, line }),
+            What::Release(release) => self.release((t_ns, channel, file, line), &release),
+            What::Diagnostic(_) | What::Verdict(_) => {}
         }
     }
 
@@ -93,12 +89,12 @@ impl Meetings {
         self.pending.iter().find(|p| p.channel == channel).map(|p| p.t_ns)
     }
 
-    fn release(&mut self, event: &Event, release: &Release) {
-        let at = self.pending.iter().position(|p| p.channel == event.channel);
+    fn release(&mut self, (t_ns, channel, file, line): (i64, u16, FileId, u32), release: &Release) {
+        let at = self.pending.iter().position(|p| p.channel == channel);
         let pending = at.map(|at| self.pending.swap_remove(at));
         let participants = pending.as_ref().map_or(0, |p| p.wait.participants.len());
-        let (file, line) = pending.map_or((event.file, event.line), |p| (p.file, p.line));
-        let arrival = self.arrival(event.channel, release.since_ns, file, line);
+        let (file, line) = pending.map_or((file, line), |p| (p.file, p.line));
+        let arrival = self.arrival(channel, release.since_ns, file, line);
         let place = self.met.iter().rposition(|m| m.number <= release.meeting).map_or(0, |i| i + 1);
         if let Some(met) = place.checked_sub(1).and_then(|i| self.met.get_mut(i))
             && met.number == release.meeting
@@ -111,7 +107,7 @@ impl Meetings {
         let mut arrivals = Vec::with_capacity(participants);
         arrivals.push(arrival);
         let key = self.text(&release.key);
-        let meeting = Meeting { key, kind: release.primitive, release_ns: Some(event.t_ns), arrivals };
+        let meeting = Meeting { key, kind: release.primitive, release_ns: Some(t_ns), arrivals };
         self.met.insert(place, Met { number: release.meeting, participants, meeting });
     }
 

@@ -1,17 +1,20 @@
 //! The ordered event log of a job and what is read off it.
 //!
-//! Every result is a fold over the events in log order: nothing here runs a job, and nothing holds the log.
+//! Every result is a fold over the events ([`fold`]): nothing here runs a job, and nothing holds the log.
 
 pub mod digest;
 pub mod event;
+pub mod fold;
 mod geometry;
 pub mod info;
 pub mod jsonl;
+pub(crate) mod lane;
 pub mod listing;
 mod meetings;
 pub mod summary;
 mod svg;
 pub mod timeline;
+mod told;
 pub mod toolpath;
 pub mod work;
 

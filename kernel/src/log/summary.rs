@@ -14,11 +14,9 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::log::meetings::{Arrival, Meeting};
 
-use crate::job::Outcome;
-use crate::log::event::{Event, FileId, Kind, VerdictKind};
-use crate::log::info::{BLOCK_TEXT, Info};
-use crate::log::meetings::Meetings;
-use crate::log::work::Work;
+use crate::log::event::{FileId, VerdictKind};
+use crate::log::info::{self, BLOCK_TEXT, Info};
+use crate::log::told::{Told, What};
 use tally::Tally;
 
 /// Diagnostics that a summary lists; the log holds them all.
@@ -66,7 +64,7 @@ pub struct Summary {
     /// Channels, ascending.
     pub channels: Vec<Channel>,
     /// Meetings in order of their number, then waits that never came true.
-    pub waits: Vec<Meeting>,
+    pub waits: Arc<[Meeting]>,
     /// Why channels can never go on.
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
@@ -147,78 +145,56 @@ pub struct Diagnostic {
     pub t_ns: i64,
 }
 
-/// Builds the summary while the log goes by.
+/// What people were told in the course of a log.
 #[derive(Debug)]
-pub struct Builder {
+pub(crate) struct Findings {
     info: Arc<Info>,
-    tallies: Vec<Tally>,
-    meetings: Meetings,
     verdict: Option<Verdict>,
     diagnostics: Vec<Diagnostic>,
     highest_severity: u8,
-    last_ns: i64,
 }
 
-impl Builder {
-    /// For a job that has not logged anything yet.
-    #[must_use]
-    pub fn new(info: &Arc<Info>) -> Self {
+impl Channel {
+    /// From the times of a channel, its state and where it ended.
+    pub(crate) fn new(channel: &info::Channel, tally: &Tally, (state, end_ns): (ChannelState, i64)) -> Self {
         Self {
-            info: info.clone(),
-            tallies: info.channels.iter().map(|_| Tally::default()).collect(),
-            meetings: Meetings::new(info),
-            verdict: None,
-            diagnostics: Vec::new(),
-            highest_severity: 0,
-            last_ns: 0,
+            channel: channel.number,
+            name: channel.name.clone(),
+            program: channel.program.clone(),
+            state,
+            blocks: tally.blocks,
+            end_ns,
+            feed_ns: tally.feed_ns,
+            rapid_ns: tally.rapid_ns,
+            misc_ns: tally.misc_ns,
+            wait_ns: tally.wait_ns,
         }
     }
+}
 
-    /// The next event of the log.
-    pub fn event(&mut self, _seq: u64, event: &Event) {
-        self.last_ns = self.last_ns.max(event.t_ns);
-        match &event.kind {
-            Kind::Wait(_) | Kind::Release(_) => self.meetings.event(event),
-            Kind::Diagnostic(diagnostic) => self.diagnostic(event, diagnostic),
-            Kind::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
-            _ => {}
-        }
-        if let Some(tally) = self.info.channel_index(event.channel).and_then(|i| self.tallies.get_mut(i)) {
-            tally.event(event);
+impl Findings {
+    /// For a job that has not logged anything yet.
+    pub(crate) fn new(info: &Arc<Info>) -> Self {
+        Self { info: info.clone(), verdict: None, diagnostics: Vec::new(), highest_severity: 0 }
+    }
+
+    /// The next one in the order of the log.
+    pub(crate) fn take(&mut self, told: &Told) {
+        match &told.what {
+            What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
+            What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
+            What::Verdict(_) | What::Wait(_) | What::Release(_) => {}
         }
     }
 
     /// The log is complete; `log_digest` is its fingerprint.
-    #[must_use]
-    pub fn finish(mut self, outcome: &Outcome, log_digest: String) -> Summary {
-        let meetings = &mut self.meetings;
-        for (channel, ns) in meetings.complete_cut() {
-            if let Some(tally) = self.info.channel_index(channel).and_then(|i| self.tallies.get_mut(i)) {
-                tally.add(Work::Wait, ns);
-            }
-        }
-        let (last_ns, cancelled) = (self.last_ns, outcome.cancelled);
-        let channels: Vec<Channel> = self
-            .info
-            .channels
-            .iter()
-            .zip(&mut self.tallies)
-            .map(|(channel, tally)| {
-                let (state, end_ns) = tally.close(meetings.waiting_since(channel.number), last_ns, cancelled);
-                Channel {
-                    channel: channel.number,
-                    name: channel.name.clone(),
-                    program: channel.program.clone(),
-                    state,
-                    blocks: tally.blocks,
-                    end_ns,
-                    feed_ns: tally.feed_ns,
-                    rapid_ns: tally.rapid_ns,
-                    misc_ns: tally.misc_ns,
-                    wait_ns: tally.wait_ns,
-                }
-            })
-            .collect();
+    pub(crate) fn finish(
+        self,
+        channels: Vec<Channel>,
+        waits: Arc<[Meeting]>,
+        cancelled: bool,
+        log_digest: String,
+    ) -> Summary {
         let state = if cancelled {
             State::Cancelled
         } else if self.verdict.is_some() || self.highest_severity >= 8 {
@@ -232,27 +208,27 @@ impl Builder {
             makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
             log_digest,
             channels,
-            waits: self.meetings.finish(),
+            waits,
             verdict: self.verdict,
             diagnostics: self.diagnostics,
         }
     }
 
-    fn diagnostic(&mut self, event: &Event, diagnostic: &crate::log::event::Diagnostic) {
+    fn diagnostic(&mut self, told: &Told, diagnostic: &crate::log::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }
-        let (file, block) = self.place(event.file, event.line);
+        let (file, block) = self.place(told.file, told.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
             severity: diagnostic.severity,
-            channel: event.channel,
+            channel: told.channel,
             file,
-            line: event.line,
+            line: told.line,
             block,
             text: diagnostic.text.to_string(),
-            t_ns: event.t_ns,
+            t_ns: told.t_ns,
         });
     }
 

@@ -7,6 +7,7 @@ use crate::files::Memory;
 use crate::job::{Job, Outcome, Program, Sink, Spec};
 use crate::log::event::{Diagnostic, FeedUnit};
 use crate::log::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
+use crate::log::fold::{Folds, Results};
 use crate::log::info::{Axis, Channel, File, Info, Unit};
 use crate::mcd::source::Source;
 use crate::options::Options;
@@ -33,7 +34,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     };
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
-        let source = Arc::new(Source::new(name.clone(), text.as_bytes().into()));
+        let source = Arc::new(Source::new(name.clone(), bytes::Bytes::copy_from_slice(text.as_bytes())));
         File { name, source: OnceLock::from(Some(source)) }
     };
     Arc::new(Info {
@@ -115,4 +116,11 @@ pub(crate) fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, O
 /// How a complete run of that many events ends.
 pub(crate) fn outcome(events: usize) -> Outcome {
     Outcome { events: events as u64, cancelled: false, sink_failed: false }
+}
+
+/// Results of a log.
+pub(crate) fn results(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Results {
+    let mut folds = Folds::new(info);
+    events.iter().for_each(|event| folds.event(event));
+    folds.finish(outcome)
 }

@@ -13,13 +13,9 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::log::event::{Event, Kind};
-use crate::log::info::Info;
-use crate::log::meetings::Meetings;
-use crate::log::summary::tally::Tally;
+use crate::log::info::{self, Info};
 use crate::log::summary::{ChannelState, Meeting};
-use crate::log::work::Work;
-use bars::{Bar, Bars};
+use bars::Bar;
 
 /// Timeline of a job.
 #[derive(Debug, Clone, Serialize)]
@@ -31,7 +27,7 @@ pub struct Timeline {
     /// Channels, ascending.
     pub channels: Vec<Channel>,
     /// Meetings as in the summary.
-    pub waits: Vec<Meeting>,
+    pub waits: Arc<[Meeting]>,
     /// Machine, for the title of the picture.
     #[serde(skip)]
     pub machine: String,
@@ -60,99 +56,26 @@ pub struct Channel {
     pub wait_ns: i64,
 }
 
-#[derive(Debug, Default)]
-struct Row {
-    bars: Bars,
-    tally: Tally,
-    /// The wait it stands at: line and mark.
-    wait: Option<(u32, Arc<str>)>,
-}
-
-/// Builds the timeline while the log goes by.
-#[derive(Debug)]
-pub struct Builder {
-    info: Arc<Info>,
-    rows: Vec<Row>,
-    meetings: Meetings,
-    last_ns: i64,
-}
-
-impl Builder {
-    /// For a job that has not logged anything yet.
-    #[must_use]
-    pub fn new(info: &Arc<Info>) -> Self {
-        let rows = info.channels.iter().map(|_| Row::default()).collect();
-        Self { info: info.clone(), rows, meetings: Meetings::new(info), last_ns: 0 }
-    }
-
-    /// The next event of the log.
-    pub fn event(&mut self, _seq: u64, event: &Event) {
-        self.last_ns = self.last_ns.max(event.t_ns);
-        self.meetings.event(event);
-        let Some(index) = self.info.channel_index(event.channel) else { return };
-        let Some(row) = self.rows.get_mut(index) else { return };
-        row.tally.event(event);
-        match &event.kind {
-            Kind::Wait(wait) => row.wait = Some((event.line, (&*wait.key).into())),
-            Kind::Release(release) => {
-                let line = row.wait.take().map_or(event.line, |(line, _)| line);
-                row.bars.wait(release.since_ns, event.t_ns, line, (&*release.key).into());
-            }
-            kind if event.dur_ns > 0 => {
-                if let Some(work) = Work::of(kind) {
-                    row.bars.push(work, event.t_ns, event.dur_ns, event.line);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// The log is complete.
-    #[must_use]
-    pub fn finish(mut self) -> Timeline {
-        for (channel, ns) in self.meetings.complete_cut() {
-            let row = self.info.channel_index(channel).and_then(|i| self.rows.get_mut(i));
-            if let Some(row) = row
-                && let Some((line, key)) = row.wait.take()
-            {
-                row.tally.add(Work::Wait, ns);
-                row.bars.wait(self.last_ns - ns, self.last_ns, line, key);
-            }
-        }
-        let (meetings, last_ns) = (&self.meetings, self.last_ns);
-        let channels: Vec<Channel> = self
-            .info
-            .channels
-            .iter()
-            .zip(self.rows)
-            .map(|(channel, mut row)| {
-                let since = meetings.waiting_since(channel.number);
-                let (state, end_ns) = row.tally.close(since, last_ns, false);
-                if let (Some(since), Some((line, key)), true) = (since, row.wait, state != ChannelState::Blocked) {
-                    row.bars.wait(since, end_ns, line, key);
-                }
-                Channel {
-                    channel: channel.number,
-                    name: channel.name.clone(),
-                    bars: row.bars.finish(end_ns),
-                    program: channel.program.clone(),
-                    state,
-                    end_ns,
-                    wait_ns: row.tally.wait_ns,
-                }
-            })
-            .collect();
-        Timeline {
-            unit: "ns",
-            makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
-            channels,
-            waits: self.meetings.finish(),
-            machine: self.info.machine.clone(),
-        }
+impl Channel {
+    /// From the bars of a channel, its state, where it ended and how long it waited.
+    pub(crate) fn new(
+        channel: &info::Channel,
+        bars: Vec<Bar>,
+        (state, end_ns): (ChannelState, i64),
+        wait_ns: i64,
+    ) -> Self {
+        let (name, program) = (channel.name.clone(), channel.program.clone());
+        Self { channel: channel.number, name, bars, program, state, end_ns, wait_ns }
     }
 }
 
 impl Timeline {
+    /// From its rows and meetings.
+    pub(crate) fn new(info: &Info, channels: Vec<Channel>, waits: Arc<[Meeting]>) -> Self {
+        let makespan_ns = channels.iter().map(|c| c.end_ns).max().unwrap_or(0);
+        Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone() }
+    }
+
     /// The timeline as a picture of 1200 px width.
     #[must_use]
     pub fn svg(&self) -> String {

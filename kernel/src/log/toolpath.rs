@@ -15,11 +15,9 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-use std::sync::Arc;
-
 use serde::Serialize;
 
-use crate::log::event::{Event, Kind, Motion, MotionKind};
+use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::{Sweep, scale};
 use crate::log::info::{self, Info, Unit};
 use store::{Curve, Move, Path, Stroke};
@@ -117,55 +115,69 @@ impl Eyes {
     }
 }
 
-/// Builds the toolpath while the log goes by.
+/// The path of one channel in the making.
 #[derive(Debug)]
-pub struct Builder {
-    info: Arc<Info>,
-    view: View,
-    channels: Vec<(Eyes, Path)>,
+pub(crate) struct Track {
+    axes: Vec<info::Axis>,
+    eyes: Eyes,
+    path: Path,
+    /// Where the last motion ended.
+    end: Option<Position>,
 }
 
-impl Builder {
-    /// For a job that has not logged anything yet.
-    #[must_use]
-    pub fn new(info: &Arc<Info>) -> Self {
-        let turns = |c: &info::Channel| {
-            c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z")
-        };
-        let view = if info.channels.iter().any(turns) { View::Zx } else { View::Xyz };
-        let channels = info.channels.iter().map(|c| (Eyes::new(c, view), Path::default())).collect();
-        Self { info: info.clone(), view, channels }
+/// How the paths of a job are seen.
+fn view(info: &Info) -> View {
+    let turns =
+        |c: &info::Channel| c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z");
+    if info.channels.iter().any(turns) { View::Zx } else { View::Xyz }
+}
+
+impl Track {
+    /// For a channel that has not moved yet.
+    pub(crate) fn new(info: &Info, channel: &info::Channel) -> Self {
+        let (first, last) = channel.lines;
+        let lines = if channel.program.is_empty() { 0 } else { last.saturating_sub(first) };
+        Self {
+            axes: channel.axes.clone(),
+            eyes: Eyes::new(channel, view(info)),
+            path: Path::with_capacity(lines as usize),
+            end: None,
+        }
     }
 
-    /// The next event of the log.
-    pub fn event(&mut self, _seq: u64, event: &Event) {
-        let Kind::Motion(motion) = &event.kind else { return };
-        let Some(index) = self.info.channel_index(event.channel) else { return };
-        let (Some((eyes, path)), Some(channel)) = (self.channels.get_mut(index), self.info.channels.get(index)) else {
-            return;
+    /// The next motion.
+    #[inline]
+    pub(crate) fn motion(&mut self, motion: &Motion) {
+        let (stroke, curve) = match motion.kind {
+            MotionKind::Rapid => (Stroke::Rapid, None),
+            MotionKind::Thread => (Stroke::Thread, None),
+            MotionKind::Linear => (Stroke::Feed, None),
+            MotionKind::ArcCw | MotionKind::ArcCcw => {
+                let sweep = Sweep::of(motion, &self.axes);
+                (Stroke::Feed, sweep.and_then(|sweep| self.eyes.curve(&sweep, motion)))
+            }
         };
-        let stroke = match motion.kind {
-            MotionKind::Rapid => Stroke::Rapid,
-            MotionKind::Thread => Stroke::Thread,
-            MotionKind::Linear | MotionKind::ArcCw | MotionKind::ArcCcw => Stroke::Feed,
-        };
-        let curve = Sweep::of(motion, &channel.axes).and_then(|sweep| eyes.curve(&sweep, motion));
-        path.push(eyes.point(&motion.from), Move::new(stroke, eyes.point(&motion.to)), curve);
+        if self.end != Some(motion.from) {
+            self.path.begin(self.eyes.point(&motion.from));
+        }
+        self.end = Some(motion.to);
+        self.path.push(Move::new(stroke, self.eyes.point(&motion.to)), curve);
     }
+}
 
-    /// The log is complete.
-    #[must_use]
-    pub fn finish(self) -> Toolpath {
-        let (info, view) = (self.info, self.view);
-        let channel = |(channel, (_, path)): (&info::Channel, (Eyes, Path))| Channel {
+impl Toolpath {
+    /// From the tracks of all channels.
+    pub(crate) fn new(info: &Info, tracks: Vec<Track>) -> Self {
+        let view = view(info);
+        let channel = |(channel, track): (&info::Channel, Track)| Channel {
             channel: channel.number,
             name: channel.name.clone(),
             program: channel.program.clone(),
-            path,
+            path: track.path,
             view,
         };
-        let all = info.channels.iter().zip(self.channels).map(channel);
-        Toolpath {
+        let all = info.channels.iter().zip(tracks).map(channel);
+        Self {
             unit: match info.unit {
                 Unit::Mm => "mm",
                 Unit::Inch => "inch",
@@ -175,9 +187,7 @@ impl Builder {
             machine: info.machine.clone(),
         }
     }
-}
 
-impl Toolpath {
     /// The toolpath as a picture of 1200 px width.
     #[must_use]
     pub fn svg(&self) -> String {

@@ -3,11 +3,9 @@
 //! Invariant: what a user's view holds wins over what is shipped, file by file, so a user's machine may extend a
 //! shipped family and may also replace one.
 
-use std::sync::Arc;
-
 use include_dir::{Dir, DirEntry, include_dir};
 
-use crate::files::{Error, Files, Memory};
+use crate::files::{Bytes, Error, Files, Memory};
 
 static MACHINES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../machines");
 
@@ -71,7 +69,7 @@ impl<U: Files, L: Files> Overlay<U, L> {
 }
 
 impl<U: Files, L: Files> Files for Overlay<U, L> {
-    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error> {
+    fn read(&self, path: &str) -> Result<Bytes, Error> {
         match self.upper.read(path) {
             Err(Error::Missing(_)) => self.lower.read(path),
             found => found,

@@ -3,8 +3,9 @@
 //! Invariant: bytes are kept as they are; a line ends at LF, CR LF or a lone CR, and the line's text excludes
 //! its end. Lines count from 1.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
+use bytes::Bytes;
 use rustc_hash::FxHashMap;
 
 use super::program::{self, Range};
@@ -14,7 +15,7 @@ use super::program::{self, Range};
 pub struct Source {
     /// Name as the job knows it.
     pub name: String,
-    bytes: Arc<[u8]>,
+    bytes: Bytes,
     /// Start of each line, and one past the end as last entry.
     starts: Vec<u32>,
     programs: OnceLock<Vec<Range>>,
@@ -24,7 +25,7 @@ pub struct Source {
 impl Source {
     /// Indexes the lines of `bytes`. Files of 4 GiB or more are cut at 4 GiB − 1.
     #[must_use]
-    pub fn new(name: impl Into<String>, bytes: Arc<[u8]>) -> Self {
+    pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
         let limit = bytes.len().min(u32::MAX as usize - 1);
         let text = bytes.get(..limit).unwrap_or_default();
         let mut starts = Vec::with_capacity(text.len() / 16 + 2);
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
 
     fn lines(text: &str) -> Vec<String> {
-        let source = Source::new("t", text.as_bytes().into());
+        let source = Source::new("t", Bytes::copy_from_slice(text.as_bytes()));
         (1..=source.lines()).map(|n| String::from_utf8_lossy(source.line(n)).into_owned()).collect()
     }
 
@@ -114,7 +115,7 @@ mod tests {
 
     #[test]
     fn beyond_the_file_is_empty() {
-        let source = Source::new("t", b"G1".as_slice().into());
+        let source = Source::new("t", Bytes::from_static(b"G1"));
         assert_eq!(source.line(0), b"");
         assert_eq!(source.line(1), b"G1");
         assert_eq!(source.line(2), b"");

@@ -8,7 +8,10 @@
 mod permits;
 mod sleep;
 
-use std::sync::atomic::{AtomicI64, AtomicU32, Ordering::SeqCst};
+use std::sync::atomic::{
+    AtomicBool, AtomicI64, AtomicU32,
+    Ordering::{Relaxed, SeqCst},
+};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crossbeam_channel::Sender;
@@ -84,7 +87,8 @@ pub(crate) struct Inner {
     permits: usize,
     /// Kernels that wait for a permit, with their bound.
     queue: Vec<(i64, u16)>,
-    messages: Sender<Message>,
+    /// To the merger, if there is one.
+    messages: Option<Sender<Message>>,
 }
 
 /// The meeting place of the kernels of one job.
@@ -95,6 +99,8 @@ pub(crate) struct Coordinator {
     stop_t: AtomicI64,
     /// Kernels waiting for a permit.
     waiting_permits: AtomicU32,
+    /// One kernel is all there is: nobody looks at its bound.
+    single: AtomicBool,
     /// Fewer permits than kernels.
     limited: bool,
     spin: u32,
@@ -119,7 +125,9 @@ impl Inner {
     }
 
     fn tell(&self, message: Message) {
-        let _ = self.messages.send(message);
+        if let Some(messages) = &self.messages {
+            let _ = messages.send(message);
+        }
     }
 
     /// No other kernel runs or is about to act.
@@ -135,7 +143,13 @@ impl Inner {
 
 impl Coordinator {
     /// For `kernels` channels of which `threads` may run at once (0 = all).
-    pub(crate) fn new(kernels: usize, threads: usize, shared: Shared, waits: Waits, messages: Sender<Message>) -> Self {
+    pub(crate) fn new(
+        kernels: usize,
+        threads: usize,
+        shared: Shared,
+        waits: Waits,
+        messages: Option<Sender<Message>>,
+    ) -> Self {
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -161,9 +175,15 @@ impl Coordinator {
             }),
             stop_t: AtomicI64::new(i64::MAX),
             waiting_permits: AtomicU32::new(0),
+            single: AtomicBool::new(false),
             limited: permits < kernels,
             spin: if permits > 1 && cores > 1 { 150 } else { 0 },
         }
+    }
+
+    /// Only one kernel is going to run.
+    pub(crate) fn set_single(&self) {
+        self.single.store(true, Relaxed);
     }
 
     /// Number of kernels.
@@ -189,7 +209,11 @@ impl Coordinator {
     }
 
     /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
+    #[inline]
     pub(crate) fn publish(&self, rank: u16, t: i64) -> bool {
+        if self.single.load(Relaxed) {
+            return t <= self.stop_t.load(Relaxed);
+        }
         if let Some(slot) = self.slot(rank) {
             slot.bound.store(t, SeqCst);
             if t > slot.need.load(SeqCst) {
@@ -224,6 +248,31 @@ impl Coordinator {
         }
         self.wake_parked(&inner);
         result
+    }
+
+    /// No other kernel will do anything before this time.
+    pub(crate) fn floor(&self, rank: u16) -> i64 {
+        let inner = self.lock();
+        let others = inner.status.iter().zip(&self.slots).zip(1_u16..).filter(|(_, other)| *other != rank);
+        let floors = others.map(|((status, slot), _)| match status {
+            Status::Running => slot.bound.load(SeqCst),
+            Status::Parked(tag) => tag.t,
+            Status::Blocked | Status::Done => i64::MAX,
+        });
+        floors.min().unwrap_or(i64::MAX)
+    }
+
+    /// Lets all other kernels come up to `tag`, if this one is running.
+    pub(crate) fn catch_up(&self, tag: Tag) {
+        let running = self.lock().status(tag.rank) == Status::Running;
+        if running && let Ok(guard) = self.enter(tag) {
+            self.leave(&guard);
+        }
+    }
+
+    /// Nothing after this tag belongs to the log.
+    pub(crate) fn stop_tag(&self) -> Tag {
+        self.lock().stop.unwrap_or(Tag::END)
     }
 
     fn bound(&self, rank: u16) -> i64 {

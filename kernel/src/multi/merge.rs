@@ -41,6 +41,7 @@ pub(crate) enum Message {
 
 /// A kernel's end of the merger.
 pub(crate) struct Feeder {
+    pub(crate) rank: u16,
     pub(crate) messages: Sender<Message>,
     empties: Receiver<Vec<Event>>,
     made: usize,
@@ -105,8 +106,6 @@ pub(crate) struct Merger {
     pub(crate) next_seq: u64,
     /// Time and micro of the last event out.
     pub(crate) last: (i64, u32),
-    /// Events the log may hold.
-    limit: u64,
     /// How the log ended so far.
     end: End,
 }
@@ -116,15 +115,13 @@ pub(crate) struct Merger {
 pub(crate) enum End {
     /// All streams are complete.
     Complete,
-    /// The log holds as many events as it may.
-    Full,
     /// The sink refused events.
     Refused,
 }
 
 impl Merger {
     /// A merger for the given ranks, a feeder for each, and a sender for messages about streams.
-    pub(crate) fn new(ranks: impl Iterator<Item = u16>, limit: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+    pub(crate) fn new(ranks: impl Iterator<Item = u16>) -> (Self, Vec<Feeder>, Sender<Message>) {
         let (sender, messages) = unbounded();
         let mut streams = Vec::new();
         let mut feeders = Vec::new();
@@ -138,25 +135,14 @@ impl Merger {
                 ended: false,
                 empties: back,
             });
-            feeders.push(Feeder { messages: sender.clone(), empties, made: 0 });
+            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0 });
         }
-        (
-            Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), limit, end: End::Complete },
-            feeders,
-            sender,
-        )
+        (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), end: End::Complete }, feeders, sender)
     }
 
-    /// Sends one event outside the streams (lifecycle of the master), before or after the merge.
-    pub(crate) fn direct(&mut self, event: &Event, sink: &mut dyn Sink) -> bool {
-        let seq = self.next_seq;
-        self.next_seq += 1;
-        sink.events(seq, std::slice::from_ref(event))
-    }
-
-    /// The end of this channel's program is in the log.
-    pub(crate) fn ended(&self, rank: u16) -> bool {
-        self.streams.iter().any(|s| s.rank == rank && s.ended)
+    /// Channels whose end is in the log.
+    pub(crate) fn ended(&self) -> Vec<u16> {
+        self.streams.iter().filter(|s| s.ended).map(|s| s.rank).collect()
     }
 
     /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
@@ -172,10 +158,8 @@ impl Merger {
         self.end
     }
 
-    /// Hands events that are next in the log to the sink, as far as the log has room.
-    fn send(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> End {
-        let room = usize::try_from(self.limit.saturating_sub(self.next_seq - 1)).unwrap_or(usize::MAX);
-        let batch = events.get(..events.len().min(room)).unwrap_or_default();
+    /// Hands events that are next in the log to the sink.
+    fn send(&mut self, rank: u16, batch: &[Event], sink: &mut dyn Sink) -> End {
         if batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)))
             && let Some(stream) = self.stream(rank)
         {
@@ -188,10 +172,10 @@ impl Merger {
             }
         }
         self.next_seq += batch.len() as u64;
-        if batch.len() < events.len() { End::Full } else { End::Complete }
+        End::Complete
     }
 
-    /// Receives and merges until all streams are complete. After [`End::Full`] or [`End::Refused`] the streams are
+    /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are
     /// still drained (kernels must come to their end), but nothing more goes to the sink.
     pub(crate) fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
         while let Ok(message) = self.messages.recv() {

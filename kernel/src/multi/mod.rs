@@ -1,17 +1,21 @@
 //! Several kernels under a master.
 //!
-//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, merges their
-//! streams into the log and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
+//! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, brings their streams
+//! together (as one ordered log, or only as results) and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
 
 pub(crate) mod coordinator;
+pub(crate) mod feed;
 pub(crate) mod merge;
 pub(crate) mod shared;
 pub(crate) mod tag;
 pub(crate) mod verdict;
 pub(crate) mod waits;
 
+use crossbeam_channel::Sender;
+
 use coordinator::Coordinator;
-use merge::{End, Feeder, Merger};
+use feed::Feed;
+use merge::{End, Feeder, Merger, Message};
 use shared::{Shared, Spindle};
 use waits::Waits;
 
@@ -26,83 +30,131 @@ use crate::channel::{
 };
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
-use crate::job::{Job, Outcome, Sink};
-use crate::log::event::{Diagnostic, Event, FileId, Kind, Phase, Verdict, VerdictKind};
+use crate::job::{Job, Outcome, Sink, Spec};
+use crate::log::event::{Event, FileId, Kind, Phase};
+use crate::log::fold::Folds;
 use crate::machine::model::Channel;
 use crate::mcd::program::Range;
 
-/// Runs a prepared job; returns when every kernel has ended and the sink has the whole log.
+/// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-    let spec = job.spec();
-    let machine = &*spec.machine;
-    let count = machine.channels.len();
-    let plan = Plan::new(machine, &spec.options.opskip);
-    let ranks = machine.channels.iter().map(|c| c.number);
-    let (mut merger, feeders, sender) = Merger::new(ranks, spec.options.limits.events);
-    let shared = Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
-    let waits = Waits::new(count, machine.sync.release_ns);
-    let coordinator = Coordinator::new(count, usize::from(spec.options.threads), shared, waits, sender);
-    let mut refused = !merger.direct(&master(0, Kind::Lifecycle(Phase::MachineStart)), sink);
-    let fallback = Progress::default();
-    let mut starting = Vec::new();
-    for (index, (channel, feeder)) in machine.channels.iter().zip(feeders).enumerate() {
-        let progress = control.progress().get(index).unwrap_or(&fallback);
-        match job.info().channel(channel.number).filter(|c| !c.program.is_empty()) {
-            Some(start) => {
-                let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
-                let name: Box<str> = start.program.clone().into();
-                starting.push(Start { channel, progress, feeder, at: (start.file, range, name) });
-            }
-            None => {
-                progress.set_state(State::NotStarted);
-                let event = Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) };
-                refused |= !merger.direct(&event, sink);
-                life::never_started(&coordinator, channel.number);
-                coordinator.closed(channel.number);
-            }
-        }
+    match sink.folds() {
+        Some(folds) => folded(job, files, control, folds),
+        None => ordered(job, files, control, sink),
     }
-    if refused {
+}
+
+/// Runs a job whose events go into its results, channel by channel.
+fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> Outcome {
+    let machine = &*job.spec().machine;
+    let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, None));
+    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control };
+    let mut count = 0;
+    let mut log = |event: &Event| {
+        count += 1;
+        folds.event(event);
+        true
+    };
+    log(&master(0, Kind::Lifecycle(Phase::MachineStart)));
+    let starting = shop.starting(&mut log);
+    let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
+    let halts = shop.folded(starting, &mut feeds);
+    let stop = coordinator.stop_tag();
+    let (mut lanes, mut last, mut events) = (Vec::new(), (0, 0), 0);
+    for feed in feeds {
+        let (lane, count, end) = feed.close(stop);
+        last = last.max(end);
+        events += count;
+        lanes.push(lane);
+    }
+    let ended: Vec<u16> = lanes.iter().filter(|lane| lane.ended()).map(|lane| lane.number).collect();
+    folds.join(lanes);
+    let mut log = |event: &Event| {
+        count += 1;
+        folds.event(event);
+        true
+    };
+    close(halts.iter().filter(|(channel, _)| !ended.contains(channel)), last, &mut log);
+    Outcome { events: count + events, cancelled: control.cancelled(), sink_failed: false }
+}
+
+/// Runs a job whose events become one ordered log.
+fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+    let machine = &*job.spec().machine;
+    let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
+    let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, Some(sender)));
+    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control };
+    let mut seq = 0;
+    let mut log = |event: &Event| {
+        seq += 1;
+        sink.events(seq, std::slice::from_ref(event))
+    };
+    let begun = log(&master(0, Kind::Lifecycle(Phase::MachineStart)));
+    let mut refused = false;
+    let starting = shop.starting(&mut |event| {
+        refused |= !log(event);
+        !refused
+    });
+    if refused || !begun {
         coordinator.abort();
     }
-    let shared = Shop { job, plan: &plan, coordinator: &coordinator, files, control };
-    let halts = if starting.len() == 1 {
-        starting.into_iter().map(|start| shared.alone(start, &mut merger, sink)).collect()
-    } else {
-        shared.together(starting, &mut merger, sink)
-    };
-    refused |= merger.end() == End::Refused;
-    let full = merger.end() == End::Full;
-    if full {
-        for event in full_log(&merger, spec.options.limits.events) {
-            refused |= !merger.direct(&event, sink);
-        }
-    }
-    let (t_ns, micro) = merger.last;
-    // How far a thread got beyond a cut of the log is chance; only what is in the log counts.
-    for (channel, halt) in halts {
-        if merger.ended(channel) {
-            continue;
-        }
-        let phase = if halt == Halt::Blocked && !full { Phase::Blocked } else { Phase::Stopped };
+    merger.next_seq = seq + 1;
+    let halts = shop.ordered(starting, feeders, &mut merger, sink);
+    refused |= !begun || merger.end() == End::Refused;
+    let mut next = merger.next_seq;
+    let mut log = |event: &Event| {
         if !refused {
-            let event = Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) };
-            refused = !merger.direct(&event, sink);
+            refused = !sink.events(next, std::slice::from_ref(event));
+            next += 1;
         }
+        !refused
+    };
+    let ended = merger.ended();
+    close(halts.iter().filter(|(channel, _)| !ended.contains(channel)), merger.last, &mut log);
+    Outcome { events: next - 1, cancelled: control.cancelled(), sink_failed: refused }
+}
+
+fn coordinator(job: &Job, messages: Option<Sender<Message>>) -> Coordinator {
+    let Spec { machine, options, .. } = job.spec();
+    let shared = Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
+    let waits = Waits::new(machine.channels.len(), machine.sync.release_ns);
+    Coordinator::new(machine.channels.len(), usize::from(options.threads), shared, waits, messages)
+}
+
+/// Logs how channels without an end in the log came to a stand, and the end of the master. How far a thread got beyond
+/// a cut of the log is chance; only what is in the log counts.
+fn close<'h>(
+    halts: impl Iterator<Item = &'h (u16, Halt)>,
+    (t_ns, micro): (i64, u32),
+    log: &mut dyn FnMut(&Event) -> bool,
+) {
+    for &(channel, halt) in halts {
+        let phase = if halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
+        log(&Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) });
     }
-    if !refused {
-        let close = Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) };
-        refused = !merger.direct(&close, sink);
-    }
-    Outcome { events: merger.next_seq - 1, cancelled: control.cancelled(), sink_failed: refused }
+    log(&Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
 }
 
 /// A kernel about to start.
 struct Start<'a> {
     channel: &'a Channel,
     progress: &'a Progress,
-    feeder: Feeder,
     at: (FileId, Range, Box<str>),
+}
+
+/// Where the events of a kernel on its own thread go.
+enum Way<'a> {
+    Queue(Feeder),
+    Lane(&'a mut Feed),
+}
+
+impl<'a> From<Way<'a>> for Target<'a> {
+    fn from(way: Way<'a>) -> Self {
+        match way {
+            Way::Queue(feeder) => Self::Queue(feeder),
+            Way::Lane(feed) => Self::Lane(feed),
+        }
+    }
 }
 
 /// What all kernels of a job work with.
@@ -115,28 +167,89 @@ struct Shop<'a> {
     control: &'a Control,
 }
 
-impl Shop<'_> {
-    /// The only kernel of a job runs on this thread and hands its events straight to the sink.
-    fn alone<'a>(self, start: Start<'a>, merger: &'a mut Merger, sink: &'a mut dyn Sink) -> (u16, Halt)
-    where
-        Self: 'a,
-    {
-        let Start { channel, progress, at, .. } = start;
-        let kernel = self.kernel(channel, progress, Target::Direct { merger, sink });
-        (channel.number, kernel.live(at))
+impl<'a> Shop<'a> {
+    /// The kernels that have a program; logs those that have none.
+    fn starting(self, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
+        let Self { job, coordinator, control, .. } = self;
+        let mut starting = Vec::new();
+        for (index, channel) in job.spec().machine.channels.iter().enumerate() {
+            let progress = control.progress().get(index).unwrap_or(control.spare());
+            match job.info().channel(channel.number).filter(|c| !c.program.is_empty()) {
+                Some(start) => {
+                    let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
+                    let name: Box<str> = start.program.clone().into();
+                    starting.push(Start { channel, progress, at: (start.file, range, name) });
+                }
+                None => {
+                    progress.set_state(State::NotStarted);
+                    log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
+                    life::never_started(coordinator, channel.number);
+                    coordinator.closed(channel.number);
+                }
+            }
+        }
+        starting
     }
 
-    /// A thread for each kernel; this one merges their streams.
-    fn together(self, starting: Vec<Start<'_>>, merger: &mut Merger, sink: &mut dyn Sink) -> Vec<(u16, Halt)> {
+    /// Every kernel feeds the results of its own channel.
+    fn folded(self, starting: Vec<Start<'_>>, feeds: &mut [Feed]) -> Vec<(u16, Halt)> {
+        let mut free: Vec<Option<&mut Feed>> = feeds.iter_mut().map(Some).collect();
+        let mut work = Vec::new();
+        for start in starting {
+            let feed = free.iter_mut().find(|f| f.as_ref().is_some_and(|f| f.rank == start.channel.number));
+            if let Some(feed) = feed.and_then(Option::take) {
+                work.push((start, Way::Lane(feed)));
+            }
+        }
+        self.together(work, || ())
+    }
+
+    /// Kernels send their events to this thread, which merges them; the only kernel of a job runs on this thread and
+    /// hands its events straight to the sink.
+    fn ordered(
+        self,
+        mut starting: Vec<Start<'a>>,
+        feeders: Vec<Feeder>,
+        merger: &mut Merger,
+        sink: &mut dyn Sink,
+    ) -> Vec<(u16, Halt)> {
+        if starting.len() == 1
+            && let Some(start) = starting.pop()
+        {
+            return vec![self.alone(start, Target::Direct { merger, sink })];
+        }
+        let feeders = feeders.into_iter().filter_map(|feeder| {
+            let at = starting.iter().position(|start| start.channel.number == feeder.rank)?;
+            Some((starting.swap_remove(at), Way::Queue(feeder)))
+        });
+        let work: Vec<_> = feeders.collect();
+        self.together(work, || merger.run(sink, || self.coordinator.abort()))
+    }
+
+    /// Runs the only kernel of a job on this thread.
+    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> (u16, Halt)
+    where
+        'a: 'k,
+    {
+        let Start { channel, progress, at } = start;
+        self.coordinator.set_single();
+        (channel.number, self.kernel(channel, progress, target).live(at))
+    }
+
+    /// A thread for each kernel; meanwhile this one does something else.
+    fn together(self, mut work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<(u16, Halt)> {
         let (coordinator, control) = (self.coordinator, self.control);
+        // The last kernel needs no thread of its own when there is nothing else to do.
+        if work.len() == 1
+            && let Some((start, Way::Lane(feed))) = work.pop()
+        {
+            return vec![self.alone(start, Target::Lane(feed))];
+        }
         std::thread::scope(|scope| {
             let mut running = Vec::new();
-            for Start { channel, progress, feeder, at } in starting {
+            for (Start { channel, progress, at }, way) in work {
                 let number = channel.number;
-                let work = move || {
-                    let kernel = self.kernel(channel, progress, Target::Queue(feeder));
-                    guarded(kernel, at, coordinator)
-                };
+                let work = move || guarded(self.kernel(channel, progress, way.into()), at, coordinator);
                 match std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, work) {
                     Ok(handle) => running.push((number, handle)),
                     Err(_) => {
@@ -147,7 +260,7 @@ impl Shop<'_> {
                     }
                 }
             }
-            merger.run(sink, || coordinator.abort());
+            meanwhile();
             let join = |(number, handle): (u16, std::thread::ScopedJoinHandle<'_, Halt>)| match handle.join() {
                 Ok(halt) => (number, halt),
                 // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
@@ -171,17 +284,6 @@ fn guarded(kernel: Kernel<'_>, start: (FileId, Range, Box<str>), coordinator: &C
 
 fn master(t_ns: i64, kind: Kind) -> Event {
     Event { t_ns, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind }
-}
-
-/// The verdict when the log holds as many events as it may.
-fn full_log(merger: &Merger, limit: u64) -> [Event; 2] {
-    let (t_ns, micro) = merger.last;
-    let text: Box<str> = format!("the log has reached its limit of {limit} events").into();
-    let facts = &crate::diag::LIMIT_REACHED;
-    let diagnostic = Diagnostic { number: facts.number, severity: facts.severity, text: text.clone() };
-    let verdict = Verdict { kind: VerdictKind::Limit, at_ns: t_ns, text, members: Vec::new() };
-    [Kind::Diagnostic(Box::new(diagnostic)), Kind::Verdict(Box::new(verdict))]
-        .map(|kind| Event { micro, ..master(t_ns, kind) })
 }
 
 impl<'a> Shop<'a> {

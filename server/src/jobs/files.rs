@@ -3,8 +3,8 @@
 //! Invariant: a path that is not in the job's list does not exist, whatever lies in the data folder.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
+use bytes::Bytes;
 use counterpoint_kernel::files::{Error, Files};
 
 use crate::blobs::Blobs;
@@ -23,7 +23,7 @@ impl Sandbox {
 }
 
 impl Files for Sandbox {
-    fn read(&self, path: &str) -> Result<Arc<[u8]>, Error> {
+    fn read(&self, path: &str) -> Result<Bytes, Error> {
         let digest = self.files.get(path).ok_or_else(|| Error::Missing(path.to_owned()))?;
         let unreadable = |error: std::io::Error| Error::Unreadable { name: path.to_owned(), reason: error.to_string() };
         self.blobs.read(digest).map_err(unreadable)

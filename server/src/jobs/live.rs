@@ -22,8 +22,6 @@ use crate::results::Finished;
 pub(crate) struct Run {
     pub(crate) info: Arc<Info>,
     pub(crate) control: Arc<Control>,
-    /// What each channel waits for, in the order of `info.channels`; empty = nothing.
-    pub(crate) waits: Mutex<Vec<String>>,
 }
 
 /// A job in memory.

@@ -5,21 +5,18 @@
 use std::sync::atomic::Ordering;
 
 use counterpoint_kernel::control::{Progress, State};
+use counterpoint_kernel::log::event::Wait;
 use counterpoint_kernel::log::info::Channel;
 use counterpoint_proto::v1;
 
-use super::live::{Run, lock};
+use super::live::Run;
 
 /// All channels of a run.
 pub(crate) fn channels(run: &Run) -> Vec<v1::ChannelProgress> {
-    let waits = lock(&run.waits).clone();
-    let waits = waits.iter().map(String::as_str).chain(std::iter::repeat(""));
-    (run.info.channels.iter().zip(run.control.progress()).zip(waits))
-        .map(|((channel, progress), wait)| one(channel, progress, wait))
-        .collect()
+    run.info.channels.iter().zip(run.control.progress()).map(|(channel, progress)| one(channel, progress)).collect()
 }
 
-fn one(channel: &Channel, progress: &Progress, wait: &str) -> v1::ChannelProgress {
+fn one(channel: &Channel, progress: &Progress) -> v1::ChannelProgress {
     let state = progress.state();
     let line = progress.line.load(Ordering::Relaxed);
     let (first, last) = channel.lines;
@@ -39,8 +36,15 @@ fn one(channel: &Channel, progress: &Progress, wait: &str) -> v1::ChannelProgres
         lines,
         percent,
         t_ns: progress.t_ns.load(Ordering::Relaxed),
-        waiting_for: if state == State::Waiting { wait.to_owned() } else { String::new() },
+        waiting_for: progress.waiting_for().map_or_else(String::new, |wait| waits(channel.number, &wait)),
     }
+}
+
+/// `M101 with 2, 3`.
+fn waits(channel: u16, wait: &Wait) -> String {
+    let others = wait.participants.iter().filter(|&&c| c != channel);
+    let others: Vec<String> = others.map(ToString::to_string).collect();
+    format!("{} with {}", wait.key, others.join(", "))
 }
 
 fn wire(state: State) -> v1::ChannelState {

@@ -6,9 +6,11 @@
 use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use counterpoint_kernel::control::Control;
+use counterpoint_kernel::log::fold::Folds;
+use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
 use prost::Message as _;
 
@@ -20,7 +22,7 @@ use super::sink::JobSink;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::log::writer::Writer;
 use crate::reason::Refusal;
-use crate::results::{Document, Finished, Folds, Key};
+use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
 
 /// Starts the worker thread of a job.
@@ -102,16 +104,14 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     };
     let info = prepared.info().clone();
     let control = Arc::new(Control::new(info.channels.len()));
-    let waits = Mutex::new(vec![String::new(); info.channels.len()]);
-    live.prepared(Run { info: info.clone(), control: control.clone(), waits });
-    let folds = Folds::new(&info, true, true);
+    live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.log {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?);
     }
-    let mut sink = JobSink::new(live, folds);
+    let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, severity, verdict, error, .. } = sink;
+    let JobSink { folds, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
         return Ok(failed(format!("the event log cannot be kept: {error}")));
@@ -125,20 +125,20 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
             record.attempt -= 1;
         }));
     }
-    let finished = folds.finish(&outcome);
-    let key = keep(core, live, finished)?;
-    let state = match () {
-        () if outcome.cancelled => State::Cancelled,
-        () if severity >= 8 || verdict.is_some() => State::Failed,
-        () => State::Succeeded,
-    };
+    let finished = Arc::new(Finished(folds.finish(&outcome)));
+    keep(core, live, &finished)?;
     Ok(Box::new(move |record| {
-        record.state = state;
+        let summary = &finished.0.summary;
+        record.state = match summary.state {
+            summary::State::Cancelled => State::Cancelled,
+            summary::State::Failed => State::Failed,
+            summary::State::Succeeded => State::Succeeded,
+        };
         record.events = outcome.events;
-        record.makespan_ns = key.makespan_ns;
-        record.log_digest = key.log_digest;
-        record.highest_severity = severity;
-        record.verdict = verdict.unwrap_or_default();
+        record.makespan_ns = summary.makespan_ns;
+        record.log_digest.clone_from(&summary.log_digest);
+        record.highest_severity = summary.highest_severity;
+        record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
     }))
 }
 
@@ -155,18 +155,15 @@ pub(crate) fn prepare(
 }
 
 /// Stores the results, or keeps them in memory when nothing is to survive.
-fn keep(core: &Core, live: &Live, finished: Finished) -> io::Result<Key> {
-    let summary = finished.document(Document::Summary).unwrap_or_default();
-    let key = serde_json::from_slice(&summary).unwrap_or_default();
+fn keep(core: &Core, live: &Live, finished: &Arc<Finished>) -> io::Result<()> {
     if !core.options.ephemeral {
         let folder = core.store.job(&live.id);
-        core.store.write(&folder.join(Document::Summary.file()), &summary)?;
-        for document in [Document::TimelineJson, Document::TimelineSvg, Document::ToolpathJson, Document::ToolpathSvg] {
+        for document in Document::ALL {
             if let Some(text) = finished.document(document) {
                 core.store.write(&folder.join(document.file()), &text)?;
             }
         }
     }
-    live.keep(Arc::new(finished));
-    Ok(key)
+    live.keep(finished.clone());
+    Ok(())
 }

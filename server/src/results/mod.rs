@@ -1,16 +1,15 @@
 //! Results: what is read off the event log, while the job runs or later from its file.
 //!
-//! A thin layer over the renderers of the kernel: [`Folds`] is fed live and stored at the end; whatever is not stored is made
-//! again from the log ([`render`]). Invariant: both ways give the same bytes.
+//! A thin layer over the kernel's [`Folds`], which are fed live and stored at the end; whatever is not stored is made
+//! again from the log. Invariant: both ways give the same bytes.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use counterpoint_kernel::job::Outcome;
-use counterpoint_kernel::log::digest::Digest;
-use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::info::Info;
-use counterpoint_kernel::log::{jsonl, listing, summary, timeline, toolpath};
+use counterpoint_kernel::log::{jsonl, listing};
 use serde::Serialize;
 
 use crate::log::reader::{Events, Reader};
@@ -26,6 +25,10 @@ pub(crate) enum Document {
 }
 
 impl Document {
+    /// All of them.
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Summary, Self::TimelineJson, Self::TimelineSvg, Self::ToolpathJson, Self::ToolpathSvg];
+
     /// Name of its file in the job's folder.
     pub(crate) fn file(self) -> &'static str {
         match self {
@@ -38,20 +41,8 @@ impl Document {
     }
 }
 
-/// Results in the making.
-pub(crate) struct Folds {
-    digest: Digest,
-    summary: summary::Builder,
-    timeline: Option<timeline::Builder>,
-    toolpath: Option<toolpath::Builder>,
-}
-
 /// Finished results, not yet text.
-pub(crate) struct Finished {
-    summary: summary::Summary,
-    timeline: Option<timeline::Timeline>,
-    toolpath: Option<toolpath::Toolpath>,
-}
+pub(crate) struct Finished(pub(crate) Results);
 
 impl std::fmt::Debug for Finished {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -59,53 +50,15 @@ impl std::fmt::Debug for Finished {
     }
 }
 
-/// What the server itself needs of a summary.
-#[derive(Debug, Default, serde::Deserialize)]
-#[serde(default)]
-pub(crate) struct Key {
-    pub(crate) makespan_ns: i64,
-    pub(crate) log_digest: String,
-}
-
-impl Folds {
-    pub(crate) fn new(info: &Arc<Info>, timeline: bool, toolpath: bool) -> Self {
-        Self {
-            digest: Digest::new(),
-            summary: summary::Builder::new(info),
-            timeline: timeline.then(|| timeline::Builder::new(info)),
-            toolpath: toolpath.then(|| toolpath::Builder::new(info)),
-        }
-    }
-
-    pub(crate) fn event(&mut self, seq: u64, event: &Event) {
-        self.digest.event(event);
-        self.summary.event(seq, event);
-        if let Some(timeline) = &mut self.timeline {
-            timeline.event(seq, event);
-        }
-        if let Some(toolpath) = &mut self.toolpath {
-            toolpath.event(seq, event);
-        }
-    }
-
-    pub(crate) fn finish(self, outcome: &Outcome) -> Finished {
-        Finished {
-            summary: self.summary.finish(outcome, self.digest.hex()),
-            timeline: self.timeline.map(timeline::Builder::finish),
-            toolpath: self.toolpath.map(toolpath::Builder::finish),
-        }
-    }
-}
-
 impl Finished {
-    /// A document as text; `None` when it was not made.
+    /// A document as text; `None` when it cannot be written as such.
     pub(crate) fn document(&self, document: Document) -> Option<Vec<u8>> {
         match document {
-            Document::Summary => json(&self.summary),
-            Document::TimelineJson => json(self.timeline.as_ref()?),
-            Document::TimelineSvg => Some(self.timeline.as_ref()?.svg().into_bytes()),
-            Document::ToolpathJson => json(self.toolpath.as_ref()?),
-            Document::ToolpathSvg => Some(self.toolpath.as_ref()?.svg().into_bytes()),
+            Document::Summary => json(&self.0.summary),
+            Document::TimelineJson => json(&self.0.timeline),
+            Document::TimelineSvg => Some(self.0.timeline.svg().into_bytes()),
+            Document::ToolpathJson => json(&self.0.toolpath),
+            Document::ToolpathSvg => Some(self.0.toolpath.svg().into_bytes()),
         }
     }
 }
@@ -130,26 +83,24 @@ impl Source<'_> {
     }
 
     /// Makes results from the log.
-    pub(crate) fn fold(&self, timeline: bool, toolpath: bool) -> io::Result<Finished> {
-        let mut folds = Folds::new(self.info, timeline, toolpath);
+    pub(crate) fn fold(&self) -> io::Result<Finished> {
+        let mut folds = Folds::new(self.info);
         let mut events = self.events()?;
-        for (seq, event) in &mut events {
-            folds.event(seq, &event);
+        for (_, event) in &mut events {
+            folds.event(&event);
         }
-        events.error().map_or_else(|| Ok(folds.finish(&self.outcome)), Err)
+        events.error().map_or_else(|| Ok(Finished(folds.finish(&self.outcome))), Err)
     }
 
     /// One document made from the log.
     pub(crate) fn document(&self, document: Document) -> io::Result<Vec<u8>> {
-        let timeline = matches!(document, Document::TimelineJson | Document::TimelineSvg);
-        let toolpath = matches!(document, Document::ToolpathJson | Document::ToolpathSvg);
-        Ok(self.fold(timeline, toolpath)?.document(document).unwrap_or_default())
+        Ok(self.fold()?.document(document).unwrap_or_default())
     }
 
     /// Listing of one channel.
     pub(crate) fn listing(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
         let mut events = self.events()?;
-        listing::render(self.info, channel, &finished.summary, &mut events, out)?;
+        listing::render(self.info, channel, &finished.0.summary, &mut events, out)?;
         events.error().map_or(Ok(()), Err)
     }
 

@@ -43,13 +43,17 @@ impl Service for Blobs {
         let first = chunks.next().await.transpose()?.unwrap_or_default();
         let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());
         let mut receiver = blocking(move || {
-            let mut receiver = blobs.receive(&first.digest)?;
+            let mut receiver = blobs.receive(&first.digest, first.size)?;
             receiver.chunk(&first.data)?;
             Ok(receiver)
         })
         .await?;
         while let Some(chunk) = chunks.next().await {
             let chunk = chunk?;
+            if receiver.in_memory() {
+                receiver.chunk(&chunk.data)?;
+                continue;
+            }
             receiver = blocking(move || {
                 receiver.chunk(&chunk.data)?;
                 Ok(receiver)

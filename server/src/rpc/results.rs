@@ -147,7 +147,7 @@ impl Ended {
         let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
         let finished = match known {
             Some(finished) => finished,
-            None => Arc::new(self.source().fold(false, false)?),
+            None => Arc::new(self.source().fold()?),
         };
         Ok(self.source().listing(&finished, channel, out)?)
     }

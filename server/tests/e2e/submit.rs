@@ -120,7 +120,7 @@ async fn blobs_come_back_whole_and_lies_are_refused() {
         back.extend_from_slice(&chunk.data);
     }
     assert!(back == content);
-    let lie = v1::UploadRequest { digest: absent.clone(), data: "something else".into() };
+    let lie = v1::UploadRequest { digest: absent.clone(), data: "something else".into(), size: None };
     let refused = server.blobs().upload(tokio_stream::iter([lie])).await.unwrap_err();
     assert_eq!(reason(&refused), "DIGEST_MISMATCH");
     let refused = server.blobs().download(v1::DownloadRequest { digest: absent }).await.unwrap_err();

@@ -193,10 +193,8 @@ impl Server {
 
     pub async fn upload(&self, content: &[u8]) -> String {
         let name = digest(content);
-        let mut chunks: Vec<_> = content
-            .chunks(1000)
-            .map(|c| v1::UploadRequest { digest: String::new(), data: c.to_vec().into() })
-            .collect();
+        let mut chunks: Vec<_> =
+            content.chunks(1000).map(|c| v1::UploadRequest { data: c.to_vec().into(), ..Default::default() }).collect();
         chunks.insert(0, v1::UploadRequest { digest: name.clone(), ..Default::default() });
         let response = self.blobs().upload(tokio_stream::iter(chunks)).await.unwrap().into_inner();
         assert_eq!((response.digest.as_str(), response.size), (name.as_str(), content.len() as u64));

@@ -25,7 +25,7 @@ fn motion() -> Motion {
 fn digest(events: &[Event]) -> String {
     let mut digest = Digest::new();
     events.iter().for_each(|e| digest.event(e));
-    digest.hex()
+    log(std::iter::once((events.first().map_or(0, |e| e.channel), digest)))
 }
 
 #[test]
@@ -35,30 +35,51 @@ fn an_empty_log_has_the_digest_of_no_bytes() {
 
 fn form(events: &[Event]) -> Vec<u8> {
     let mut form = Digest::new().form;
-    events.iter().for_each(|e| form.event(e));
+    for event in events {
+        if !form.expected(event) {
+            form.event(event);
+        }
+    }
+    form.close();
     form.out
+}
+
+fn words(events: &[Event]) -> Vec<u64> {
+    form(events).chunks(8).map(|c| u64::from_le_bytes(c.try_into().unwrap())).collect()
 }
 
 #[test]
 fn the_form_is_fixed() {
     let block = event(Kind::Block { number: 258 });
-    let head = [7, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 40, 0, 0, 0];
-    assert_eq!(form(std::slice::from_ref(&block)), [&[0, 1], &head[..], &[2, 1, 0, 0, 0, 0, 0, 0]].concat());
-    // The second event repeats the head and takes no time.
-    let message = Event { dur_ns: 0, ..event(Kind::Message { text: "ab".into() }) };
+    // Kind 1, no flags; then time, duration, microstep, file, line, number.
+    assert_eq!(words(std::slice::from_ref(&block)), [1, 7, 3, 1, 1, 40, 258]);
+    // The next event follows in the same place (1 + 2 + 8 + 16) and takes no time (4).
+    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message { text: "ab".into() }) };
     let both = form(&[block.clone(), message]);
-    assert_eq!(both.get(form(&[block]).len()..), Some(&[63, 13, 2, 0, 0, 0, b'a', b'b'][..]));
+    assert_eq!(both.get(form(&[block]).len()..), Some(&[13, 31, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'][..]));
+}
+
+#[test]
+fn expected_blocks_are_counted() {
+    let block = |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block { number }) };
+    let first = event(Kind::Block { number: 1 });
+    let dwell = Event { t_ns: 10, dur_ns: 0, line: 42, ..event(Kind::Dwell) };
+    let counted = words(&[first.clone(), block(2, 41), block(3, 42), dwell]);
+    assert_eq!(counted[7..], [3 | 31 << 8 | 2 << 32]);
+    assert_eq!(words(&[first.clone(), block(2, 41)])[7..], [255 | 1 << 32]);
+    // A block number, a line or a time that is not expected is written.
+    for odd in [block(3, 41), block(2, 43), Event { t_ns: 11, ..block(2, 41) }, Event { micro: 0, ..block(2, 41) }] {
+        assert!(words(&[first.clone(), odd.clone()]).len() > 8, "{odd:?}");
+    }
 }
 
 #[test]
 fn a_motion_gives_the_axes_that_change() {
-    let first = form(&[event(Kind::Motion(motion()))]);
     let on = Motion { from: motion().to, to: [1.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..motion() };
-    let both = form(&[event(Kind::Motion(motion())), event(Kind::Motion(on))]);
-    let second = both.get(first.len()..).unwrap();
-    // Flags and kind, duration, seven facts, nothing of the start, the second axis of the end, no centre, feed, length.
-    assert_eq!(second.len(), 2 + 8 + 7 + 1 + 1 + 8 + 1 + 16);
-    assert_eq!(second[17..19], [0, 2]);
+    let both = words(&[event(Kind::Motion(motion())), Event { t_ns: 10, ..event(Kind::Motion(on)) }]);
+    // Where it was, feed and facts as before (1 + 2 + 8 + 16 + 32 + 64), the second axis of the end; duration, value,
+    // length.
+    assert_eq!(both[both.len() - 4..], [2 | 123 << 8 | 2 << 24, 3, 4.0_f64.to_bits(), 2.6_f64.to_bits()]);
 }
 
 #[test]
@@ -154,5 +175,7 @@ fn chunking_does_not_show() {
     let events: Vec<Event> = (0..9000).map(|n| Event { t_ns: n, ..event(Kind::Motion(motion())) }).collect();
     let bytes = form(&events);
     assert!(bytes.len() > 4 * CHUNK);
-    assert_eq!(digest(&events), blake3::hash(&bytes).to_hex().to_string());
+    let lane = blake3::hash(&bytes);
+    let whole = blake3::hash(&[&[2, 0], &lane.as_bytes()[..]].concat());
+    assert_eq!(digest(&events), whole.to_hex().to_string());
 }

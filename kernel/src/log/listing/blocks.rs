@@ -34,7 +34,7 @@ pub(super) struct Waits(FxHashMap<u16, VecDeque<Option<i64>>>);
 impl Waits {
     pub(super) fn new(summary: &Summary) -> Self {
         let mut releases: FxHashMap<u16, VecDeque<Option<i64>>> = FxHashMap::default();
-        for meeting in &summary.waits {
+        for meeting in summary.waits.iter() {
             for arrival in &meeting.arrivals {
                 releases.entry(arrival.channel).or_default().push_back(meeting.release_ns);
             }

@@ -2,15 +2,12 @@
 
 use super::*;
 use crate::log::event::{Direction, FeedUnit, Motion, MotionKind, Phase, Spindle, ToolAction};
-use crate::log::summary;
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
 
 fn summary_of(info: &std::sync::Arc<Info>, events: &[Event]) -> Summary {
-    let mut builder = summary::Builder::new(info);
-    events.iter().for_each(|e| builder.event(0, e));
-    builder.finish(&outcome(events.len()), String::new())
+    results(info, events, &outcome(events.len())).summary
 }
 
 fn listing(info: &std::sync::Arc<Info>, channel: u16, events: &[Event]) -> String {

@@ -3,7 +3,7 @@
 //! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
 
 use super::ChannelState;
-use crate::log::event::{Event, Kind, Phase};
+use crate::log::event::{Event, Phase};
 use crate::log::work::Work;
 
 /// Times of one channel while the log goes by.
@@ -30,23 +30,23 @@ impl Tally {
         *sum = sum.saturating_add(ns);
     }
 
-    pub(crate) fn event(&mut self, event: &Event) {
-        match &event.kind {
-            Kind::Block { number } => self.blocks = self.blocks.max(*number),
-            Kind::Release(release) => self.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns)),
-            Kind::Lifecycle(phase) => {
-                if let Some(state) = terminal(*phase) {
-                    self.end = Some((state, event.t_ns));
-                }
-            }
-            kind if event.dur_ns > 0 => {
-                if let Some(work) = Work::of(kind) {
-                    self.add(work, event.dur_ns);
-                    self.last = Some((work, event.t_ns.saturating_add(event.dur_ns)));
-                }
-            }
-            _ => {}
+    /// An event that took time.
+    #[inline]
+    pub(crate) fn work(&mut self, work: Work, event: &Event) {
+        self.add(work, event.dur_ns);
+        self.last = Some((work, event.t_ns.saturating_add(event.dur_ns)));
+    }
+
+    /// A phase in the life of its kernel.
+    pub(crate) fn life(&mut self, phase: Phase, t_ns: i64) {
+        if let Some(state) = terminal(phase) {
+            self.end = Some((state, t_ns));
         }
+    }
+
+    /// Its program came to an end or stands on an alarm.
+    pub(crate) fn ended(&self) -> bool {
+        matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
     }
 
     /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.

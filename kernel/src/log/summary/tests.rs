@@ -1,8 +1,8 @@
 //! Tests of the summary: hand-made logs and small real jobs.
 
 use super::*;
-use crate::log::digest::Digest;
-use crate::log::event::{Member as LogMember, MotionKind, Phase, Verdict as LogVerdict};
+use crate::job::Outcome;
+use crate::log::event::{Event, Kind, Member as LogMember, MotionKind, Phase, Verdict as LogVerdict};
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
@@ -12,13 +12,7 @@ fn summary(info: &Arc<Info>, events: &[Event]) -> Summary {
 }
 
 fn summary_of(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Summary {
-    let mut builder = Builder::new(info);
-    let mut digest = Digest::new();
-    for (seq, event) in (1..).zip(events) {
-        builder.event(seq, event);
-        digest.event(event);
-    }
-    builder.finish(outcome, digest.hex())
+    results(info, events, outcome).summary
 }
 
 fn times(channel: &Channel) -> [i64; 5] {
@@ -141,10 +135,8 @@ fn waits_of_different_marks_stay_apart_and_alarmed_ones_count_to_the_alarm() {
 #[test]
 fn the_list_of_diagnostics_is_bounded() {
     let info = lathe(&["x"]);
-    let mut builder = Builder::new(&info);
-    for n in 0..10_010 {
-        builder.event(n + 1, &diagnostic(1, 1, 0, 2_001_005, if n == 10_009 { 8 } else { 4 }, "t"));
-    }
-    let summary = builder.finish(&outcome(10_010), String::new());
+    let events: Vec<Event> =
+        (0..10_010).map(|n| diagnostic(1, 1, 0, 2_001_005, if n == 10_009 { 8 } else { 4 }, "t")).collect();
+    let summary = summary(&info, &events);
     assert_eq!((summary.diagnostics.len(), summary.highest_severity), (MAX_DIAGNOSTICS, 8));
 }

@@ -54,7 +54,7 @@ impl Bar {
 
 /// Collects bars.
 #[derive(Debug, Default)]
-pub(super) struct Bars {
+pub(crate) struct Bars {
     bars: Vec<Bar>,
     /// Bars shorter than this are joined with the next one.
     grain_ns: i64,
@@ -62,7 +62,8 @@ pub(super) struct Bars {
 
 impl Bars {
     /// A stretch of work that follows all others.
-    pub(super) fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, line: u32) {
+    #[inline]
+    pub(crate) fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, line: u32) {
         if let Some(last) = self.bars.last_mut()
             && (last.kind == kind || last.dur_ns < self.grain_ns)
             && kind != Work::Wait
@@ -76,7 +77,7 @@ impl Bars {
     }
 
     /// A wait that is over.
-    pub(super) fn wait(&mut self, since_ns: i64, t_ns: i64, line: u32, key: Arc<str>) {
+    pub(crate) fn wait(&mut self, since_ns: i64, t_ns: i64, line: u32, key: Arc<str>) {
         let dur_ns = t_ns.saturating_sub(since_ns);
         if dur_ns > 0 {
             let label = Some(key);
@@ -92,7 +93,7 @@ impl Bars {
     }
 
     /// Bars up to the end of the channel.
-    pub(super) fn finish(mut self, end_ns: i64) -> Vec<Bar> {
+    pub(crate) fn finish(mut self, end_ns: i64) -> Vec<Bar> {
         self.thin();
         while let Some(last) = self.bars.last_mut()
             && last.end_ns() > end_ns

@@ -1,15 +1,13 @@
 //! Tests of the timeline.
 
 use super::*;
-use crate::log::event::{MotionKind, Phase, ToolAction};
+use crate::log::event::{Event, Kind, MotionKind, Phase, ToolAction};
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
 
 fn timeline(info: &Arc<Info>, events: &[Event]) -> Timeline {
-    let mut builder = Builder::new(info);
-    events.iter().for_each(|e| builder.event(0, e));
-    builder.finish()
+    results(info, events, &outcome(events.len())).timeline
 }
 
 #[test]

@@ -25,18 +25,18 @@ impl Serialize for Segments<'_> {
         let mut rest = path.moves.as_slice();
         let mut from = [0.0; 3];
         while let [first, tail @ ..] = rest {
-            if first.stroke == Stroke::Start {
-                (from, rest) = (first.to, tail);
+            if first.stroke() == Stroke::Start {
+                (from, rest) = (first.to(), tail);
                 continue;
             }
-            let straight = |m: &Move| m.stroke == first.stroke && path.curve(m).is_none();
+            let straight = |m: &Move| m.stroke() == first.stroke() && path.curve(m).is_none();
             let count = match path.curve(first) {
                 Some(_) => 1,
                 None => rest.iter().position(|m| !straight(m)).unwrap_or(rest.len()),
             };
             let (run, tail) = rest.split_at(count);
             out.serialize_element(&Segment { from, run, curve: path.curve(first), view: self.1 })?;
-            from = run.last().map_or(from, |m| m.to);
+            from = run.last().map_or(from, Move::to);
             rest = tail;
         }
         out.end()
@@ -53,7 +53,7 @@ struct Segment<'a> {
 impl Serialize for Segment<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_struct("Segment", 5)?;
-        let kind = match (self.curve, self.run.first().map(|m| m.stroke)) {
+        let kind = match (self.curve, self.run.first().map(Move::stroke)) {
             (Some(curve), _) if curve.angle < 0.0 => "arc_cw",
             (Some(_), _) => "arc_ccw",
             (None, Some(Stroke::Rapid)) => "rapid",
@@ -81,7 +81,7 @@ struct Points<'a> {
 impl Serialize for Points<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_seq(None)?;
-        for point in std::iter::once(&self.from).chain(self.run.iter().map(|m| &m.to)) {
+        for point in std::iter::once(self.from).chain(self.run.iter().map(Move::to)) {
             for value in point.iter().take(self.view.letters().len()) {
                 out.serialize_element(&rounded(*value))?;
             }

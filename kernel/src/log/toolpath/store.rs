@@ -10,6 +10,7 @@ const COARSEST: f64 = 500.0;
 
 /// How a move is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Stroke {
     /// No move: the path begins anew here.
     Start,
@@ -21,16 +22,19 @@ pub enum Stroke {
     Thread,
 }
 
-/// A move to a point.
+/// A move to a point, in four words: paths are long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Move {
-    /// How it is drawn.
-    pub stroke: Stroke,
-    /// Index into [`Path::curves`], or none.
-    curve: u32,
-    /// End point.
-    pub to: [f64; 3],
+    /// Stroke in the upper two bits; below, the index into [`Path::curves`] or [`STRAIGHT`].
+    tag: u32,
+    /// End point in units of [`GRAIN`].
+    to: [i32; 3],
 }
+
+/// Coordinates are kept in whole ten-thousandths (of a mm or an inch).
+const GRAIN: f64 = 1e-4;
+/// No curve.
+const STRAIGHT: u32 = (1 << 30) - 1;
 
 /// An arc by coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,9 +53,43 @@ pub struct Curve {
     pub turns: u16,
 }
 
+/// A coordinate in grains; what is further away than 200 m stays at the edge.
+#[inline]
+fn grains(value: f64) -> i32 {
+    (value * (1.0 / GRAIN) + 0.5_f64.copysign(value)) as i32
+}
+
 impl Move {
+    #[inline]
     pub(super) fn new(stroke: Stroke, to: [f64; 3]) -> Self {
-        Self { stroke, curve: u32::MAX, to }
+        Self { tag: (stroke as u32) << 30 | STRAIGHT, to: to.map(grains) }
+    }
+
+    /// How it is drawn.
+    #[must_use]
+    pub fn stroke(&self) -> Stroke {
+        match self.tag >> 30 {
+            0 => Stroke::Start,
+            1 => Stroke::Rapid,
+            2 => Stroke::Feed,
+            _ => Stroke::Thread,
+        }
+    }
+
+    /// End point.
+    #[must_use]
+    pub fn to(&self) -> [f64; 3] {
+        self.to.map(|grains| f64::from(grains) / (1.0 / GRAIN))
+    }
+
+    fn curve(&self) -> Option<usize> {
+        let index = self.tag & STRAIGHT;
+        (index != STRAIGHT).then_some(index as usize)
+    }
+
+    fn set_curve(&mut self, index: Option<usize>) {
+        let index = index.map_or(STRAIGHT, |index| (index as u32).min(STRAIGHT));
+        self.tag = self.tag & !STRAIGHT | index;
     }
 }
 
@@ -88,18 +126,29 @@ impl Path {
     /// The arc of a move.
     #[must_use]
     pub fn curve(&self, of: &Move) -> Option<&Curve> {
-        self.curves.get(of.curve as usize)
+        self.curves.get(of.curve()?)
     }
 
-    pub(super) fn push(&mut self, from: [f64; 3], mut to: Move, curve: Option<Curve>) {
+    /// A path of about so many moves to come.
+    pub(super) fn with_capacity(moves: usize) -> Self {
+        Self { moves: Vec::with_capacity(moves.min(MOST)), ..Self::default() }
+    }
+
+    /// The next move starts here, wherever the last one ended.
+    pub(super) fn begin(&mut self, from: [f64; 3]) {
+        let start = Move::new(Stroke::Start, from);
+        if !self.truncated && self.moves.last().is_none_or(|last| last.to != start.to) {
+            self.moves.push(start);
+        }
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, mut to: Move, curve: Option<Curve>) {
         if self.truncated {
             return;
         }
-        if self.moves.last().is_none_or(|last| far(&last.to, &from) > 1e-6) {
-            self.moves.push(Move::new(Stroke::Start, from));
-        }
         if let Some(curve) = curve {
-            to.curve = self.curves.len() as u32;
+            to.set_curve(Some(self.curves.len()));
             self.curves.push(curve);
         }
         self.moves.push(to);
@@ -111,7 +160,7 @@ impl Path {
     fn extent(&self) -> f64 {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for step in &self.moves {
-            for ((low, high), value) in low.iter_mut().zip(&mut high).zip(step.to) {
+            for ((low, high), value) in low.iter_mut().zip(&mut high).zip(step.to()) {
                 (*low, *high) = (low.min(value), high.max(value));
             }
         }
@@ -138,20 +187,17 @@ impl Path {
         let mut anchor = from;
         for step in &self.moves {
             let mut step = *step;
-            if let Some(curve) = self.curves.get(step.curve as usize) {
-                step.curve = u32::MAX;
-                if curve.radius * curve.angle.abs() > self.tolerance {
-                    step.curve = curves.len() as u32;
-                    curves.push(*curve);
-                }
+            if let Some(curve) = self.curve(&step) {
+                let kept = curve.radius * curve.angle.abs() > self.tolerance;
+                step.set_curve(kept.then_some(curves.len()));
+                curves.extend(kept.then_some(*curve));
             }
             match moves.last_mut() {
                 Some(last)
-                    if last.stroke == step.stroke
-                        && last.curve == u32::MAX
-                        && step.curve == u32::MAX
-                        && step.stroke != Stroke::Start
-                        && far(&anchor, &step.to) < self.tolerance =>
+                    if last.tag == step.tag
+                        && step.curve().is_none()
+                        && step.stroke() != Stroke::Start
+                        && far(&anchor, &step.to()) < self.tolerance =>
                 {
                     *last = step;
                 }
@@ -160,7 +206,7 @@ impl Path {
                     moves.push(step);
                 }
             }
-            from = step.to;
+            from = step.to();
         }
         (self.moves, self.curves) = (moves, curves);
     }

@@ -108,22 +108,22 @@ fn channel_strokes(path: &Path, frame: &Frame) -> [String; 3] {
     let mut from = [0.0; 3];
     let mut last = None;
     for step in &path.moves {
-        let pen = match step.stroke {
+        let pen = match step.stroke() {
             Stroke::Start => None,
             Stroke::Rapid => Some(0),
             Stroke::Feed => Some(1),
             Stroke::Thread => Some(2),
         };
         if let Some(pen) = pen.and_then(|index| pens.get_mut(index)) {
-            if last != Some(step.stroke) {
+            if last != Some(step.stroke()) {
                 pen.begin(frame.pixel(&from));
             }
             match path.curve(step) {
-                Some(curve) => pen.arc(curve, &from, &step.to, frame),
-                None => pen.line(frame.pixel(&step.to)),
+                Some(curve) => pen.arc(curve, &from, &step.to(), frame),
+                None => pen.line(frame.pixel(&step.to())),
             }
         }
-        (from, last) = (step.to, Some(step.stroke));
+        (from, last) = (step.to(), Some(step.stroke()));
     }
     pens.map(Pen::finish)
 }
@@ -158,7 +158,7 @@ fn legend(out: &mut String, toolpath: &Toolpath) {
             "rapid" => Stroke::Rapid,
             _ => Stroke::Thread,
         };
-        toolpath.channels.iter().any(|c| c.path.moves.iter().any(|m| m.stroke == stroke))
+        toolpath.channels.iter().any(|c| c.path.moves.iter().any(|m| m.stroke() == stroke))
     };
     let kinds = kinds.into_iter().filter(|(name, _)| used(name)).map(|(name, style)| (name.to_owned(), SOFT, style));
     for (name, color, style) in channels.chain(kinds) {

@@ -1,12 +1,20 @@
 //! Tests of the toolpath.
 
+use std::sync::Arc;
+
 use super::*;
+use crate::log::event::Kind;
+use crate::log::fold::Folds;
 use crate::log::testing::*;
 
+fn of(info: &Arc<Info>, motions: impl Iterator<Item = Motion>) -> Toolpath {
+    let mut folds = Folds::new(info);
+    motions.for_each(|m| folds.event(&at(1, 1, 0, 1, Kind::Motion(m))));
+    folds.finish(&outcome(1)).toolpath
+}
+
 fn toolpath(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
-    let mut builder = Builder::new(info);
-    motions.iter().for_each(|m| builder.event(0, &at(1, 1, 0, 1, Kind::Motion(*m))));
-    builder.finish()
+    of(info, motions.iter().copied())
 }
 
 fn arc(kind: MotionKind, from: &[f64], to: &[f64], plane_axes: [u8; 2], center: [f64; 2]) -> Motion {
@@ -95,18 +103,14 @@ fn a_path_is_bounded() {
         let ((a, b), (c, d)) = (at(n), at(n + 1));
         motion(MotionKind::Linear, &[a, b, 0.0], &[c, d, 0.0])
     };
-    let mut builder = Builder::new(&mill("x"));
-    (0..700_000).for_each(|n| builder.event(0, &at(1, 1, 0, 1, Kind::Motion(step(n)))));
-    let path = builder.finish();
+    let path = of(&mill("x"), (0..700_000).map(step));
     assert!(path.channels[0].path.moves.len() <= store::MOST);
     let zigzag = |n: u32| {
         let kind = if n.is_multiple_of(2) { MotionKind::Rapid } else { MotionKind::Linear };
         let (from, to) = (f64::from(n % 2) * 100.0, f64::from((n + 1) % 2) * 100.0);
         motion(kind, &[from, 0.0], &[to, 0.0])
     };
-    let mut builder = Builder::new(&mill("x"));
-    (0..600_000).for_each(|n| builder.event(0, &at(1, 1, 0, 1, Kind::Motion(zigzag(n)))));
-    let path = builder.finish();
+    let path = of(&mill("x"), (0..600_000).map(zigzag));
     assert!(path.channels[0].path.truncated && path.channels[0].path.moves.len() <= store::MOST);
     let svg = path.svg();
     assert!(svg.contains("not to its end") && svg.len() < 20_000, "{}", svg.len());

@@ -66,7 +66,7 @@ fn lines<'a>(timeline: &'a Timeline, scale: &Scale) -> Vec<Line<'a>> {
     let mut stands = vec![f64::NEG_INFINITY; count * count];
     let mut gaps: Vec<Option<(usize, f64)>> = vec![None; count];
     let mut lines: Vec<Line<'a>> = Vec::new();
-    for meeting in &timeline.waits {
+    for meeting in timeline.waits.iter() {
         let Some(release) = meeting.release_ns else { continue };
         let rows = rows_of(timeline, meeting);
         let (x, Some(&first), Some(&last)) = (scale.x(release), rows.first(), rows.last()) else { continue };

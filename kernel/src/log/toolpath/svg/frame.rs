@@ -22,15 +22,15 @@ impl Bounds {
         for path in paths {
             let mut from = [0.0; 3];
             for step in &path.moves {
-                all.add(&step.to);
-                if matches!(step.stroke, Stroke::Feed | Stroke::Thread) {
+                all.add(&step.to());
+                if matches!(step.stroke(), Stroke::Feed | Stroke::Thread) {
                     cutting.add(&from);
-                    cutting.add(&step.to);
+                    cutting.add(&step.to());
                     if let Some(curve) = path.curve(step) {
                         cutting.add_curve(curve);
                     }
                 }
-                from = step.to;
+                from = step.to();
             }
         }
         let mut bounds = if cutting.low[0] <= cutting.high[0] { cutting } else { all };

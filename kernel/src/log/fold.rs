@@ -1,0 +1,126 @@
+//! All results of a job in one pass over its events.
+//!
+//! Two ways lead to the same results: the ordered log, event by event ([`Folds::event`]), or every channel's own stream
+//! into its lane, on any thread, when nobody needs the order between channels.
+
+use std::sync::Arc;
+
+use crate::job::Outcome;
+use crate::log::digest::{self, Digest};
+use crate::log::event::Event;
+use crate::log::info::Info;
+use crate::log::lane::Lane;
+use crate::log::meetings::Meetings;
+use crate::log::summary::{self, ChannelState, Summary};
+use crate::log::timeline::{self, Timeline};
+use crate::log::told::Told;
+use crate::log::toolpath::{self, Toolpath};
+use crate::log::work::Work;
+
+/// Results in the making.
+#[derive(Debug)]
+pub struct Folds {
+    info: Arc<Info>,
+    lanes: Vec<Lane>,
+    /// Fingerprint of the master's events.
+    master: Digest,
+    told: Vec<Told>,
+    last_ns: i64,
+}
+
+/// Results of a job.
+#[derive(Debug)]
+pub struct Results {
+    /// How it ended and how long everything took.
+    pub summary: Summary,
+    /// What every channel did when.
+    pub timeline: Timeline,
+    /// Where the tools went.
+    pub toolpath: Toolpath,
+}
+
+impl Folds {
+    /// For a job that has not logged anything yet.
+    #[must_use]
+    pub fn new(info: &Arc<Info>) -> Self {
+        let lanes = info.channels.iter().map(|channel| Lane::new(info, channel)).collect();
+        Self { info: info.clone(), lanes, master: Digest::new(), told: Vec::new(), last_ns: 0 }
+    }
+
+    /// The next event of the ordered log.
+    #[inline]
+    pub fn event(&mut self, event: &Event) {
+        self.told.extend(Told::of(event));
+        match self.info.channel_index(event.channel).and_then(|index| self.lanes.get_mut(index)) {
+            Some(lane) => lane.event(event),
+            None => self.of_master(event),
+        }
+    }
+
+    fn of_master(&mut self, event: &Event) {
+        self.last_ns = self.last_ns.max(event.t_ns);
+        self.master.event(event);
+    }
+
+    /// Gives the lanes away, in the order of the channels, to be fed each on its own; [`join`](Self::join) takes them
+    /// back.
+    pub(crate) fn lanes(&mut self) -> Vec<Lane> {
+        std::mem::take(&mut self.lanes)
+    }
+
+    /// Takes all lanes back and brings together what they were told.
+    pub(crate) fn join(&mut self, lanes: Vec<Lane>) {
+        self.lanes = lanes;
+        let mut told: Vec<(u16, Told)> = Vec::new();
+        for lane in &mut self.lanes {
+            told.extend(lane.told.drain(..).map(|t| (lane.number, t)));
+        }
+        told.sort_by_key(|(rank, t)| (t.t_ns, t.micro, *rank));
+        for (_, told) in told {
+            if told.channel == 0 {
+                self.of_master(&told.event());
+            }
+            self.told.push(told);
+        }
+    }
+
+    /// The log is complete.
+    #[must_use]
+    pub fn finish(self, outcome: &Outcome) -> Results {
+        let Self { info, mut lanes, master, told, last_ns } = self;
+        let last_ns = lanes.iter().map(|lane| lane.last_ns).fold(last_ns, i64::max);
+        let mut meetings = Meetings::new(&info);
+        let mut findings = summary::Findings::new(&info);
+        for told in told {
+            findings.take(&told);
+            meetings.take(told);
+        }
+        for (channel, ns) in meetings.complete_cut() {
+            let Some(lane) = lanes.iter_mut().find(|lane| lane.number == channel) else { continue };
+            lane.tally.add(Work::Wait, ns);
+            if let Some((line, key)) = lane.wait.take() {
+                lane.bars.wait(last_ns - ns, last_ns, line, key);
+            }
+        }
+        let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
+        for (lane, channel) in lanes.into_iter().zip(&info.channels) {
+            let Lane { number, digest, mut tally, mut bars, track, wait, .. } = lane;
+            let since = meetings.waiting_since(number);
+            let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
+            if let (Some(since), Some((line, key)), true) = (since, wait, state != ChannelState::Blocked) {
+                bars.wait(since, end_ns, line, key);
+            }
+            rows.push(timeline::Channel::new(channel, bars.finish(end_ns), (state, end_ns), tally.wait_ns));
+            ends.push(summary::Channel::new(channel, &tally, (state, end_ns)));
+            tracks.push(track);
+            digests.push((number, digest));
+        }
+        let meetings: Arc<[_]> = meetings.finish().into();
+        let digest = digest::log(digests.into_iter());
+        Results {
+            summary: findings.finish(ends, meetings.clone(), outcome.cancelled, digest),
+            timeline: Timeline::new(&info, rows, meetings),
+            toolpath: toolpath::Toolpath::new(&info, tracks),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! What is read off the events of one channel alone: its fingerprint, times, bars and path.
+//!
+//! Invariant: a lane needs nothing of other channels, so kernels may feed their lanes each on its own thread.
+
+use std::sync::Arc;
+
+use crate::log::digest::Digest;
+use crate::log::event::{Event, Kind, MotionKind};
+use crate::log::info::{self, Info};
+use crate::log::summary::tally::Tally;
+use crate::log::timeline::bars::Bars;
+use crate::log::told::Told;
+use crate::log::toolpath::Track;
+use crate::log::work::Work;
+
+/// One channel of the results in the making.
+#[derive(Debug)]
+pub(crate) struct Lane {
+    pub(crate) number: u16,
+    pub(super) digest: Digest,
+    pub(super) tally: Tally,
+    pub(super) bars: Bars,
+    pub(super) track: Track,
+    /// The wait it stands at: line and mark.
+    pub(super) wait: Option<(u32, Arc<str>)>,
+    /// What was told while the lane was fed on its own.
+    pub(super) told: Vec<Told>,
+    /// Start of the latest event.
+    pub(super) last_ns: i64,
+}
+
+impl Lane {
+    pub(super) fn new(info: &Info, channel: &info::Channel) -> Self {
+        Self {
+            number: channel.number,
+            digest: Digest::new(),
+            tally: Tally::default(),
+            bars: Bars::default(),
+            track: Track::new(info, channel),
+            wait: None,
+            told: Vec::new(),
+            last_ns: 0,
+        }
+    }
+
+    /// The end of the channel's program has been seen.
+    pub(crate) fn ended(&self) -> bool {
+        self.tally.ended()
+    }
+
+    /// The next events of the channel's own stream; those of the master that came up in it are put aside.
+    pub(crate) fn feed(&mut self, events: &[Event]) {
+        for event in events {
+            match event.kind {
+                Kind::Block { .. } | Kind::Motion(_) => {}
+                _ => self.told.extend(Told::of(event)),
+            }
+            if event.channel == self.number {
+                self.event(event);
+            }
+        }
+    }
+
+    /// The next event of the channel.
+    #[inline]
+    pub(super) fn event(&mut self, event: &Event) {
+        self.digest.event(event);
+        self.last_ns = self.last_ns.max(event.t_ns);
+        match &event.kind {
+            Kind::Block { number } => self.tally.blocks = self.tally.blocks.max(*number),
+            Kind::Motion(motion) => {
+                let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
+                self.work(work, event);
+                self.track.motion(motion);
+            }
+            _ => self.other(event),
+        }
+    }
+
+    #[inline]
+    fn work(&mut self, work: Work, event: &Event) {
+        if event.dur_ns > 0 {
+            self.tally.work(work, event);
+            self.bars.push(work, event.t_ns, event.dur_ns, event.line);
+        }
+    }
+
+    fn other(&mut self, event: &Event) {
+        match &event.kind {
+            Kind::Wait(wait) => self.wait = Some((event.line, (&*wait.key).into())),
+            Kind::Release(release) => {
+                let (line, key) = self.wait.take().unwrap_or_else(|| (event.line, (&*release.key).into()));
+                self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
+                self.bars.wait(release.since_ns, event.t_ns, line, key);
+            }
+            Kind::Lifecycle(phase) => self.tally.life(*phase, event.t_ns),
+            kind => {
+                if let Some(work) = Work::of(kind) {
+                    self.work(work, event);
+                }
+            }
+        }
+    }
+}

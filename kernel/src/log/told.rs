@@ -1,0 +1,52 @@
+//! What channels tell each other and people: the few events that results need in the order of the whole log.
+//!
+//! Invariant: kept whole; everything else is read off each channel alone ([`super::lane`]).
+
+use crate::log::event::{Diagnostic, Event, FileId, Kind, Release, Verdict, Wait};
+
+/// One such event.
+#[derive(Debug)]
+pub(crate) struct Told {
+    pub(crate) t_ns: i64,
+    pub(crate) micro: u32,
+    pub(crate) channel: u16,
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+    pub(crate) what: What,
+}
+
+/// Its content.
+#[derive(Debug)]
+pub(crate) enum What {
+    Wait(Box<Wait>),
+    Release(Box<Release>),
+    Diagnostic(Box<Diagnostic>),
+    Verdict(Box<Verdict>),
+}
+
+impl Told {
+    /// `None` for events that only their channel is concerned with.
+    pub(crate) fn of(event: &Event) -> Option<Self> {
+        let what = match &event.kind {
+            Kind::Wait(wait) => What::Wait(wait.clone()),
+            Kind::Release(release) => What::Release(release.clone()),
+            Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),
+            Kind::Verdict(verdict) => What::Verdict(verdict.clone()),
+            _ => return None,
+        };
+        let Event { t_ns, micro, channel, file, line, .. } = *event;
+        Some(Self { t_ns, micro, channel, file, line, what })
+    }
+
+    /// The event it was.
+    pub(crate) fn event(&self) -> Event {
+        let Self { t_ns, micro, channel, file, line, .. } = *self;
+        let kind = match &self.what {
+            What::Wait(wait) => Kind::Wait(wait.clone()),
+            What::Release(release) => Kind::Release(release.clone()),
+            What::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
+            What::Verdict(verdict) => Kind::Verdict(verdict.clone()),
+        };
+        Event { t_ns, micro, dur_ns: 0, channel, file, line, kind }
+    }
+}

@@ -1,0 +1,82 @@
+//! From a kernel's event stream into the results of its channel, on the kernel's own thread.
+//!
+//! An event may go in when no other kernel can still stop the job before it. Invariant: nothing after the stop of the
+//! job goes in, however far the kernel ran ahead.
+
+use std::collections::VecDeque;
+
+use super::tag::Tag;
+use crate::log::event::Event;
+use crate::log::lane::Lane;
+
+/// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
+const MOST: usize = 256;
+
+/// The way into one lane.
+pub(crate) struct Feed {
+    pub(crate) rank: u16,
+    lane: Lane,
+    waiting: VecDeque<Vec<Event>>,
+    spare: Vec<Vec<Event>>,
+    /// No other kernel stops the job before this time.
+    floor: i64,
+    /// Events that went in.
+    pub(crate) events: u64,
+    /// Time and microstep of the last one.
+    pub(crate) last: (i64, u32),
+}
+
+impl Feed {
+    pub(crate) fn new(rank: u16, lane: Lane) -> Self {
+        let (waiting, spare) = (VecDeque::new(), Vec::new());
+        Self { rank, lane, waiting, spare, floor: 0, events: 0, last: (0, 0) }
+    }
+
+    /// Takes the events of a chunk, which is empty afterwards. `floor` tells the time before which no other kernel
+    /// can stop the job. Returns `true` when too much is waiting for other kernels.
+    pub(crate) fn pass(&mut self, chunk: &mut Vec<Event>, floor: impl Fn() -> i64) -> bool {
+        let Some(last) = chunk.last().map(|event| event.t_ns) else { return false };
+        if last >= self.floor {
+            self.floor = floor();
+        }
+        while let Some(front) = self.waiting.pop_front() {
+            if front.last().is_some_and(|event| event.t_ns >= self.floor) {
+                self.waiting.push_front(front);
+                break;
+            }
+            self.keep(&front);
+            self.recycle(front);
+        }
+        if self.waiting.is_empty() && last < self.floor {
+            self.keep(chunk);
+            chunk.clear();
+            return false;
+        }
+        let next = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(chunk.capacity()));
+        self.waiting.push_back(std::mem::replace(chunk, next));
+        self.waiting.len() >= MOST
+    }
+
+    /// The job has ended: takes the rest, up to its stop. Gives the lane back.
+    pub(crate) fn close(mut self, stop: Tag) -> (Lane, u64, (i64, u32)) {
+        while let Some(events) = self.waiting.pop_front() {
+            let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
+            let end = events.iter().position(after).unwrap_or(events.len());
+            self.keep(events.get(..end).unwrap_or_default());
+        }
+        (self.lane, self.events, self.last)
+    }
+
+    fn keep(&mut self, events: &[Event]) {
+        if let Some(last) = events.last() {
+            self.last = (last.t_ns, last.micro);
+            self.events += events.len() as u64;
+            self.lane.feed(events);
+        }
+    }
+
+    fn recycle(&mut self, mut chunk: Vec<Event>) {
+        chunk.clear();
+        self.spare.push(chunk);
+    }
+}
