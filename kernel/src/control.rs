@@ -1,7 +1,7 @@
 //! The hand on a running job: cancel, live progress, and the test hook that disturbs scheduling.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::log::event::Wait;
 
@@ -79,7 +79,7 @@ pub struct Progress {
     pub file: AtomicU32,
     /// [`State`] as a number.
     pub state: AtomicU8,
-    standing: Mutex<Option<Wait>>,
+    standing: Mutex<Option<Arc<Wait>>>,
 }
 
 /// What a channel does right now.
@@ -123,7 +123,7 @@ impl Progress {
 
     /// What the channel waits for, if its state is [`State::Waiting`].
     #[must_use]
-    pub fn waiting_for(&self) -> Option<Wait> {
+    pub fn waiting_for(&self) -> Option<Arc<Wait>> {
         let standing = self.standing.lock().unwrap_or_else(PoisonError::into_inner);
         standing.as_ref().filter(|_| self.state() == State::Waiting).cloned()
     }
@@ -133,7 +133,7 @@ impl Progress {
     }
 
     /// The channel stands at a wait.
-    pub(crate) fn stand(&self, wait: Wait) {
+    pub(crate) fn stand(&self, wait: Arc<Wait>) {
         *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(wait);
         self.set_state(State::Waiting);
     }

@@ -12,7 +12,7 @@ mod motion;
 pub(crate) mod spindle;
 mod stop;
 mod subprogram;
-mod sync;
+pub(crate) mod sync;
 mod thread;
 mod time;
 mod tool;

@@ -3,15 +3,43 @@
 //! Facts: reference channel-synchronisation.md 1.3. An illegal channel list alarms when the block is read; codes
 //! that do not match alarm when two waits meet.
 
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
 use crate::channel::{Acted, Halt, Kernel};
 use crate::control::State;
 use crate::diag;
 use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, Wait};
+use crate::log::info::Info;
 use crate::machine::ident::data;
 use crate::machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
+use crate::multi::coordinator::meet::Met;
 use crate::multi::coordinator::{Coordinator, Inner, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting};
+
+/// Waits that a kernel has met, so that one met again costs nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Known(FxHashMap<Spec, Arc<Wait>>);
+
+impl Known {
+    /// Beyond this many, all are forgotten.
+    const MOST: usize = 1000;
+
+    fn wait(&mut self, spec: &Spec) -> Arc<Wait> {
+        if let Some(wait) = self.0.get(spec) {
+            return wait.clone();
+        }
+        if self.0.len() >= Self::MOST {
+            self.0.clear();
+        }
+        let (key, participants) = (spec.text().into(), spec.parts.iter().collect());
+        let wait = Arc::new(Wait { key, primitive: spec.primitive, participants });
+        self.0.insert(spec.clone(), wait.clone());
+        wait
+    }
+}
 
 /// What the arrival means for the arriving kernel.
 enum After {
@@ -99,73 +127,91 @@ fn participants(paths: Option<f64>, form: PathsForm, count: u16) -> Result<Optio
 
 /// Arrives, and stands until the others are there.
 fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
-    let key: Box<str> = spec.text().into();
     let since_ns = kernel.clock;
-    let wait = Wait { key: key.clone(), primitive: spec.primitive, participants: spec.parts.iter().collect() };
-    kernel.emit(0, Kind::Wait(Box::new(wait)));
+    let wait = kernel.meetings.wait(&spec);
+    kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();
     let (file, line, info) = (kernel.file, kernel.line, kernel.info);
-    let waiting = Waiting { spec: spec.clone(), tag, file, line };
-    let own = Finish { how: Terminal::Alarmed, file, line };
-    let after = kernel.shared(|inner, coordinator| match inner.waits.arrive(waiting) {
-        Arrival::Released { channels, t, micro, meeting } => {
-            inner.shared.met(channels);
-            for channel in channels.iter().filter(|&c| c != tag.rank) {
-                let tag = Tag { t, micro, rank: channel };
-                coordinator.resume(inner, channel, Wake::Released { tag, meeting });
+    let waiting = Waiting { spec, tag, file, line };
+    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    kernel.control.disturb(kernel.rank);
+    let met = kernel.coordinator.meet(&waiting);
+    kernel.control.disturb(kernel.rank);
+    let wake = match met {
+        Met::Woken(wake) => wake,
+        Met::Stands => stand(kernel, tag, &wait),
+        Met::Not => {
+            let own = Finish { how: Terminal::Alarmed, file, line };
+            match kernel.shared(|inner, coordinator| inner.arrive(coordinator, waiting, own, info))? {
+                After::Go { t, micro, meeting } => {
+                    go_on(kernel, (t, micro), release(meeting));
+                    return Ok(());
+                }
+                After::Alarm { text, verdict } => {
+                    let halt = kernel.alarm(&diag::WAIT_MISMATCH, text);
+                    if let Some(verdict) = verdict {
+                        kernel.emit_verdict(verdict);
+                    }
+                    return Err(halt);
+                }
+                After::Stand(verdict) => {
+                    if let Some(verdict) = verdict {
+                        kernel.emit_verdict(verdict);
+                    }
+                    stand(kernel, tag, &wait)
+                }
             }
-            After::Go { t, micro, meeting }
         }
-        Arrival::Blocked => {
-            let verdict = if inner.waits.hopeful(tag.rank) { None } else { inner.judge(tag.t, info) };
-            coordinator.block(inner, tag.rank);
-            After::Stand(verdict)
-        }
-        Arrival::Mismatch { channels, members, text } => {
-            let members =
-                members.into_iter().chain([Member { channel: tag.rank, file, line, waiting_for: Vec::new() }]);
-            refuse(inner, coordinator, channels, members.collect(), text, (tag, own))
-        }
-    })?;
-    let parts = spec.parts;
-    let release = |meeting| Release { key: key.clone(), primitive: spec.primitive, since_ns, meeting };
-    match after {
-        After::Go { t, micro, meeting } => {
-            go_on(kernel, (t, micro), release(meeting));
+    };
+    match wake {
+        Wake::Released { tag, meeting } => {
+            kernel.progress.set_state(State::Running);
+            go_on(kernel, (tag.t, tag.micro), release(meeting));
             Ok(())
         }
-        After::Alarm { text, verdict } => {
-            let halt = kernel.alarm(&diag::WAIT_MISMATCH, text);
-            if let Some(verdict) = verdict {
-                kernel.emit_verdict(verdict);
-            }
-            Err(halt)
+        Wake::Alarm { tag, text } => {
+            (kernel.clock, kernel.micro) = (tag.t, tag.micro);
+            Err(kernel.alarm(&diag::WAIT_MISMATCH, text))
         }
-        After::Stand(verdict) => {
-            if let Some(verdict) = verdict {
-                kernel.emit_verdict(verdict);
+        Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
+        Wake::Over => Err(Halt::Blocked),
+        Wake::Stopped => Err(Halt::Stopped),
+    }
+}
+
+/// Stands at a wait until another channel ends it.
+fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
+    kernel.emitter.flush(tag);
+    kernel.progress.stand(wait.clone());
+    let wake = kernel.coordinator.wait(kernel.rank);
+    kernel.control.disturb(kernel.rank);
+    wake
+}
+
+impl Inner {
+    /// The arriving kernel carries out its arrival itself.
+    fn arrive(&mut self, coordinator: &Coordinator, waiting: Waiting, own: Finish, info: &Info) -> After {
+        let tag = waiting.tag;
+        let (file, line) = (waiting.file, waiting.line);
+        match self.waits.arrive(waiting) {
+            Arrival::Released { channels, t, micro, meeting } => {
+                self.shared.met(channels);
+                for channel in channels.iter().filter(|&c| c != tag.rank) {
+                    let tag = Tag { t, micro, rank: channel };
+                    coordinator.resume(self, channel, Wake::Released { tag, meeting });
+                }
+                After::Go { t, micro, meeting }
             }
-            let wake = kernel.coordinator.try_wait(kernel.rank).unwrap_or_else(|| {
-                kernel.emitter.flush(tag);
-                let participants = parts.iter().collect();
-                kernel.progress.stand(Wait { key: key.clone(), primitive: spec.primitive, participants });
-                kernel.coordinator.wait(kernel.rank)
-            });
-            kernel.control.disturb(kernel.rank);
-            match wake {
-                Wake::Released { tag, meeting } => {
-                    kernel.progress.set_state(State::Running);
-                    go_on(kernel, (tag.t, tag.micro), release(meeting));
-                    Ok(())
-                }
-                Wake::Alarm { tag, text } => {
-                    (kernel.clock, kernel.micro) = (tag.t, tag.micro);
-                    Err(kernel.alarm(&diag::WAIT_MISMATCH, text))
-                }
-                Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
-                Wake::Over => Err(Halt::Blocked),
-                Wake::Stopped => Err(Halt::Stopped),
+            Arrival::Blocked => {
+                let verdict = if self.waits.hopeful(tag.rank) { None } else { self.judge(tag.t, info) };
+                coordinator.block(self, tag.rank);
+                After::Stand(verdict)
+            }
+            Arrival::Mismatch { channels, members, text } => {
+                let own_place = Member { channel: tag.rank, file, line, waiting_for: Vec::new() };
+                let members = members.into_iter().chain([own_place]).collect();
+                refuse(self, coordinator, channels, members, text, (tag, own))
             }
         }
     }
@@ -205,7 +251,7 @@ fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
         kernel.idle_blocks = 0;
     }
     (kernel.clock, kernel.micro) = (t, micro);
-    kernel.emit(0, Kind::Release(Box::new(release)));
+    kernel.emit(0, Kind::Release(release));
 }
 
 #[cfg(test)]

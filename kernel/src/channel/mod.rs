@@ -26,6 +26,7 @@ use plan::Plan;
 use state::{Modal, Place, SpindleState};
 use variables::ChannelVariables;
 
+use crate::action::sync::Known;
 use crate::control::{Control, Progress};
 use crate::files::Files;
 use crate::log::event::{Event, FileId, Kind, Stop};
@@ -89,6 +90,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) idle_blocks: u64,
     /// Diagnostics logged.
     pub(crate) diagnostics: u32,
+    /// Waits it has met.
+    pub(crate) meetings: Known,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
 }
@@ -144,7 +147,7 @@ impl Kernel<'_> {
             },
         };
         let result = operation(&mut guard, coordinator);
-        coordinator.leave(&guard);
+        coordinator.leave(&mut guard);
         drop(guard);
         self.control.disturb(self.rank);
         Ok(result)

@@ -4,6 +4,8 @@
 //! nothing prints on the side. Invariant: an event is complete when it is emitted and is never changed later,
 //! and the log is sorted by `(t_ns, micro, stream rank, order within the stream)`.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 /// Most axes one channel can command. Positions are arrays of this length in the axis order of the channel.
@@ -102,9 +104,9 @@ pub enum Kind {
         text: Box<str>,
     },
     /// The channel arrived at a meeting point and may now stand still.
-    Wait(Box<Wait>),
+    Wait(Arc<Wait>),
     /// The channel goes on after a wait that began at `since_ns`.
-    Release(Box<Release>),
+    Release(Release),
     /// A diagnostic of the program, the machine or a limit.
     Diagnostic(Box<Diagnostic>),
     /// The verdict on channels that can never go on.
@@ -263,11 +265,11 @@ pub enum Stop {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wait {
     /// Mark as shown to people: `M101`, `M101 P12`.
-    pub key: Box<str>,
+    pub key: Arc<str>,
     /// Primitive that waits.
     pub primitive: Primitive,
     /// Channels that take part, own one included, ascending.
-    pub participants: Vec<u16>,
+    pub participants: Arc<[u16]>,
 }
 
 /// The primitives of channel synchronisation (reference: channel-synchronisation.md 0 and 1.1).
@@ -292,7 +294,7 @@ pub enum Primitive {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Release {
     /// Same text as in [`Wait::key`].
-    pub key: Box<str>,
+    pub key: Arc<str>,
     /// Primitive that waited.
     pub primitive: Primitive,
     /// When this channel arrived, ns.

@@ -87,9 +87,9 @@ impl Lane {
 
     fn other(&mut self, event: &Event) {
         match &event.kind {
-            Kind::Wait(wait) => self.wait = Some((event.line, (&*wait.key).into())),
+            Kind::Wait(wait) => self.wait = Some((event.line, wait.key.clone())),
             Kind::Release(release) => {
-                let (line, key) = self.wait.take().unwrap_or_else(|| (event.line, (&*release.key).into()));
+                let (line, key) = self.wait.take().unwrap_or_else(|| (event.line, release.key.clone()));
                 self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
                 self.bars.wait(release.since_ns, event.t_ns, line, key);
             }

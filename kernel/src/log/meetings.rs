@@ -43,7 +43,7 @@ pub struct Arrival {
 /// A wait that is not yet released.
 #[derive(Debug)]
 struct Pending {
-    wait: Wait,
+    wait: Arc<Wait>,
     channel: u16,
     t_ns: i64,
     file: FileId,
@@ -78,7 +78,7 @@ impl Meetings {
     pub(crate) fn take(&mut self, told: Told) {
         let Told { t_ns, channel, file, line, what, .. } = told;
         match what {
-            What::Wait(wait) => self.pending.push(Pending { wait: *wait, channel, t_ns, file, line }),
+            What::Wait(wait) => self.pending.push(Pending { wait, channel, t_ns, file, line }),
             What::Release(release) => self.release((t_ns, channel, file, line), &release),
             What::Diagnostic(_) | What::Verdict(_) => {}
         }
@@ -106,7 +106,7 @@ impl Meetings {
         }
         let mut arrivals = Vec::with_capacity(participants);
         arrivals.push(arrival);
-        let key = self.text(&release.key);
+        let key = release.key.clone();
         let meeting = Meeting { key, kind: release.primitive, release_ns: Some(t_ns), arrivals };
         self.met.insert(place, Met { number: release.meeting, participants, meeting });
     }
@@ -146,13 +146,13 @@ impl Meetings {
         self.complete_cut();
         let mut pending = std::mem::take(&mut self.pending);
         pending.sort_by_key(|p| (p.t_ns, p.channel));
-        let mut open: Vec<(Vec<u16>, Meeting)> = Vec::new();
+        let mut open: Vec<(Arc<Wait>, Meeting)> = Vec::new();
         for p in pending {
             let arrival = self.arrival(p.channel, p.t_ns, p.file, p.line);
-            let key = self.text(&p.wait.key);
-            let same = open
-                .iter_mut()
-                .find(|(parts, m)| m.key == key && m.kind == p.wait.primitive && *parts == p.wait.participants);
+            let key = p.wait.key.clone();
+            let same = open.iter_mut().find(|(parts, m)| {
+                m.key == key && m.kind == p.wait.primitive && parts.participants == p.wait.participants
+            });
             match same {
                 Some((_, meeting)) => {
                     meeting.arrivals.push(arrival);
@@ -160,7 +160,7 @@ impl Meetings {
                 }
                 None => {
                     let meeting = Meeting { key, kind: p.wait.primitive, release_ns: None, arrivals: vec![arrival] };
-                    open.push((p.wait.participants, meeting));
+                    open.push((p.wait, meeting));
                 }
             }
         }

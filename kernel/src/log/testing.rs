@@ -71,13 +71,13 @@ pub(crate) fn motion(kind: MotionKind, from: &[f64], to: &[f64]) -> Motion {
 }
 
 pub(crate) fn wait(channel: u16, line: u32, t_ns: i64, key: &str, participants: &[u16]) -> Event {
-    let wait = Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.to_vec() };
-    at(channel, line, t_ns, 0, Kind::Wait(Box::new(wait)))
+    let wait = Wait { key: key.into(), primitive: Primitive::Barrier, participants: participants.into() };
+    at(channel, line, t_ns, 0, Kind::Wait(Arc::new(wait)))
 }
 
 pub(crate) fn release(channel: u16, line: u32, since_ns: i64, t_ns: i64, key: &str, meeting: u64) -> Event {
     let release = Release { key: key.into(), primitive: Primitive::Barrier, since_ns, meeting };
-    at(channel, line, t_ns, 0, Kind::Release(Box::new(release)))
+    at(channel, line, t_ns, 0, Kind::Release(release))
 }
 
 pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severity: u8, text: &str) -> Event {

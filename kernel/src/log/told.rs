@@ -2,6 +2,8 @@
 //!
 //! Invariant: kept whole; everything else is read off each channel alone ([`super::lane`]).
 
+use std::sync::Arc;
+
 use crate::log::event::{Diagnostic, Event, FileId, Kind, Release, Verdict, Wait};
 
 /// One such event.
@@ -18,8 +20,8 @@ pub(crate) struct Told {
 /// Its content.
 #[derive(Debug)]
 pub(crate) enum What {
-    Wait(Box<Wait>),
-    Release(Box<Release>),
+    Wait(Arc<Wait>),
+    Release(Release),
     Diagnostic(Box<Diagnostic>),
     Verdict(Box<Verdict>),
 }

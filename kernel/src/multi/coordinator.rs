@@ -5,11 +5,12 @@
 //! with the smallest tag of all that are still possible; a blocked kernel wakes only by a shared operation of
 //! another one; `need` of a running kernel is at most the time of any parked tag it still stands before.
 
+pub(crate) mod meet;
 mod permits;
 mod sleep;
 
 use std::sync::atomic::{
-    AtomicBool, AtomicI64, AtomicU32,
+    AtomicBool, AtomicI64, AtomicU32, AtomicU64,
     Ordering::{Relaxed, SeqCst},
 };
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -19,7 +20,7 @@ use crossbeam_channel::Sender;
 use super::merge::Message;
 use super::shared::Shared;
 use super::tag::Tag;
-use super::waits::Waits;
+use super::waits::{Waiting, Waits};
 
 /// Where a kernel stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,10 +67,13 @@ pub(crate) struct Stopped;
 
 #[repr(align(128))]
 struct Slot {
+    /// The kernel does nothing before this time; the largest time while it stands or is done.
     bound: AtomicI64,
     need: AtomicI64,
     /// Counts wake-ups; a kernel spins on it before it sleeps.
     signal: AtomicU32,
+    /// Its thread sleeps, or is about to; changed under the lock.
+    asleep: AtomicBool,
     condvar: Condvar,
 }
 
@@ -77,6 +81,8 @@ struct Slot {
 pub(crate) struct Inner {
     status: Vec<Status>,
     wakes: Vec<Option<Wake>>,
+    /// Arrivals of parked kernels that anybody may carry out in their place.
+    arriving: Vec<Option<Waiting>>,
     /// The merger has been told that the stream is blocked.
     told: Vec<bool>,
     pub(crate) shared: Shared,
@@ -97,6 +103,8 @@ pub(crate) struct Coordinator {
     inner: Mutex<Inner>,
     /// Time of the stop, read by running kernels once per block.
     stop_t: AtomicI64,
+    /// Counts when a resume begins to change a bound and when it has.
+    resumes: AtomicU64,
     /// Kernels waiting for a permit.
     waiting_permits: AtomicU32,
     /// One kernel is all there is: nobody looks at its bound.
@@ -122,6 +130,10 @@ impl Inner {
         if let Some(slot) = self.status.get_mut(index(rank)) {
             *slot = status;
         }
+    }
+
+    fn take_wake(&mut self, rank: u16) -> Option<Wake> {
+        self.wakes.get_mut(index(rank)).and_then(Option::take)
     }
 
     fn tell(&self, message: Message) {
@@ -158,12 +170,14 @@ impl Coordinator {
                     bound: AtomicI64::new(0),
                     need: AtomicI64::new(i64::MAX),
                     signal: AtomicU32::new(0),
+                    asleep: AtomicBool::new(false),
                     condvar: Condvar::new(),
                 })
                 .collect(),
             inner: Mutex::new(Inner {
                 status: vec![Status::Running; kernels],
                 wakes: vec![None; kernels],
+                arriving: vec![None; kernels],
                 told: vec![false; kernels],
                 shared,
                 waits,
@@ -174,6 +188,7 @@ impl Coordinator {
                 messages,
             }),
             stop_t: AtomicI64::new(i64::MAX),
+            resumes: AtomicU64::new(0),
             waiting_permits: AtomicU32::new(0),
             single: AtomicBool::new(false),
             limited: permits < kernels,
@@ -217,9 +232,9 @@ impl Coordinator {
         if let Some(slot) = self.slot(rank) {
             slot.bound.store(t, SeqCst);
             if t > slot.need.load(SeqCst) {
-                let inner = self.lock();
+                let mut inner = self.lock();
                 slot.need.store(i64::MAX, SeqCst);
-                self.wake_parked(&inner);
+                self.wake_parked(&mut inner);
             }
         }
         t <= self.stop_t.load(SeqCst)
@@ -238,7 +253,7 @@ impl Coordinator {
             if self.limited {
                 self.release_permit(&mut inner);
             }
-            self.wake_parked(&inner);
+            self.wake_parked(&mut inner);
             running
         };
         let result = wait();
@@ -246,27 +261,31 @@ impl Coordinator {
         if running {
             inner.set(tag.rank, Status::Running);
         }
-        self.wake_parked(&inner);
+        self.wake_parked(&mut inner);
         result
     }
 
     /// No other kernel will do anything before this time.
     pub(crate) fn floor(&self, rank: u16) -> i64 {
-        let inner = self.lock();
-        let others = inner.status.iter().zip(&self.slots).zip(1_u16..).filter(|(_, other)| *other != rank);
-        let floors = others.map(|((status, slot), _)| match status {
-            Status::Running => slot.bound.load(SeqCst),
-            Status::Parked(tag) => tag.t,
-            Status::Blocked | Status::Done => i64::MAX,
-        });
-        floors.min().unwrap_or(i64::MAX)
+        let least = || {
+            let others = self.slots.iter().zip(1_u16..).filter(|(_, other)| *other != rank);
+            others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX)
+        };
+        // Between two looks at the bounds a kernel that stood may have gone on behind the one that let it go.
+        let before = self.resumes.load(SeqCst);
+        let floor = least();
+        if before.is_multiple_of(2) && self.resumes.load(SeqCst) == before {
+            return floor;
+        }
+        let _inner = self.lock();
+        least()
     }
 
     /// Lets all other kernels come up to `tag`, if this one is running.
     pub(crate) fn catch_up(&self, tag: Tag) {
         let running = self.lock().status(tag.rank) == Status::Running;
-        if running && let Ok(guard) = self.enter(tag) {
-            self.leave(&guard);
+        if running && let Ok(mut guard) = self.enter(tag) {
+            self.leave(&mut guard);
         }
     }
 
@@ -300,14 +319,20 @@ impl Coordinator {
         }
     }
 
-    /// Wakes the kernel with the smallest parked tag if it may go; else makes sure it will hear of it.
-    fn wake_parked(&self, inner: &Inner) {
-        let smallest =
-            inner.status.iter().filter_map(|s| if let Status::Parked(tag) = s { Some(*tag) } else { None }).min();
-        if let Some(tag) = smallest {
+    /// Wakes the kernel with the smallest parked tag if it may go; else makes sure it will hear of it. What it came
+    /// for is carried out in its place if that is a plain arrival.
+    fn wake_parked(&self, inner: &mut Inner) {
+        loop {
+            let parked =
+                inner.status.iter().filter_map(|s| if let Status::Parked(tag) = s { Some(*tag) } else { None });
+            let Some(tag) = parked.min() else { return };
             self.ask(inner, tag);
-            if self.eligible(inner, tag) {
+            if !self.eligible(inner, tag) {
+                return;
+            }
+            if inner.stop.is_some() || !self.arrive_for(inner, tag) {
                 self.signal(tag.rank);
+                return;
             }
         }
     }
@@ -327,7 +352,7 @@ impl Coordinator {
         let mut inner = self.lock();
         inner.set(tag.rank, Status::Parked(tag));
         self.ask(&inner, tag);
-        self.wake_parked(&inner);
+        self.wake_parked(&mut inner);
         let seen = self.slot(tag.rank)?.signal.load(SeqCst);
         if !self.eligible(&inner, tag) {
             drop(inner);
@@ -345,30 +370,6 @@ impl Coordinator {
             slot.bound.fetch_max(tag.t, SeqCst);
         }
         Some(inner)
-    }
-
-    /// Spins for the wake of a blocked kernel; `None` when it has not come: send the events so far, then
-    /// [`wait`](Self::wait).
-    pub(crate) fn try_wait(&self, rank: u16) -> Option<Wake> {
-        if self.spin == 0 {
-            return None;
-        }
-        let slot = self.slot(rank)?;
-        let seen = {
-            let mut inner = self.lock();
-            if let Some(wake) = inner.wakes.get_mut(index(rank)).and_then(Option::take) {
-                self.wake_parked(&inner);
-                return Some(wake);
-            }
-            slot.signal.load(SeqCst)
-        };
-        self.spin_for_signal(rank, seen);
-        let mut inner = self.lock();
-        let wake = inner.wakes.get_mut(index(rank)).and_then(Option::take);
-        if wake.is_some() {
-            self.wake_parked(&inner);
-        }
-        wake
     }
 
     /// Enters a shared operation: waits until it has the smallest tag.
@@ -390,7 +391,7 @@ impl Coordinator {
                 inner.set(rank, Status::Running);
                 break;
             }
-            self.wake_parked(&inner);
+            self.wake_parked(&mut inner);
             if self.limited && !gave_permit {
                 gave_permit = true;
                 self.release_permit(&mut inner);
@@ -417,14 +418,21 @@ impl Coordinator {
     }
 
     /// Ends a shared operation: tells parked kernels that this one goes on.
-    pub(crate) fn leave(&self, inner: &Inner) {
+    pub(crate) fn leave(&self, inner: &mut Inner) {
         self.wake_parked(inner);
     }
 
     /// The kernel stands still from now on; another one's operation will wake it.
     pub(crate) fn block(&self, inner: &mut Inner, rank: u16) {
-        inner.set(rank, Status::Blocked);
+        self.stand_still(inner, rank, Status::Blocked);
         self.settle(inner);
+    }
+
+    fn stand_still(&self, inner: &mut Inner, rank: u16, status: Status) {
+        inner.set(rank, status);
+        if let Some(slot) = self.slot(rank) {
+            slot.bound.store(i64::MAX, SeqCst);
+        }
     }
 
     /// Resumes a blocked kernel.
@@ -434,7 +442,9 @@ impl Coordinator {
             Wake::Over | Wake::Stopped => None,
         };
         if let (Some(slot), Some(tag)) = (self.slot(rank), tag) {
+            self.resumes.fetch_add(1, SeqCst);
             slot.bound.store(tag.t, SeqCst);
+            self.resumes.fetch_add(1, SeqCst);
             slot.need.store(i64::MAX, SeqCst);
         }
         if let Some(tag) = tag
@@ -463,11 +473,11 @@ impl Coordinator {
         }
         let mut gave_permit = false;
         loop {
-            if let Some(wake) = inner.wakes.get_mut(index(rank)).and_then(Option::take) {
+            if let Some(wake) = inner.take_wake(rank) {
                 if gave_permit {
                     inner = self.acquire_permit(rank, inner);
                 }
-                self.wake_parked(&inner);
+                self.wake_parked(&mut inner);
                 return wake;
             }
             if self.limited && !gave_permit {
@@ -480,7 +490,7 @@ impl Coordinator {
 
     /// The kernel is finished.
     pub(crate) fn done(&self, inner: &mut Inner, rank: u16) {
-        inner.set(rank, Status::Done);
+        self.stand_still(inner, rank, Status::Done);
         if self.limited {
             self.release_permit(inner);
         }
@@ -489,8 +499,7 @@ impl Coordinator {
 
     /// A channel that never runs.
     pub(crate) fn absent(&self, rank: u16) {
-        let mut inner = self.lock();
-        inner.set(rank, Status::Done);
+        self.stand_still(&mut self.lock(), rank, Status::Done);
     }
 
     /// The stream of the kernel is complete.

@@ -19,6 +19,7 @@ use merge::{End, Feeder, Merger, Message};
 use shared::{Shared, Spindle};
 use waits::Waits;
 
+use crate::action::sync::Known;
 use crate::channel::plan::Plan;
 use crate::channel::{
     Halt, Kernel,
@@ -323,6 +324,7 @@ impl<'a> Shop<'a> {
             blocks: 0,
             idle_blocks: 0,
             diagnostics: 0,
+            meetings: Known::default(),
             stripped: Vec::new(),
         }
     }

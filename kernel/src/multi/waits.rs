@@ -9,7 +9,7 @@ use super::tag::Tag;
 use crate::log::event::{FileId, Member, Primitive};
 
 /// Set of channels, bit `n − 1` for channel `n`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Set(pub(crate) u64);
 
 impl Set {
@@ -49,7 +49,7 @@ pub(crate) fn words(channels: &[u16]) -> String {
 }
 
 /// How the channel list was written; Fanuc compares it too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Style {
     /// Not at all.
     NoList,
@@ -58,7 +58,7 @@ pub(crate) enum Style {
 }
 
 /// A wait as programmed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Spec {
     /// Primitive.
     pub(crate) primitive: Primitive,
@@ -193,6 +193,17 @@ impl Waits {
         if let Some(slot) = self.waiting.get_mut(index(rank)) {
             *slot = None;
         }
+    }
+
+    /// An arrival that raises no alarm and leaves nobody without hope: all others stand at the same meeting or can
+    /// still come by themselves.
+    pub(crate) fn is_plain(&self, arriving: &Waiting) -> bool {
+        let own = arriving.tag.rank;
+        self.waiting.iter().flatten().all(|other| arriving.spec.mismatch(&other.spec).is_none())
+            && arriving.spec.parts.iter().filter(|&c| c != own).all(|c| match self.at(c) {
+                Some(other) => other.spec.matches(&arriving.spec),
+                None => self.end(c).is_none() && usize::from(c) <= self.waiting.len(),
+            })
     }
 
     /// A channel arrives.

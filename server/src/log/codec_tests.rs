@@ -1,5 +1,7 @@
 //! The hand-written codec against the generated types.
 
+use std::sync::Arc;
+
 use bytes::Bytes;
 use counterpoint_kernel::log::event::*;
 use counterpoint_proto::v1;
@@ -45,8 +47,12 @@ fn kinds() -> Vec<Kind> {
         Kind::Call { program: "O9001".into(), level: 2 },
         Kind::Return { level: 2 },
         Kind::Message { text: "é".repeat(9000).into() },
-        Kind::Wait(Box::new(Wait { key: "M101".into(), primitive: Primitive::Order, participants: vec![1, 2, 300] })),
-        Kind::Release(Box::new(Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 3 })),
+        Kind::Wait(Arc::new(Wait {
+            key: "M101".into(),
+            primitive: Primitive::Order,
+            participants: [1, 2, 300].into(),
+        })),
+        Kind::Release(Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 3 }),
         Kind::Diagnostic(Box::new(Diagnostic { number: 1201, severity: 9, text: "no such register".into() })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,

@@ -3,6 +3,8 @@
 //! Invariant: decoding what [`super::encode`] wrote gives the same event, bit for bit (tested), so a result made
 //! later equals the one made while the job ran. Damage gives `None`, never a panic.
 
+use std::sync::Arc;
+
 use counterpoint_kernel::log::event::{
     Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Position, Release, Spindle, Verdict, Wait,
 };
@@ -174,17 +176,17 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
         21 => Kind::Call { program: m.get(1).text(), level: m.number(2) as u16 },
         22 => Kind::Return { level: m.number(1) as u16 },
         23 => Kind::Message { text: m.get(1).text() },
-        24 => Kind::Wait(Box::new(Wait {
-            key: m.get(1).text(),
+        24 => Kind::Wait(Arc::new(Wait {
+            key: m.get(1).text().into(),
             primitive: numbers::primitive_of(m.number(2))?,
-            participants: channels(m.get(3).bytes()),
+            participants: channels(m.get(3).bytes()).into(),
         })),
-        25 => Kind::Release(Box::new(Release {
-            key: m.get(1).text(),
+        25 => Kind::Release(Release {
+            key: m.get(1).text().into(),
             primitive: numbers::primitive_of(m.number(2))?,
             since_ns: m.number(3) as i64,
             meeting: m.number(4),
-        })),
+        }),
         26 => Kind::Diagnostic(Box::new(Diagnostic {
             number: m.number(1) as u32,
             severity: m.number(2) as u8,

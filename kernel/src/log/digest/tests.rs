@@ -1,5 +1,7 @@
 //! Tests of the log's fingerprint.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::log::event::{Diagnostic, Member, Release, Spindle, Wait};
 
@@ -96,7 +98,7 @@ fn every_field_counts() {
         Spindle { spindle: 1, direction: Direction::Clockwise, css: false, speed: 900.0, limit: f64::INFINITY };
     let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
-    let wait = Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: vec![1, 2] };
+    let wait = Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: [1, 2].into() };
     let release = Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 1 };
     let motions = [
         motion(),
@@ -141,12 +143,12 @@ fn every_field_counts() {
         Kind::Call { program: "O1".into(), level: 2 },
         Kind::Return { level: 1 },
         Kind::Message { text: "plane zx".into() },
-        Kind::Wait(Box::new(wait.clone())),
-        Kind::Wait(Box::new(Wait { participants: vec![1, 3], ..wait.clone() })),
-        Kind::Wait(Box::new(Wait { primitive: Primitive::Join, ..wait })),
-        Kind::Release(Box::new(release.clone())),
-        Kind::Release(Box::new(Release { since_ns: 6, ..release.clone() })),
-        Kind::Release(Box::new(Release { meeting: 2, ..release })),
+        Kind::Wait(Arc::new(wait.clone())),
+        Kind::Wait(Arc::new(Wait { participants: [1, 3].into(), ..wait.clone() })),
+        Kind::Wait(Arc::new(Wait { primitive: Primitive::Join, ..wait })),
+        Kind::Release(release.clone()),
+        Kind::Release(Release { since_ns: 6, ..release.clone() }),
+        Kind::Release(Release { meeting: 2, ..release }),
         Kind::Diagnostic(Box::new(Diagnostic { number: 1, severity: 4, text: "t".into() })),
         Kind::Diagnostic(Box::new(Diagnostic { number: 1, severity: 8, text: "t".into() })),
         Kind::Verdict(Box::new(verdict.clone())),

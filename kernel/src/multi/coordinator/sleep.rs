@@ -5,16 +5,25 @@
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering::SeqCst;
 
-use super::{Coordinator, Guard};
+use super::{Coordinator, Guard, Slot};
 
 /// Turns of the core given away before a waiting thread is put to sleep.
 const YIELDS: u32 = 30;
+
+impl Slot {
+    fn sleep<'a>(&'a self, inner: Guard<'a>) -> Guard<'a> {
+        self.asleep.store(true, SeqCst);
+        self.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 impl Coordinator {
     pub(super) fn signal(&self, rank: u16) {
         if let Some(slot) = self.slot(rank) {
             slot.signal.fetch_add(1, SeqCst);
-            slot.condvar.notify_one();
+            if slot.asleep.swap(false, SeqCst) {
+                slot.condvar.notify_one();
+            }
         }
     }
 
@@ -29,9 +38,9 @@ impl Coordinator {
             if slot.signal.load(SeqCst) != seen {
                 return inner;
             }
-            return slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner);
+            return slot.sleep(inner);
         }
-        slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner)
+        slot.sleep(inner)
     }
 
     /// Spins until the slot is signalled or the patience is over.

@@ -1,0 +1,78 @@
+//! Arrivals at meeting points that need nobody's attention.
+//!
+//! An arrival that raises no alarm and no verdict changes shared state only, so whoever finds it next in tag order
+//! carries it out: a kernel that arrives early parks once and hears again when its meeting takes place. Invariant: an
+//! arrival is carried out once, in tag order, by whomever.
+
+use std::sync::atomic::Ordering::SeqCst;
+
+use super::{Coordinator, Inner, Status, Wake, index};
+use crate::multi::tag::Tag;
+use crate::multi::waits::{Arrival, Waiting};
+
+/// What came of an arrival.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Met {
+    /// The kernel goes on.
+    Woken(Wake),
+    /// It has arrived and stands: send the events so far, then [`Coordinator::wait`].
+    Stands,
+    /// It has not arrived: that is the kernel's own affair.
+    Not,
+}
+
+impl Coordinator {
+    /// Arrives, and spins for a moment until the meeting takes place.
+    pub(crate) fn meet(&self, waiting: &Waiting) -> Met {
+        let tag = waiting.tag;
+        let Some(slot) = self.slot(tag.rank) else { return Met::Not };
+        let seen = {
+            let mut inner = self.lock();
+            if inner.stop.is_some() {
+                return Met::Not;
+            }
+            inner.set(tag.rank, Status::Parked(tag));
+            inner.put_arriving(Some(waiting.clone()), tag.rank);
+            slot.bound.fetch_max(tag.t, SeqCst);
+            let seen = slot.signal.load(SeqCst);
+            self.wake_parked(&mut inner);
+            if let Some(wake) = inner.take_wake(tag.rank) {
+                return Met::Woken(wake);
+            }
+            seen
+        };
+        self.spin_for_signal(tag.rank, seen);
+        let mut inner = self.lock();
+        if let Some(wake) = inner.take_wake(tag.rank) {
+            return Met::Woken(wake);
+        }
+        if inner.put_arriving(None, tag.rank).is_none() {
+            return Met::Stands;
+        }
+        inner.set(tag.rank, Status::Running);
+        Met::Not
+    }
+
+    /// Carries out the arrival of a parked kernel that is next in tag order; `false` if its own attention is needed.
+    pub(super) fn arrive_for(&self, inner: &mut Inner, tag: Tag) -> bool {
+        let Some(waiting) = inner.put_arriving(None, tag.rank) else { return false };
+        if !inner.waits.is_plain(&waiting) {
+            inner.put_arriving(Some(waiting), tag.rank);
+            return false;
+        }
+        self.stand_still(inner, tag.rank, Status::Blocked);
+        if let Arrival::Released { channels, t, micro, meeting } = inner.waits.arrive(waiting) {
+            inner.shared.met(channels);
+            for channel in channels.iter() {
+                self.resume(inner, channel, Wake::Released { tag: Tag { t, micro, rank: channel }, meeting });
+            }
+        }
+        true
+    }
+}
+
+impl Inner {
+    fn put_arriving(&mut self, waiting: Option<Waiting>, rank: u16) -> Option<Waiting> {
+        self.arriving.get_mut(index(rank)).and_then(|slot| std::mem::replace(slot, waiting))
+    }
+}
