@@ -262,9 +262,8 @@ pub(super) fn step(
         Op::Call { to, function, list } => {
             let value = good!(call(state, host, code, frame, function, list));
             set(frame, to, value);
-            while let Some(fault) = state.notes.pop() {
-                let place = code.places.get(at).copied().unwrap_or_default();
-                super::report(code, place, fault, 4, state, host);
+            if !state.notes.is_empty() {
+                super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
             }
         }
         Op::CallMacro { to, callee, list } => match call_macro(program, state, host, code, frame, (to, callee, list)) {
@@ -274,7 +273,11 @@ pub(super) fn step(
         },
         Op::Command { command, list } => {
             good!(state.spend(5));
-            if good!(commands::command(state, host, code, frame, (command, list), at)) {
+            let raised = good!(commands::command(state, host, code, frame, (command, list), at));
+            if !state.notes.is_empty() {
+                super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
+            }
+            if raised {
                 return Err(Stop::Raised(at));
             }
         }

@@ -55,11 +55,14 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     }
     let upper = path.to_ascii_uppercase();
     let console = upper == "STDIN" || upper == "STDOUT";
+    state.status = if console { 0 } else { host.may_open(state, &path) };
+    if state.status != 0 {
+        return Ok(());
+    }
     let text = if console { None } else { host.read_file(&path) };
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
     let next = if rear { lines.len() } else { 0 };
     state.units.insert(number, Unit { path, lines, next, rear, changed: false, console });
-    state.status = 0;
     Ok(())
 }
 
