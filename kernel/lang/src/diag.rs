@@ -77,6 +77,7 @@ numbers! {
     PROGRAM_END = 2910069, 4, "block asked for behind the end of the NC program";
     NO_MODEL = 2910070, 0, "function of a machine model where there is none";
     NO_SETTING = 2910071, 4, "setting of the pre-processor that does not exist";
+    BAD_VALUE = 2910072, 8, "value that a system variable does not take";
     AUTHOR = 2910090, 0, "diagnostic issued by a macro itself";
 }
 

@@ -5,7 +5,7 @@
 
 mod double;
 
-pub use double::{Answer, FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream, Test};
+pub use double::{Answer, Domain, FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream, Test};
 
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};

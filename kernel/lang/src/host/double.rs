@@ -24,6 +24,20 @@ use crate::value::{Kind, Value};
 use crate::vm::State;
 use std::collections::{BTreeMap, HashMap};
 
+/// What a system variable takes.
+#[derive(Clone, Debug, Default)]
+pub struct Domain {
+    /// Largest value of each index, none without a limit.
+    pub indices: Vec<Option<u32>>,
+    /// Smallest and largest number.
+    pub values: Option<(f64, f64)>,
+    /// `$NULL` is a value, whatever the type.
+    pub nullable: bool,
+}
+
+/// Gives the name of the tables for one that may be spelled otherwise.
+type Spelling = fn(&str) -> Option<&'static str>;
+
 /// The double. Any `CODE_…` and `REG_…` exists unless a list is given; system variables are those of its table.
 #[derive(Debug, Default)]
 pub struct Test {
@@ -52,7 +66,8 @@ pub struct Test {
     elements: HashMap<(u32, Vec<i64>), Value>,
     foreign: Option<fn(&str) -> Option<&'static str>>,
     globals: Vec<Value>,
-    known: bool,
+    domains: Vec<Domain>,
+    spelling: Option<Spelling>,
     identifiers: std::cell::RefCell<Vec<String>>,
     groups: HashMap<u32, u16>,
     block: blocks::Block,
@@ -103,12 +118,17 @@ impl Test {
     /// Adds a single system variable that begins with the value of its type.
     pub fn variable(&mut self, name: &str, kind: Option<Kind>, writable: bool) {
         let initial = kind.map_or(Value::Null, Kind::initial);
-        self.system_variable(SystemVariable { name: name.to_owned(), kind, writable, indices: 0 }, initial);
+        self.system_variable(
+            SystemVariable { name: name.to_owned(), kind, writable, indices: 0 },
+            initial,
+            Domain::default(),
+        );
     }
 
     /// Adds a system variable; every element of an indexed one begins with `initial`.
-    pub fn system_variable(&mut self, variable: SystemVariable, initial: Value) {
+    pub fn system_variable(&mut self, variable: SystemVariable, initial: Value, domain: Domain) {
         self.table.push(variable);
+        self.domains.push(domain);
         self.values.push(initial);
     }
 
@@ -118,8 +138,8 @@ impl Test {
     }
 
     /// Lets only these `CODE_…` and `REG_…` names exist.
-    pub fn only_identifiers(&mut self, names: impl IntoIterator<Item = String>) {
-        self.known = true;
+    pub fn only_identifiers(&mut self, names: impl IntoIterator<Item = String>, spelling: Spelling) {
+        self.spelling = Some(spelling);
         self.identifiers.borrow_mut().extend(names);
     }
 
@@ -138,9 +158,8 @@ impl Test {
     }
 
     fn find(&self, name: &str) -> Option<u32> {
-        if !self.known {
-            return Some(self.identifier(name));
-        }
+        let Some(spelling) = self.spelling else { return Some(self.identifier(name)) };
+        let name = spelling(name)?;
         let at = self.identifiers.borrow().iter().position(|other| other == name)?;
         u32::try_from(at + 1).ok()
     }
@@ -177,6 +196,23 @@ impl Test {
         if let Some(place) = self.globals.get_mut(index) {
             *place = value;
         }
+    }
+
+    fn variable_name_of(&self, index: u32) -> &str {
+        self.table.get(index as usize).map_or("the variable", |variable| variable.name.as_str())
+    }
+
+    /// Refuses indices outside of what a system variable has.
+    fn inside(&self, index: u32, indices: &[i64]) -> Outcome<()> {
+        let Some(domain) = self.domains.get(index as usize) else { return Ok(()) };
+        for (given, most) in indices.iter().zip(&domain.indices) {
+            if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {
+                let most = most.map_or_else(|| "no limit".to_owned(), |most| most.to_string());
+                let message = format!("the index {given} of {} is not in 1 to {most}", self.variable_name_of(index));
+                return Err(Fault::new(Number::OUT_OF_RANGE, message));
+            }
+        }
+        Ok(())
     }
 
     /// Takes a line; a fault that ends the whole run if nobody takes lines any more.
@@ -267,14 +303,27 @@ impl Registers for Test {
 
 impl Host for Test {
     fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+        self.inside(index, indices)?;
         let element = if indices.is_empty() { None } else { self.elements.get(&(index, indices.to_vec())) };
         Ok(element.or_else(|| self.values.get(index as usize)).cloned().unwrap_or(Value::Null))
     }
 
     fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
         let kind = self.table.get(index as usize).and_then(|variable| variable.kind);
-        if let Some(kind) = kind.filter(|kind| value.kind() != Some(*kind)) {
-            return Err(Fault::kind(kind.name(), &value));
+        let domain = self.domains.get(index as usize);
+        let (range, nullable) = domain.map_or((None, false), |domain| (domain.values, domain.nullable));
+        let value = match (kind, value) {
+            (Some(kind), Value::Unset) => kind.initial(),
+            (_, Value::Null) if nullable => Value::Null,
+            (Some(kind), value) if value.kind() != Some(kind) => return Err(Fault::kind(kind.name(), &value)),
+            (_, value) => value,
+        };
+        self.inside(index, indices)?;
+        if let (Some((low, high)), Value::Real(number)) = (range, &value)
+            && !(low..=high).contains(number)
+        {
+            let message = format!("{} takes numbers from {low} to {high}, not {number}", self.variable_name_of(index));
+            return Err(Fault::new(Number::BAD_VALUE, message));
         }
         if !indices.is_empty() {
             if self.elements.len() >= 1_000_000 {
