@@ -13,6 +13,8 @@ mod sort;
 mod text;
 mod vector;
 
+pub use date::stamp;
+
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::Host;

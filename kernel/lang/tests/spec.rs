@@ -226,6 +226,12 @@ const VARIANTS: &str = "ENDOF/IF ENDOF/CASE ENDOF/WHILE ENDOF/DO ENDIF ENDCASE E
     EXEC/NOW EXEC/NEXT LPRINT/ON LPRINT/OFF LPRINT/2 FRONT REAR STDIN STDOUT INCR DECR DECLAR/GLOBAL DECLAR/OBJECT \
     DECLAR/LOCAL CHANNEL REAL LOGICAL STRING SEQUENCE KEYWORD RECORD CODE REG $ERRNO $MNEST $CI $CHSIZ $CHMAX LET FOR EXTERN";
 
+/// What regular expressions are made of.
+const EXPRESSIONS: &str = r"\. [A-Z] [^0-9] '^a $' * \{2\} \{3,\} \{1,3\} \( \) \1 \< \>";
+
+/// Codes of dates.
+const DATES: &str = "%a %A %b %B %c %d %H %I %j %m %M %p %S %s %U %w %W %x %X %y %Y %z %Z %% %#d %#c %#x";
+
 #[test]
 fn every_function_statement_operator_and_format_has_a_block() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/spec/lang");
@@ -251,7 +257,10 @@ fn every_function_statement_operator_and_format_has_a_block() {
         let begins = |line: &str| line.rsplit(": ").next().is_some_and(|line| line.split('/').next() == Some(command));
         want(upper.lines().any(|line| begins(line.trim())), command);
     }
-    [FORMATS, SIGNS].iter().flat_map(|list| list.split_whitespace()).for_each(|name| want(text.contains(name), name));
+    [FORMATS, SIGNS, EXPRESSIONS, DATES]
+        .iter()
+        .flat_map(|list| list.split_whitespace())
+        .for_each(|name| want(text.contains(name), name));
     VARIANTS.split_whitespace().for_each(|name| want(upper.contains(name), name));
     assert!(missing.is_empty(), "no block of the guide shows {missing:?}");
 }

@@ -18,7 +18,7 @@ use super::{Command, Environment, Host, SystemVariable};
 use crate::diag::{self, Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
-use crate::func::Function;
+use crate::func::{Function, stamp};
 use crate::source::Source;
 use crate::value::{Kind, Value};
 use crate::vm::State;
@@ -68,6 +68,8 @@ pub struct Test {
     globals: Vec<Value>,
     domains: Vec<Domain>,
     spelling: Option<Spelling>,
+    /// Position of `$DATE`, which is always now.
+    date: Option<u32>,
     identifiers: std::cell::RefCell<Vec<String>>,
     groups: HashMap<u32, u16>,
     block: blocks::Block,
@@ -127,6 +129,9 @@ impl Test {
 
     /// Adds a system variable; every element of an indexed one begins with `initial`.
     pub fn system_variable(&mut self, variable: SystemVariable, initial: Value, domain: Domain) {
+        if variable.name == "$DATE" {
+            self.date = u32::try_from(self.table.len()).ok();
+        }
         self.table.push(variable);
         self.domains.push(domain);
         self.values.push(initial);
@@ -277,6 +282,7 @@ impl Environment for Test {
         self.foreign.and_then(|product| product(name))
     }
     fn include(&mut self, name: &str, from: &str) -> Option<Source> {
+        let from = from.replace('\\', "/");
         let beside = from.rfind('/').and_then(|at| from.get(..=at)).map(|folder| format!("{folder}{name}"));
         let beside = beside.and_then(|path| self.load(&path).ok().map(|text| (path, text)));
         let found = beside.or_else(|| self.load(name).ok().map(|text| (name.to_owned(), text)));
@@ -304,6 +310,10 @@ impl Registers for Test {
 impl Host for Test {
     fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
         self.inside(index, indices)?;
+        if self.date == Some(index) {
+            let (now, offset, _) = self.now();
+            return Ok(Value::text(stamp(now, offset)));
+        }
         let element = if indices.is_empty() { None } else { self.elements.get(&(index, indices.to_vec())) };
         Ok(element.or_else(|| self.values.get(index as usize)).cloned().unwrap_or(Value::Null))
     }
@@ -458,7 +468,8 @@ impl Host for Test {
     }
 
     fn setting(&self, definition: bool, name: &str) -> Option<String> {
-        let own = || self.settings.get(name).cloned();
+        let variable = || self.system_value(name).and_then(Value::as_text).map(str::to_owned);
+        let own = || self.settings.get(name).cloned().or_else(variable);
         match &self.outside {
             Some(outside) if !definition => own().or_else(|| outside.environment(name)),
             _ => own(),
