@@ -81,7 +81,7 @@ impl Outside for Sandbox {
             say::talk(text);
             return true;
         }
-        match say::data(format!("{text}\n").as_bytes()) {
+        match say::line(text) {
             Ok(()) => true,
             Err(error) => {
                 self.broken.borrow_mut().get_or_insert(error);
@@ -95,9 +95,9 @@ impl Outside for Sandbox {
     }
 
     fn console(&mut self) -> Option<String> {
-        let mut line = String::new();
-        let read = io::stdin().lock().read_line(&mut line).ok()?;
-        (read > 0).then(|| line.trim_end_matches(['\n', '\r']).to_owned())
+        let mut line = Vec::new();
+        let read = io::stdin().lock().take(LARGEST).read_until(b'\n', &mut line).ok()?;
+        (read > 0).then(|| String::from_utf8_lossy(&line).trim_end_matches(['\n', '\r']).to_owned())
     }
 
     fn read(&mut self, path: &str) -> Result<String, i32> {

@@ -140,3 +140,33 @@ fn budgets_end_a_run() {
         assert_eq!(host.diagnostics[0].macro_name.as_deref(), Some("m"));
     }
 }
+
+#[test]
+fn work_on_long_values_costs_more_steps() {
+    let long = "T='x'\nQ={1}\nDO/I=1,18\nT+=T\nQ+=Q\nENDOF/DO\nV=T//' '\nR=Q\n";
+    let limits = Limits { ticks: 2_000_000, ..Limits::default() };
+    for text in
+        ["U=T//T", "U=T", "U={Q,1}", "U=Q(2:)", "B=T.EQ.V", "B=Q.EQ.R", "U=T(9)", "U=$FTOLOWR(T)", "U=$FFIND(Q,2)"]
+    {
+        let more = if text == "U=T" { "\nU+='x'" } else { "" };
+        let file = ("m".to_owned(), format!("{long}A: PPRINT/'x'\n{text}{more}\nJUMPTO/A"));
+        let mut host = Test::new();
+        assert!(tools::run(&[file], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.diagnostics[0].number, Number::TICKS, "{text}");
+        assert!(host.printed.len() < 500, "{text} ran {} times", host.printed.len());
+    }
+}
+
+#[test]
+fn what_macros_pile_up_in_the_host_is_bounded() {
+    let limits = Limits { ticks: 200_000, ..Limits::default() };
+    for text in
+        ["X=$FMRU_SETPARAM(H,'k',$FSWRIT('!(*)',N),1)", "X=$FCEADD(CODE_STOP)", "X=$FTMPFILE()", "X=$FMRU_OPEN()"]
+    {
+        let text = format!("H=$FMRU_OPEN()\nN=0\nA: N+=1\n{text}\nJUMPTO/A");
+        let mut host = Test::new();
+        assert!(tools::run(&[("m".to_owned(), text)], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.diagnostics[0].number, Number::TICKS);
+        assert!(host.files.is_empty());
+    }
+}

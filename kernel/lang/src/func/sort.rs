@@ -109,7 +109,7 @@ fn sorted(
     let Some(text) = context.host.read_file(input) else { return Ok(Err(CANNOT_READ)) };
     let mut lines: Vec<&str> = text.lines().collect();
     context.state.check_elements(lines.len())?;
-    context.state.spend(lines.len())?;
+    context.state.spend(lines.len() + text.len() / 16)?;
     lines.sort_by(|a, b| compare(a, b, delimiters, keys));
     let mut out = lines.join("\n");
     if !lines.is_empty() {

@@ -35,6 +35,9 @@ pub struct Domain {
     pub nullable: bool,
 }
 
+/// Steps that work on a file costs.
+const FILE_TICKS: usize = 100;
+
 /// Gives the name of the tables for one that may be spelled otherwise.
 type Spelling = fn(&str) -> Option<&'static str>;
 
@@ -374,6 +377,11 @@ impl Host for Test {
     }
 
     fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+        if matches!(function.name, "$FACCESS" | "$FSTAT" | "$FSETCWD" | "$FTMPFILE")
+            || function.name.starts_with("$FMRU_")
+        {
+            state.spend(FILE_TICKS)?;
+        }
         Ok(match function.name {
             "$FEOF" => Value::Logical(self.next >= self.program.len()),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
@@ -392,7 +400,7 @@ impl Host for Test {
             "$FMACSTA" => self.macro_states(arguments),
             "$FREGFMT" => Test::register_format(arguments),
             "$FREGPOS" => Test::register_position(arguments),
-            "$FCEADD" => self.add(arguments),
+            "$FCEADD" => self.add(state, arguments)?,
             "$FCEGET" => self.seek(arguments, true)?,
             "$FCESEEK" => self.seek(arguments, false)?,
             "$FCEGAC" => self.active(arguments, false),
@@ -408,7 +416,7 @@ impl Host for Test {
             "$FDK" => self.kinematics(arguments, false)?,
             "$FIK" => self.kinematics(arguments, true)?,
             "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
-            name if name.starts_with("$FMRU_") => self.most_recently_used(state, name, arguments),
+            name if name.starts_with("$FMRU_") => self.most_recently_used(state, name, arguments)?,
             name if name.starts_with("$FMS") => self.without_model(state, function),
             name => return Err(Fault::new(Number::NO_HOST, format!("{name} needs a machine, and there is none here"))),
         })

@@ -58,14 +58,16 @@ impl Test {
         self.groups.insert(index, group);
     }
 
-    pub(super) fn add(&mut self, arguments: &[Value]) -> Value {
-        let Some(item) = arguments.first() else { return Value::Logical(false) };
+    pub(super) fn add(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        // Looking for an item goes through all of them, so a block pays for its length.
+        state.spend(self.block.items.len())?;
+        let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
         let known = !matches!(item, Value::Code(0) | Value::Register(0));
         if known {
             let value = arguments.get(1).cloned().unwrap_or(Value::Real(0.0));
             self.block.items.push((item.clone(), value));
         }
-        Value::Logical(known)
+        Ok(Value::Logical(known))
     }
 
     pub(super) fn seek(&mut self, arguments: &[Value], take: bool) -> Outcome<Value> {
@@ -168,6 +170,7 @@ impl Test {
         let mut budget = crate::pattern::STEPS;
         for number in blocks {
             let Some(block) = number.checked_sub(1).and_then(|at| self.program.get(at)).cloned() else { continue };
+            state.spend(1 + block.len() / 16)?;
             for pattern in &patterns {
                 state.spend(1 + block.len() / 16)?;
                 if pattern.find(&block, 0, &mut budget)?.is_some() {

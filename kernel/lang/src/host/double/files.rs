@@ -3,11 +3,14 @@
 //! Invariant: a name that is absolute or climbs with `..` never reaches the outside. Facts: reference functions.md 7.
 
 use super::Test;
-use super::outside::{FORBIDDEN, Facts, INVALID, NOT_FOUND};
+use super::outside::{FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::value::Value;
 use crate::vm::State;
+
+/// Temporary files of one run.
+const MOST_TEMPORARIES: usize = 100;
 
 /// Storage that macros may only read.
 const STORAGE: &str = "//ICAMFS/";
@@ -154,6 +157,7 @@ impl Test {
             Some(_) => self.place(state, text(arguments, 0)).and_then(|_| self.load(text(arguments, 0))),
             None => Ok(String::new()),
         };
+        let content = if self.temporaries.len() < MOST_TEMPORARIES { content } else { Err(FAILED) };
         let mut number = self.temporaries.len() + 1;
         let name = loop {
             let name = format!("macro-{number}.tmp");

@@ -5,12 +5,17 @@
 
 use super::Test;
 use super::files::text;
+use super::outside::FAILED;
+use crate::fault::Outcome;
 use crate::value::Value;
 use crate::vm::State;
 use std::fmt::Write as _;
 
 /// Name of a store that is opened without one.
 const DEFAULT_FILE: &str = "counterpoint-mru.xml";
+
+/// Stores that can be opened in one run.
+const MOST: usize = 100;
 
 #[derive(Clone, Debug, Default)]
 struct Key {
@@ -136,18 +141,18 @@ fn done(good: bool) -> Value {
 }
 
 impl Test {
-    pub(super) fn most_recently_used(&mut self, state: &mut State, name: &str, arguments: &[Value]) -> Value {
+    pub(super) fn most_recently_used(&mut self, state: &mut State, name: &str, arguments: &[Value]) -> Outcome<Value> {
         if name == "$FMRU_OPEN" {
-            return self.open_store(state, text(arguments, 0));
+            return Ok(self.open_store(state, text(arguments, 0)));
         }
         let handle = arguments.first().and_then(Value::as_real).unwrap_or(0.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let at = (handle.max(0.0) as usize).wrapping_sub(1);
         if name == "$FMRU_CLOSE" {
-            let Some(store) = self.stores.get_mut(at).and_then(Option::take) else { return Value::Null };
+            let Some(store) = self.stores.get_mut(at).and_then(Option::take) else { return Ok(Value::Null) };
             let saved = self.save(&store.file, &store.write());
             state.status = saved.err().unwrap_or(0);
-            return done(saved.is_ok());
+            return Ok(done(saved.is_ok()));
         }
         let default = self.default_key();
         let key = |value: Option<&Value>| match value {
@@ -155,14 +160,18 @@ impl Test {
             Some(Value::Real(number)) if *number != 0.0 => crate::format::wildcard_text(*number),
             _ => default.clone(),
         };
-        let Some(store) = self.stores.get_mut(at).and_then(Option::as_mut) else { return Value::Null };
+        let Some(store) = self.stores.get_mut(at).and_then(Option::as_mut) else {
+            return Ok(Value::Null);
+        };
+        // Every search goes through the whole store, so it pays for its size.
+        state.spend(store.keys.len() + store.keys.iter().map(|key| key.parameters.len()).max().unwrap_or(0))?;
         let key = named(store, arguments.get(1)).unwrap_or_else(|| key(arguments.get(1)));
-        asked(store, name, &key, arguments)
+        Ok(asked(store, name, &key, arguments))
     }
 
     fn open_store(&mut self, state: &mut State, file: &str) -> Value {
         let file = if file.trim().is_empty() { DEFAULT_FILE } else { file.trim() };
-        state.status = self.openable(state, file);
+        state.status = if self.stores.len() < MOST { self.openable(state, file) } else { FAILED };
         if state.status != 0 {
             return done(false);
         }
