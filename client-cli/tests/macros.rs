@@ -168,6 +168,10 @@ fn lines_come_as_they_are_printed_and_a_closed_pipe_ends_the_run() {
     assert_eq!(lines.next().unwrap().unwrap(), "2");
     drop(lines);
     assert_eq!(shown(&child.wait_with_output().unwrap()), (0, String::new(), String::new()));
+    let mut command = self::command(folder.path(), &["run", "--trace", "loop.mac"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(shown(&child.wait_with_output().unwrap()), (0, String::new(), String::new()));
 }
 
 #[test]

@@ -206,6 +206,30 @@ mod tests {
     }
 
     #[test]
+    fn the_page_shows_the_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/macro-language/system-variables.md");
+        let page = std::fs::read_to_string(path).unwrap();
+        let mut shown = page.lines().filter(|line| line.starts_with("| `$"));
+        for line in include_str!("system.tsv").lines().filter(|line| !line.starts_with('#')) {
+            let columns: Vec<&str> = line.split('\t').collect();
+            let variables = row(line).unwrap();
+            let variable = &variables[0];
+            let form = variable.form().replacen(&variable.name, columns[0], 1);
+            let kind = variable.kind.map_or("any", Kind::name);
+            let range = if columns[6].is_empty() { String::new() } else { format!(" {}", columns[6]) };
+            let access = match variable.access {
+                Access::Read => "read",
+                Access::Write => "write",
+                Access::Start => "start",
+            };
+            let first = if columns[5] == "-" { String::new() } else { format!("`{}`", columns[5]) };
+            let wanted = format!("| `{form}` | {kind}{range} | {access} | {first} | {} |", variable.about);
+            assert_eq!(shown.next(), Some(wanted.as_str()));
+        }
+        assert_eq!(shown.next(), None);
+    }
+
+    #[test]
     fn facts_of_the_reference() {
         let facts = |name: &str| find(name).map(|v| (v.kind, v.access, v.form()));
         assert_eq!(facts("$CECODE"), Some((Some(Kind::Code), Access::Read, "$CECODE".to_owned())));

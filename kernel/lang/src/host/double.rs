@@ -229,10 +229,15 @@ impl Test {
             self.printed.push(text.to_owned());
             return Ok(0);
         };
-        if outside.line(stream, text) {
+        self.unheard |= !outside.line(stream, text);
+        self.heard(state)
+    }
+
+    /// Ends the whole run when nobody takes lines any more.
+    fn heard(&self, state: &mut State) -> Outcome<i32> {
+        if !self.unheard {
             return Ok(0);
         }
-        self.unheard = true;
         state.ticks = 0;
         Err(Fault::new(Number::TICKS, "nobody reads what is printed any more"))
     }
@@ -360,6 +365,7 @@ impl Host for Test {
     }
 
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        self.heard(state)?;
         match &command {
             Command::Print(text) => return self.line(state, Stream::Printed, text),
             Command::System(_) => {
@@ -436,9 +442,8 @@ impl Host for Test {
 
     fn trace(&mut self, line: &str) {
         match &mut self.outside {
-            Some(outside) => {
-                outside.line(Stream::Traced, line);
-            }
+            Some(_) if self.unheard => {}
+            Some(outside) => self.unheard = !outside.line(Stream::Traced, line),
             None => self.traced.push(line.to_owned()),
         }
     }
