@@ -33,6 +33,9 @@ pub(crate) enum Command {
     /// Check, list and show machines
     #[command(subcommand)]
     Machine(Machine),
+    /// Check, rewrite, run and explain macros
+    #[command(subcommand)]
+    Macro(crate::macros::arguments::Macro),
     /// Print a completion script for a shell
     Completions {
         /// The shell

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::progress::Progress;
 use crate::report::{table, time};
 use crate::say::{self, BAD, WARN, styled};
-use crate::{pack, results, run};
+use crate::{macros, pack, results, run};
 
 /// Times a broken watch is taken up again.
 const RETRIES: u32 = 8;
@@ -32,6 +32,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
         Command::Machine(arguments) => machine(arguments).await,
+        Command::Macro(command) => macros::dispatch(&command),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "counterpoint", &mut script);

@@ -1,12 +1,13 @@
 //! `counterpoint`: run NC programs, submit them to a server, watch them, read results.
 //!
 //! Invariants: data goes to standard output, talk to standard error; the exit code says how it ended (0 clean,
-//! 1 the job ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
+//! 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
 
 mod arguments;
 mod client;
 mod commands;
 mod error;
+mod macros;
 mod pack;
 mod progress;
 mod report;

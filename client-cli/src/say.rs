@@ -42,6 +42,12 @@ pub(crate) fn data(bytes: &[u8]) -> Result<(), Error> {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(broken)
 }
 
+/// A line of data as it is, escape codes too.
+pub(crate) fn line(text: &str) -> Result<(), Error> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush()).map_err(broken)
+}
+
 /// What a failed write to standard output means.
 fn broken(error: io::Error) -> Error {
     match error.kind() {

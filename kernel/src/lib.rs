@@ -14,6 +14,7 @@ pub mod files;
 pub mod job;
 pub mod log;
 pub mod machine;
+pub mod macros;
 pub mod mcd;
 mod multi;
 pub mod options;

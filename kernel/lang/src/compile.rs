@@ -34,9 +34,11 @@ pub enum Strong {
 /// Where a macro will run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
-    /// Where every command is possible.
+    /// Where every command is possible, but under strong declaration nothing shared is declared.
     #[default]
     Any,
+    /// File of functions and declarations that goes with the declaration macro: everything is possible.
+    Library,
     /// Declaration macro.
     Declaration,
     /// Data macro: no OUTPUT.
@@ -161,6 +163,10 @@ fn load(
     added.diagnostics.extend(diagnostics);
     for statement in macros.iter().flat_map(|one| &one.statements) {
         if let StatementKind::Include(name) = &statement.kind {
+            if restricted(options) && depth == 0 {
+                let message = "under strong declaration INCLUD stands in the declaration macro";
+                added.diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
+            }
             include(program, environment, source, (name, statement.span), options, added, depth);
         }
     }
@@ -190,6 +196,8 @@ fn include(
     added: &mut Added,
     depth: usize,
 ) {
+    let options =
+        Options { place: if options.place == Place::Any { Place::Library } else { options.place }, ..options };
     if program.included.contains(name) {
         return;
     }
@@ -227,6 +235,11 @@ fn register(program: &mut Program, source: &Arc<Source>, one: &Macro, diagnostic
     index
 }
 
+/// Tells whether shared variables and files of functions may not be named here.
+fn restricted(options: Options) -> bool {
+    options.strong != Strong::Off && !matches!(options.place, Place::Declaration | Place::Library)
+}
+
 /// Makes the shared variables that a macro declares.
 fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, diagnostics: &mut Vec<Diagnostic>) {
     for statement in &one.statements {
@@ -234,7 +247,7 @@ fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, 
         if *scope == Scope::Local {
             continue;
         }
-        if options.strong != Strong::Off && options.place != Place::Declaration && options.place != Place::Any {
+        if restricted(options) {
             let message = "under strong declaration GLOBAL and OBJECT variables are declared in the declaration macro";
             diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
         }
@@ -349,6 +362,9 @@ impl<'a> MacroCompiler<'a> {
             self.statement(statement);
         }
         self.finish_blocks();
+        if one.statements.last().is_none_or(|last| last.kind != StatementKind::EndMacro) {
+            self.trace_text("ENDMAC".to_owned());
+        }
         self.emit(Op::Return);
         self.finish_jumps();
         self.warn_uninitialised();
@@ -456,10 +472,15 @@ impl<'a> MacroCompiler<'a> {
     }
 
     fn trace(&mut self) {
+        if self.options.trace {
+            self.trace_text(crate::tools::standard_line(self.source.slice(self.place)));
+        }
+    }
+
+    fn trace_text(&mut self, text: String) {
         if !self.options.trace {
             return;
         }
-        let text = crate::tools::standard_line(self.source.slice(self.place));
         self.code.statements.push(text);
         let statement = u16::try_from(self.code.statements.len() - 1).unwrap_or(u16::MAX);
         self.emit(Op::Trace { statement });

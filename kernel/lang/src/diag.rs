@@ -54,6 +54,7 @@ numbers! {
     NO_FILE = 2910034, 8, "file of an INCLUD that cannot be read";
     TOO_MANY = 2910035, 8, "further diagnostics of a file are not listed";
     DUPLICATE_FUNCTION = 2910036, 8, "function defined twice, or a malformed MACRO header";
+    RECORD_IGNORED = 2910037, 4, "record of the post product in a macro of the control emulator";
     TYPE_MISMATCH = 2910050, 8, "value of the wrong type at run time";
     OUT_OF_RANGE = 2910051, 8, "index outside of a text, sequence or array";
     BAD_ARITHMETIC = 2910052, 8, "arithmetic without a result";
@@ -71,6 +72,12 @@ numbers! {
     BAD_VECTOR = 2910064, 8, "vector or matrix of an impossible size";
     TERMAC_GENERATED = 2910065, 0, "macro ended because of an error";
     TYPED_STORE = 2910066, 8, "value of the wrong type for a declared variable";
+    OUTSIDE = 2910067, 4, "file name that leads out of the folder of the run";
+    NO_DIALOG = 2910068, 8, "dialog without answers";
+    PROGRAM_END = 2910069, 4, "block asked for behind the end of the NC program";
+    NO_MODEL = 2910070, 0, "function of a machine model where there is none";
+    NO_SETTING = 2910071, 4, "setting of the pre-processor that does not exist";
+    BAD_VALUE = 2910072, 8, "value that a system variable does not take";
     AUTHOR = 2910090, 0, "diagnostic issued by a macro itself";
 }
 

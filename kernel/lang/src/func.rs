@@ -9,8 +9,11 @@ mod files;
 mod geometry;
 mod math;
 mod matrix;
+mod sort;
 mod text;
 mod vector;
+
+pub use date::stamp;
 
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
@@ -37,7 +40,7 @@ pub enum Way {
     Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
     /// By the host.
     Host,
-    /// Part of another product or out of scope; the text tells which.
+    /// Part of another product; the text tells which.
     Missing(&'static str),
 }
 
@@ -130,8 +133,6 @@ const fn missing(name: &'static str, why: &'static str) -> Function {
 }
 
 const POST: &str = "it belongs to the post product";
-const SCOPE: &str = "it builds or shows geometry of a model, which this project does not do";
-const NOT_YET: &str = "it is not part of this implementation yet";
 
 /// Every function.
 pub static TABLE: &[Function] = &[
@@ -304,35 +305,35 @@ pub static TABLE: &[Function] = &[
     host("$FMSID", "aA+", R),
     host("$FMSIDN", "n", S),
     host("$FMSIDT", "n", R),
-    missing("$FMSTOOL", SCOPE),
-    missing("$FMSHLD", SCOPE),
-    missing("$FMSPART", SCOPE),
-    missing("$FMSFIXTURE", SCOPE),
-    missing("$FMSCHIP", SCOPE),
-    missing("$FMSTPS", SCOPE),
-    missing("$FMSCMRA", SCOPE),
-    missing("$FMSPIC", SCOPE),
-    missing("$FMSIDS", NOT_YET),
-    missing("$FMSPCK", NOT_YET),
-    missing("$FMSADDTOOL", NOT_YET),
-    missing("$FMSBTC", NOT_YET),
-    missing("$FMSETC", NOT_YET),
-    missing("$FMSCOLR", SCOPE),
-    missing("$FMSGOUG", SCOPE),
-    missing("$FMSESF", SCOPE),
-    missing("$FMSSETUP", SCOPE),
-    missing("$FMSTRN", NOT_YET),
-    missing("$FMSPROB", NOT_YET),
-    missing("$FMSPRID", NOT_YET),
-    missing("$FMSPPOS", NOT_YET),
-    missing("$FMSPDAT", NOT_YET),
-    missing("$FMSCEZ", NOT_YET),
-    missing("$FMSLSR", NOT_YET),
-    missing("$FMSNEAR", NOT_YET),
-    missing("$FMSVCL", NOT_YET),
-    missing("$FMSADPT", NOT_YET),
-    missing("$FMSMRS", NOT_YET),
-    missing("$FMSTOLER", NOT_YET),
+    host("$FMSTOOL", "A+", R),
+    host("$FMSHLD", "A+", R),
+    host("$FMSPART", "A+", R),
+    host("$FMSFIXTURE", "A+", R),
+    host("$FMSCHIP", "A+", R),
+    host("$FMSTPS", "A+", R),
+    host("$FMSCMRA", "A+", R),
+    host("$FMSPIC", "A+", R),
+    host("$FMSIDS", "A+", Q),
+    host("$FMSPCK", "n", R),
+    host("$FMSADDTOOL", "aaA", R),
+    host("$FMSBTC", "", R),
+    host("$FMSETC", "", R),
+    host("$FMSCOLR", "A+", R),
+    host("$FMSGOUG", "N", R),
+    host("$FMSESF", "A+", R),
+    host("$FMSSETUP", "N", R),
+    host("$FMSTRN", "nnA", R),
+    host("$FMSPROB", "N", R),
+    host("$FMSPRID", "N", R),
+    host("$FMSPPOS", "", A),
+    host("$FMSPDAT", "nn", A),
+    host("$FMSCEZ", "n", R),
+    host("$FMSLSR", "A+", A),
+    host("$FMSNEAR", "A+", A),
+    host("$FMSVCL", "A+", A),
+    host("$FMSADPT", "A+", A),
+    host("$FMSMRS", "N", R),
+    host("$FMSTOLER", "A+", R),
     missing("$FCLREC", POST),
     missing("$FCLS", POST),
     missing("$FCL", POST),

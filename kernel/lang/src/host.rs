@@ -5,7 +5,7 @@
 
 mod double;
 
-pub use double::Test;
+pub use double::{Answer, Domain, FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream, Test};
 
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
@@ -38,6 +38,11 @@ pub trait Environment {
     fn register(&self, name: &str) -> Option<u32>;
     /// All code and data identifiers, for near misses.
     fn identifiers(&self) -> Vec<String>;
+    /// Product that has a system variable of this name when the control has none.
+    fn foreign(&self, name: &str) -> Option<&'static str> {
+        let _ = name;
+        None
+    }
     /// Text of a file of functions named by a file.
     fn include(&mut self, name: &str, from: &str) -> Option<Source>;
 }
@@ -118,6 +123,12 @@ pub trait Host: Registers {
 
     /// Takes one line of the macro trace.
     fn trace(&mut self, line: &str);
+
+    /// Tells whether a macro may open a file of this name: 0, else the status for `$ERRNO`.
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        let _ = (state, path);
+        0
+    }
 
     /// Text of a file, none if it cannot be read.
     fn read_file(&mut self, path: &str) -> Option<String>;

@@ -6,6 +6,8 @@
 mod expression;
 mod statement;
 
+pub use statement::COMMANDS;
+
 use crate::ast::{Expr, ExprKind, Macro, Statement, StatementKind, Variable, When};
 use crate::diag::{Diagnostic, Number};
 use crate::lex::{self, Line, Sign, Spanned, Token};

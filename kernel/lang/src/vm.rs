@@ -172,7 +172,8 @@ impl State {
         Err(Fault::new(Number::SIZE, format!("there are more than {} elements", self.limits.elements)))
     }
 
-    /// Notes a warning of a function that goes on with `$NULL`; it is reported with the place of the call.
+    /// Notes a warning of a function that goes on with `$NULL`; it is reported with the place of the
+    /// call, as a warning at most.
     pub fn warn(&mut self, fault: Fault) {
         self.notes.push(fault);
     }
@@ -189,6 +190,14 @@ impl State {
         }
         self.ticks -= ticks;
         Ok(())
+    }
+}
+
+/// Reports what functions and commands noted.
+fn report_notes(code: &Code, place: Span, state: &mut State, host: &mut dyn Host) {
+    for fault in std::mem::take(&mut state.notes) {
+        let severity = fault.number.severity().min(4);
+        report(code, place, fault, severity, state, host);
     }
 }
 

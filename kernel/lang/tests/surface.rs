@@ -1,7 +1,7 @@
 //! The public surface as the kernel and the command line use it.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-use counterpoint_lang::compile::{self, Options, Place, Program};
+use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::host::Test;
 use counterpoint_lang::source::Source;
@@ -73,29 +73,53 @@ fn included_files_define_functions_once() {
     assert_eq!(host.printed, ["2"]);
 }
 
-fn run(files: &[(&str, &str)], options: RunOptions) -> (u8, String, String) {
+fn run(files: &[(&str, &str)], options: RunOptions) -> (bool, Test) {
     let files: Vec<(String, String)> = files.iter().map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect();
-    let (mut out, mut error) = (Vec::new(), Vec::new());
-    let code = tools::run(&files, &mut out, &mut error, options).unwrap();
-    (code, String::from_utf8(out).unwrap(), String::from_utf8(error).unwrap())
+    let mut host = Test::new();
+    (tools::run(&files, &mut host, options), host)
 }
 
 #[test]
-fn run_prints_what_the_last_file_prints() {
+fn run_runs_the_last_file() {
     let functions = ("f", "MACRO/TWICE(V)\nTWICE=2*V\nENDMAC");
-    let (code, out, error) = run(&[functions, ("m", "PPRINT/'!(*)',TWICE(4)")], RunOptions::default());
-    assert_eq!((code, out.as_str(), error.as_str()), (0, "8\n", ""));
-    let (code, out, error) = run(&[("m", "PPRINT/'a'\nERROR/8,'bad'\nPPRINT/'b'")], RunOptions::default());
-    assert_eq!((code, out.as_str()), (1, "a\n"));
-    assert!(
-        error.starts_with("Error 02910090: bad\n  --> m:2:1 in m\n    2 | ERROR/8,'bad'\n      | ^^^^^^^^^^^^^\n"),
-        "{error}"
-    );
-    let (code, out, error) = run(&[("m", "A=")], RunOptions::default());
-    assert_eq!((code, out.as_str()), (1, ""));
-    assert!(error.contains("02910010"));
-    let (_, out, _) = run(&[("m", "a=1")], RunOptions { trace: true, ..RunOptions::default() });
-    assert_eq!(out, " Macro:* Entering m\n Macro:  A=1\n Macro:* Leaving m, Returning to regular processing\n");
+    let (failed, host) = run(&[functions, ("m", "PPRINT/'!(*)',TWICE(4)")], RunOptions::default());
+    assert!(!failed && host.printed == ["8"] && host.diagnostics.is_empty());
+    let (failed, host) = run(&[("m", "PPRINT/'a'\nERROR/8,'bad'\nPPRINT/'b'")], RunOptions::default());
+    assert!(failed && host.printed == ["a"]);
+    let text = host.diagnostics[0].to_string();
+    let wanted = "Error 02910090: bad\n  --> m:2:1 in m\n    2 | ERROR/8,'bad'\n      | ^^^^^^^^^^^^^\n";
+    assert!(text.starts_with(wanted), "{text}");
+    let (failed, host) = run(&[("m", "A=")], RunOptions::default());
+    assert!(failed && host.diagnostics[0].number == Number::SYNTAX);
+    let (_, host) = run(&[("m", "a=1")], RunOptions { trace: true, ..RunOptions::default() });
+    let wanted = [
+        " Macro:* Entering m",
+        " Macro:  A=1",
+        " Macro:  ENDMAC",
+        " Macro:* Leaving m, Returning to regular processing",
+    ];
+    assert_eq!(host.traced, wanted);
+}
+
+#[test]
+fn files_are_checked_together() {
+    let file = |name: &str, text: &str| (name.to_owned(), text.to_owned());
+    let files = [
+        file("use", "DECLAR/GLOBAL,REAL,TOP=TWICE(2)\nINCLUD/'no'"),
+        file("define", "MACRO/TWICE(V)\nTWICE=2*V\nENDMAC\nA=TWYCE(1)"),
+    ];
+    let numbers = |strong| -> Vec<Vec<Number>> {
+        let found = tools::check_all(&files, &mut Test::new(), strong);
+        found.iter().map(|all| all.iter().map(|d| d.number).collect()).collect()
+    };
+    let off = [vec![Number::NO_FILE], vec![Number::UNKNOWN_FUNCTION]];
+    assert_eq!(numbers(Strong::Off), off);
+    assert_eq!(numbers(Strong::Partial), off);
+    assert_eq!(numbers(Strong::Full), [vec![Number::NO_FILE], vec![Number::UNDECLARED, Number::UNKNOWN_FUNCTION]]);
+    let files = [file("m", "DECLAR/GLOBAL,A\nDECLAR/OBJECT,B\nINCLUD/'no'\nC=1")];
+    let found = tools::check_all(&files, &mut Test::new(), Strong::Partial);
+    let lines: Vec<u32> = found[0].iter().filter(|d| d.number == Number::UNDECLARED).map(|d| d.line).collect();
+    assert_eq!(lines, [1, 2, 3]);
 }
 
 #[test]
@@ -114,5 +138,35 @@ fn budgets_end_a_run() {
         vm::run(&program, &mut State::new(limits), &mut host, added.macros[0], &mut []);
         assert_eq!(host.diagnostics[0].number, number, "{text}");
         assert_eq!(host.diagnostics[0].macro_name.as_deref(), Some("m"));
+    }
+}
+
+#[test]
+fn work_on_long_values_costs_more_steps() {
+    let long = "T='x'\nQ={1}\nDO/I=1,18\nT+=T\nQ+=Q\nENDOF/DO\nV=T//' '\nR=Q\n";
+    let limits = Limits { ticks: 2_000_000, ..Limits::default() };
+    for text in
+        ["U=T//T", "U=T", "U={Q,1}", "U=Q(2:)", "B=T.EQ.V", "B=Q.EQ.R", "U=T(9)", "U=$FTOLOWR(T)", "U=$FFIND(Q,2)"]
+    {
+        let more = if text == "U=T" { "\nU+='x'" } else { "" };
+        let file = ("m".to_owned(), format!("{long}A: PPRINT/'x'\n{text}{more}\nJUMPTO/A"));
+        let mut host = Test::new();
+        assert!(tools::run(&[file], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.diagnostics[0].number, Number::TICKS, "{text}");
+        assert!(host.printed.len() < 500, "{text} ran {} times", host.printed.len());
+    }
+}
+
+#[test]
+fn what_macros_pile_up_in_the_host_is_bounded() {
+    let limits = Limits { ticks: 200_000, ..Limits::default() };
+    for text in
+        ["X=$FMRU_SETPARAM(H,'k',$FSWRIT('!(*)',N),1)", "X=$FCEADD(CODE_STOP)", "X=$FTMPFILE()", "X=$FMRU_OPEN()"]
+    {
+        let text = format!("H=$FMRU_OPEN()\nN=0\nA: N+=1\n{text}\nJUMPTO/A");
+        let mut host = Test::new();
+        assert!(tools::run(&[("m".to_owned(), text)], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.diagnostics[0].number, Number::TICKS);
+        assert!(host.files.is_empty());
     }
 }

@@ -177,6 +177,11 @@ impl MacroCompiler<'_> {
                 writable: variable.writable,
             };
         }
+        if let Some(product) = self.environment.foreign(name) {
+            let message = format!("{name} belongs to {product}; the control emulator has no such variable");
+            self.error(span, Number::UNKNOWN_VARIABLE, message);
+            return Reach::Nowhere;
+        }
         let names = table.iter().map(|variable| variable.name.as_str());
         let near = ident::nearest(name, names.chain(["$TRUE", "$FALSE", "$NULL", "$PI", "$ERRNO"]));
         let help = match near {

@@ -32,9 +32,12 @@ impl MacroCompiler<'_> {
         }
     }
 
-    /// Refuses what the kind of macro does not allow.
+    /// Refuses what the kind of macro does not allow; functions may do whatever their callers may.
     fn allowed(&mut self, kind: &StatementKind) {
         use StatementKind as K;
+        if self.code.is_function {
+            return;
+        }
         let message = match (self.options.place, kind) {
             (Place::Data, K::Output) => "OUTPUT is not possible in a data macro",
             (Place::Startup, K::Output) => "OUTPUT is not possible in a startup or shutdown macro",

@@ -163,6 +163,14 @@ fn one(out: &mut String, code: char, bare: bool, at: &Moment, zone: &str) {
     }
 }
 
+/// A time (seconds since 1970, offset of the zone in seconds) as `$DATE` has it: `dd-mmm-yyyy hh:mm:ss.ss`.
+#[must_use]
+pub fn stamp(now: f64, offset: i32) -> String {
+    let mut out = String::new();
+    write(&mut out, "%d-%b-%Y %H:%M:%S.%s", &moment(now + f64::from(offset)), "");
+    out
+}
+
 pub(super) fn time_text(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (_, offset, zone) = context.host.now();
     let mut out = String::new();

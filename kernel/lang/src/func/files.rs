@@ -1,8 +1,7 @@
 //! Names of files, command lines, settings, sorting.
 
 use super::{Context, count, number, real, string};
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
+use crate::fault::Outcome;
 use crate::ident;
 use crate::value::{Kind, Value};
 use std::cmp::Ordering;
@@ -108,11 +107,9 @@ pub(super) fn definition(context: &mut Context<'_>, arguments: &[Value]) -> Outc
     setting(context, true, arguments)
 }
 
-/// Sorts a sequence, optionally as rows of several columns; the file form needs a host with files.
+/// Sorts a sequence, optionally as rows of several columns, or a file into another one.
 pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    let Some(Value::Sequence(all)) = arguments.first() else {
-        return Err(Fault::new(Number::NO_HOST, "$FSORT sorts sequences; files are not sorted here"));
-    };
+    let Some(Value::Sequence(all)) = arguments.first() else { return super::sort::file(context, arguments) };
     let width = if arguments.len() > 1 { count(number(arguments, 1)?).max(1) } else { 1 };
     let mut keys = Vec::new();
     for pair in arguments.get(2..).unwrap_or(&[]).chunks(2) {

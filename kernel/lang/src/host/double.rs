@@ -1,16 +1,47 @@
-//! A host without a machine: commands are kept as text, files live in memory.
+//! A host without a machine: commands are kept as text, files live in memory unless it is given an [`Outside`].
+//!
+//! Invariant: it answers every function of the language; what it was not told it answers as a control without a model,
+//! without a user and without an NC program.
+
+mod blocks;
+mod dialog;
+mod files;
+mod model;
+mod mru;
+mod outside;
+mod tables;
+
+pub use dialog::Answer;
+pub use outside::{FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream};
 
 use super::{Command, Environment, Host, SystemVariable};
-use crate::diag::{Diagnostic, Number};
+use crate::diag::{self, Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
-use crate::func::Function;
+use crate::func::{Function, stamp};
 use crate::source::Source;
 use crate::value::{Kind, Value};
 use crate::vm::State;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-/// The double. Any `CODE_…` and `REG_…` exists; system variables are those of `variables`.
+/// What a system variable takes.
+#[derive(Clone, Debug, Default)]
+pub struct Domain {
+    /// Largest value of each index, none without a limit.
+    pub indices: Vec<Option<u32>>,
+    /// Smallest and largest number.
+    pub values: Option<(f64, f64)>,
+    /// `$NULL` is a value, whatever the type.
+    pub nullable: bool,
+}
+
+/// Steps that work on a file costs.
+const FILE_TICKS: usize = 100;
+
+/// Gives the name of the tables for one that may be spelled otherwise.
+type Spelling = fn(&str) -> Option<&'static str>;
+
+/// The double. Any `CODE_…` and `REG_…` exists unless a list is given; system variables are those of its table.
 #[derive(Debug, Default)]
 pub struct Test {
     /// What PPRINT printed and what was written to the console.
@@ -25,17 +56,43 @@ pub struct Test {
     pub files: BTreeMap<String, String>,
     /// Settings by name.
     pub settings: BTreeMap<String, String>,
+    /// Blocks of the NC program.
+    pub program: Vec<String>,
+    /// Variables of the NC program by name, upper case, indices in brackets.
+    pub nc_variables: BTreeMap<String, Value>,
+    /// Lines the console gives.
+    pub typed: std::collections::VecDeque<String>,
+    outside: Option<Box<dyn Outside>>,
+    unheard: bool,
     table: Vec<SystemVariable>,
     values: Vec<Value>,
+    elements: HashMap<(u32, Vec<i64>), Value>,
+    foreign: Option<fn(&str) -> Option<&'static str>>,
     globals: Vec<Value>,
+    domains: Vec<Domain>,
+    spelling: Option<Spelling>,
+    /// Position of `$DATE`, which is always now.
+    date: Option<u32>,
     identifiers: std::cell::RefCell<Vec<String>>,
+    groups: HashMap<u32, u16>,
+    block: blocks::Block,
+    /// Position of the block read next.
+    next: usize,
+    stores: Vec<Option<mru::Store>>,
+    answers: BTreeMap<String, Answer>,
+    table_of_diagnostics: BTreeMap<u32, tables::Entry>,
+    named_macros: Vec<tables::Named>,
+    said_no_model: bool,
+    /// Current folder below the folder of the run.
+    folder: String,
+    temporaries: Vec<String>,
 }
 
 impl Test {
-    /// A double with a few writable system variables.
+    /// A double with a few system variables.
     #[must_use]
     pub fn new() -> Test {
-        let mut test = Test::default();
+        let mut test = Test::bare();
         for (name, kind, writable) in [
             ("$S", Some(Kind::Real), true),
             ("$F", Some(Kind::Real), true),
@@ -53,10 +110,50 @@ impl Test {
         test
     }
 
-    /// Adds a system variable.
+    /// A double without any system variable.
+    #[must_use]
+    pub fn bare() -> Test {
+        let mut test = Test::default();
+        for (number, severity, about) in diag::TABLE {
+            test.add_diagnostic(number.0, *severity, about);
+        }
+        test
+    }
+
+    /// Adds a single system variable that begins with the value of its type.
     pub fn variable(&mut self, name: &str, kind: Option<Kind>, writable: bool) {
-        self.table.push(SystemVariable { name: name.to_owned(), kind, writable, indices: 0 });
-        self.values.push(kind.map_or(Value::Null, Kind::initial));
+        let initial = kind.map_or(Value::Null, Kind::initial);
+        self.system_variable(
+            SystemVariable { name: name.to_owned(), kind, writable, indices: 0 },
+            initial,
+            Domain::default(),
+        );
+    }
+
+    /// Adds a system variable; every element of an indexed one begins with `initial`.
+    pub fn system_variable(&mut self, variable: SystemVariable, initial: Value, domain: Domain) {
+        if variable.name == "$DATE" {
+            self.date = u32::try_from(self.table.len()).ok();
+        }
+        self.table.push(variable);
+        self.domains.push(domain);
+        self.values.push(initial);
+    }
+
+    /// Tells which product has a system variable that the control does not have.
+    pub fn foreign_variables(&mut self, product: fn(&str) -> Option<&'static str>) {
+        self.foreign = Some(product);
+    }
+
+    /// Lets only these `CODE_…` and `REG_…` names exist.
+    pub fn only_identifiers(&mut self, names: impl IntoIterator<Item = String>, spelling: Spelling) {
+        self.spelling = Some(spelling);
+        self.identifiers.borrow_mut().extend(names);
+    }
+
+    /// Lets lines go out and files be real.
+    pub fn attach(&mut self, outside: Box<dyn Outside>) {
+        self.outside = Some(outside);
     }
 
     fn identifier(&self, name: &str) -> u32 {
@@ -68,9 +165,111 @@ impl Test {
         u32::try_from(at + 1).unwrap_or(0)
     }
 
+    fn find(&self, name: &str) -> Option<u32> {
+        let Some(spelling) = self.spelling else { return Some(self.identifier(name)) };
+        let name = spelling(name)?;
+        let at = self.identifiers.borrow().iter().position(|other| other == name)?;
+        u32::try_from(at + 1).ok()
+    }
+
     fn identifier_name(&self, index: u32, none: &str) -> String {
         let at = (index as usize).checked_sub(1);
         at.and_then(|at| self.identifiers.borrow().get(at).cloned()).unwrap_or_else(|| none.to_owned())
+    }
+
+    fn system_value(&self, name: &str) -> Option<&Value> {
+        self.values.get(self.table.iter().position(|variable| variable.name == name)?)
+    }
+
+    fn system_text(&self, name: &str) -> String {
+        self.system_value(name).and_then(Value::as_text).unwrap_or("").to_owned()
+    }
+
+    fn system_number(&self, name: &str) -> f64 {
+        self.system_value(name).and_then(Value::as_real).unwrap_or(0.0)
+    }
+
+    /// Gives a single system variable a value, read-only or not.
+    pub fn set_system(&mut self, name: &str, value: Value) {
+        let at = self.table.iter().position(|variable| variable.name == name);
+        if let Some(place) = at.and_then(|at| self.values.get_mut(at)) {
+            *place = value;
+        }
+    }
+
+    fn set_global(&mut self, index: usize, value: Value) {
+        if self.globals.len() <= index {
+            self.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(place) = self.globals.get_mut(index) {
+            *place = value;
+        }
+    }
+
+    fn variable_name_of(&self, index: u32) -> &str {
+        self.table.get(index as usize).map_or("the variable", |variable| variable.name.as_str())
+    }
+
+    /// Refuses indices outside of what a system variable has.
+    fn inside(&self, index: u32, indices: &[i64]) -> Outcome<()> {
+        let Some(domain) = self.domains.get(index as usize) else { return Ok(()) };
+        for (given, most) in indices.iter().zip(&domain.indices) {
+            if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {
+                let most = most.map_or_else(|| "no limit".to_owned(), |most| most.to_string());
+                let message = format!("the index {given} of {} is not in 1 to {most}", self.variable_name_of(index));
+                return Err(Fault::new(Number::OUT_OF_RANGE, message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a line; a fault that ends the whole run if nobody takes lines any more.
+    fn line(&mut self, state: &mut State, stream: Stream, text: &str) -> Outcome<i32> {
+        let Some(outside) = &mut self.outside else {
+            self.printed.push(text.to_owned());
+            return Ok(0);
+        };
+        self.unheard |= !outside.line(stream, text);
+        self.heard(state)
+    }
+
+    /// Ends the whole run when nobody takes lines any more.
+    fn heard(&self, state: &mut State) -> Outcome<i32> {
+        if !self.unheard {
+            return Ok(0);
+        }
+        state.ticks = 0;
+        Err(Fault::new(Number::TICKS, "nobody reads what is printed any more"))
+    }
+
+    /// A command for the control as text.
+    fn noted(&self, command: &Command<'_>) -> String {
+        let when = |now: &bool| if *now { "EXEC/NOW" } else { "EXEC/NEXT" };
+        let list = |values: &[Value]| {
+            let mut text = String::new();
+            for value in values {
+                text.push(',');
+                any(&mut text, value, self);
+            }
+            text
+        };
+        match command {
+            Command::Match(on) => format!("MATCH/{}", if *on { "ON" } else { "OFF" }),
+            Command::Output(values) => {
+                let values: Vec<Value> = values.iter().map(|(_, value)| value.clone()).collect();
+                format!("OUTPUT{}", list(&values))
+            }
+            Command::ExecBlock(now, text) => format!("{},{text}", when(now)),
+            Command::ExecItems(now, values) => format!("{}{}", when(now), list(values)),
+            Command::TapeRead => "TAPERD".to_owned(),
+            Command::TapeWrite => "TAPEWT".to_owned(),
+            Command::Search(number) => format!("SEARCH/{number}"),
+            Command::SaveModal => "SAVMODAL".to_owned(),
+            Command::RestoreModal => "RSTMODAL".to_owned(),
+            Command::Listing(on) => format!("LPRINT/{}", if *on { "ON" } else { "OFF" }),
+            Command::Skip(lines) => format!("LPRINT/{lines}"),
+            Command::Print(text) | Command::System(text) => (*text).to_owned(),
+        }
     }
 }
 
@@ -79,16 +278,23 @@ impl Environment for Test {
         &self.table
     }
     fn code(&self, name: &str) -> Option<u32> {
-        Some(self.identifier(name))
+        self.find(name)
     }
     fn register(&self, name: &str) -> Option<u32> {
-        Some(self.identifier(name))
+        self.find(name)
     }
     fn identifiers(&self) -> Vec<String> {
         self.identifiers.borrow().clone()
     }
-    fn include(&mut self, name: &str, _: &str) -> Option<Source> {
-        self.files.get(name).map(|text| Source::new(name, text.as_str()))
+    fn foreign(&self, name: &str) -> Option<&'static str> {
+        self.foreign.and_then(|product| product(name))
+    }
+    fn include(&mut self, name: &str, from: &str) -> Option<Source> {
+        let from = from.replace('\\', "/");
+        let beside = from.rfind('/').and_then(|at| from.get(..=at)).map(|folder| format!("{folder}{name}"));
+        let beside = beside.and_then(|path| self.load(&path).ok().map(|text| (path, text)));
+        let found = beside.or_else(|| self.load(name).ok().map(|text| (name.to_owned(), text)));
+        found.map(|(path, text)| Source::new(path, text))
     }
 }
 
@@ -100,23 +306,49 @@ impl Registers for Test {
         self.identifier_name(register, "REG_NONE")
     }
     fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
-        let Register::Letter(letter) = register else { return None };
+        let letter = match register {
+            Register::Letter(letter) => letter,
+            Register::Index(index) => Test::register_letter(Some(&Value::Real(f64::from(index))))?,
+        };
         let text = wildcard_text(value.unwrap_or(0.0));
         Some(if word { format!("{letter}{text}") } else { text })
     }
 }
 
 impl Host for Test {
-    fn read_system(&mut self, index: u32, _: &[i64]) -> Outcome<Value> {
-        Ok(self.values.get(index as usize).cloned().unwrap_or(Value::Null))
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+        self.inside(index, indices)?;
+        if self.date == Some(index) {
+            let (now, offset, _) = self.now();
+            return Ok(Value::text(stamp(now, offset)));
+        }
+        let element = if indices.is_empty() { None } else { self.elements.get(&(index, indices.to_vec())) };
+        Ok(element.or_else(|| self.values.get(index as usize)).cloned().unwrap_or(Value::Null))
     }
 
-    fn write_system(&mut self, index: u32, _: &[i64], value: Value) -> Outcome<()> {
+    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
         let kind = self.table.get(index as usize).and_then(|variable| variable.kind);
-        if let Some(kind) = kind.filter(|kind| value.kind() != Some(*kind)) {
-            return Err(Fault::kind(kind.name(), &value));
+        let domain = self.domains.get(index as usize);
+        let (range, nullable) = domain.map_or((None, false), |domain| (domain.values, domain.nullable));
+        let value = match (kind, value) {
+            (Some(kind), Value::Unset) => kind.initial(),
+            (_, Value::Null) if nullable => Value::Null,
+            (Some(kind), value) if value.kind() != Some(kind) => return Err(Fault::kind(kind.name(), &value)),
+            (_, value) => value,
+        };
+        self.inside(index, indices)?;
+        if let (Some((low, high)), Value::Real(number)) = (range, &value)
+            && !(low..=high).contains(number)
+        {
+            let message = format!("{} takes numbers from {low} to {high}, not {number}", self.variable_name_of(index));
+            return Err(Fault::new(Number::BAD_VALUE, message));
         }
-        if let Some(place) = self.values.get_mut(index as usize) {
+        if !indices.is_empty() {
+            if self.elements.len() >= 1_000_000 {
+                return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
+            }
+            self.elements.insert((index, indices.to_vec()), value);
+        } else if let Some(place) = self.values.get_mut(index as usize) {
             *place = value;
         }
         Ok(())
@@ -132,72 +364,128 @@ impl Host for Test {
         }
     }
 
-    fn command(&mut self, _: &mut State, command: Command<'_>) -> Outcome<i32> {
-        let when = |now: bool| if now { "EXEC/NOW" } else { "EXEC/NEXT" };
-        let list = |values: &[Value]| {
-            let mut text = String::new();
-            for value in values {
-                text.push(',');
-                any(&mut text, value, self);
-            }
-            text
-        };
-        let line = match command {
-            Command::Print(text) => {
-                self.printed.push(text.to_owned());
-                return Ok(0);
-            }
+    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        self.heard(state)?;
+        match &command {
+            Command::Print(text) => return self.line(state, Stream::Printed, text),
             Command::System(_) => {
                 return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
             }
-            Command::Match(on) => format!("MATCH/{}", if on { "ON" } else { "OFF" }),
-            Command::Output(values) => {
-                let values: Vec<Value> = values.iter().map(|(_, value)| value.clone()).collect();
-                format!("OUTPUT{}", list(&values))
-            }
-            Command::ExecBlock(now, text) => format!("{},{text}", when(now)),
-            Command::ExecItems(now, values) => format!("{}{}", when(now), list(values)),
-            Command::TapeRead => "TAPERD".to_owned(),
-            Command::TapeWrite => "TAPEWT".to_owned(),
-            Command::Search(number) => format!("SEARCH/{number}"),
-            Command::SaveModal => "SAVMODAL".to_owned(),
-            Command::RestoreModal => "RSTMODAL".to_owned(),
-            Command::Listing(on) => format!("LPRINT/{}", if on { "ON" } else { "OFF" }),
-            Command::Skip(lines) => format!("LPRINT/{lines}"),
-        };
-        self.commands.push(line);
+            Command::TapeRead => self.read_block(state),
+            Command::Search(number) => self.go_to_block(*number),
+            _ => {}
+        }
+        if self.outside.is_none() {
+            let line = self.noted(&command);
+            self.commands.push(line);
+        }
         Ok(0)
     }
 
-    fn function(&mut self, _: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
-        if function.name == "$FEOF" && arguments.is_empty() {
-            return Ok(Value::Logical(true));
+    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+        if matches!(function.name, "$FACCESS" | "$FSTAT" | "$FSETCWD" | "$FTMPFILE")
+            || function.name.starts_with("$FMRU_")
+        {
+            state.spend(FILE_TICKS)?;
         }
-        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name)))
+        Ok(match function.name {
+            "$FEOF" => Value::Logical(self.next >= self.program.len()),
+            "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            "$FACCESS" => self.access(state, arguments),
+            "$FSTAT" => self.stat(state, arguments)?,
+            "$FGETCWD" => self.current(),
+            "$FSETCWD" => self.change(state, arguments),
+            "$FTMPFILE" => self.temporary(state, arguments),
+            "$FDIALOG" => self.dialog(arguments)?,
+            "$FPAUSE" => Value::Logical(false),
+            "$FDOC" => Test::out_of_scope(state, function),
+            "$FERSEV" => self.severity(arguments)?,
+            "$FERSTA" => self.switched(arguments),
+            "$FERTXT" => self.text_of(arguments),
+            "$FMACID" => self.macros(state, arguments)?,
+            "$FMACSTA" => self.macro_states(arguments),
+            "$FREGFMT" => Test::register_format(arguments),
+            "$FREGPOS" => Test::register_position(arguments),
+            "$FCEADD" => self.add(state, arguments)?,
+            "$FCEGET" => self.seek(arguments, true)?,
+            "$FCESEEK" => self.seek(arguments, false)?,
+            "$FCEGAC" => self.active(arguments, false),
+            "$FCESAC" => self.active(arguments, true),
+            "$FCEDAC" | "$FCERST" => Value::Logical(true),
+            "$FCETIMESYNC" => self.without_model(state, function),
+            "$FCEGNCV" => self.nc_variable(arguments),
+            "$FCESNCV" => self.set_nc_variable(arguments),
+            "$FCEPP" => Test::setting_of_pre_processor(state, arguments),
+            "$FGET" => self.search(state, arguments, true)?,
+            "$FGETR" => self.search(state, arguments, false)?,
+            "$FAPPLY" => Value::Logical(false),
+            "$FDK" => self.kinematics(arguments, false)?,
+            "$FIK" => self.kinematics(arguments, true)?,
+            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
+            name if name.starts_with("$FMRU_") => self.most_recently_used(state, name, arguments)?,
+            name if name.starts_with("$FMS") => self.without_model(state, function),
+            name => return Err(Fault::new(Number::NO_HOST, format!("{name} needs a machine, and there is none here"))),
+        })
     }
 
     fn report(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
+        let Some(diagnostic) = self.changed(diagnostic).filter(|_| !self.unheard) else { return };
+        match &mut self.outside {
+            Some(outside) => outside.report(&diagnostic),
+            None => self.diagnostics.push(diagnostic),
+        }
+    }
+
+    fn diagnostic(&self, number: u32) -> Option<(u8, String)> {
+        self.table_of_diagnostics.get(&number).map(|entry| (entry.severity, entry.text.clone()))
     }
 
     fn trace(&mut self, line: &str) {
-        self.traced.push(line.to_owned());
+        match &mut self.outside {
+            Some(_) if self.unheard => {}
+            Some(outside) => self.unheard = !outside.line(Stream::Traced, line),
+            None => self.traced.push(line.to_owned()),
+        }
+    }
+
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.openable(state, path)
     }
 
     fn read_file(&mut self, path: &str) -> Option<String> {
-        self.files.get(path).cloned()
+        self.load(path).ok()
     }
 
     fn write_file(&mut self, path: &str, text: &str) -> bool {
-        self.files.insert(path.to_owned(), text.to_owned());
-        true
+        self.save(path, text).is_ok()
+    }
+
+    fn read_console(&mut self) -> Option<String> {
+        match &mut self.outside {
+            Some(outside) => outside.console(),
+            None => self.typed.pop_front(),
+        }
     }
 
     fn write_console(&mut self, line: &str) {
-        self.printed.push(line.to_owned());
+        match &mut self.outside {
+            Some(outside) => {
+                outside.line(Stream::Console, line);
+            }
+            None => self.printed.push(line.to_owned()),
+        }
     }
 
-    fn setting(&self, _: bool, name: &str) -> Option<String> {
-        self.settings.get(name).cloned()
+    fn now(&self) -> (f64, i32, String) {
+        self.outside.as_ref().map_or((0.0, 0, "UTC".to_owned()), |outside| outside.now())
+    }
+
+    fn setting(&self, definition: bool, name: &str) -> Option<String> {
+        let variable = || self.system_value(name).and_then(Value::as_text).map(str::to_owned);
+        let own = || self.settings.get(name).cloned().or_else(variable);
+        match &self.outside {
+            Some(outside) if !definition => own().or_else(|| outside.environment(name)),
+            _ => own(),
+        }
     }
 }

@@ -5,13 +5,13 @@
 
 use super::{Parsed, Parser};
 use crate::ast::{Block, Declared, Expr, ExprKind, Header, Scope, StatementKind, Variable, When};
-use crate::diag::Number;
+use crate::diag::{Diagnostic, Number};
 use crate::ident;
 use crate::lex::{Sign, Token};
 use crate::value::Kind;
 
 /// Words a statement of the control emulator may begin with.
-pub(super) const COMMANDS: &[&str] = &[
+pub const COMMANDS: &[&str] = &[
     "CASE", "CLOSE", "DECLAR", "DO", "ELSE", "ELSEIF", "ENDMAC", "ENDOF", "ERROR", "EXEC", "EXIT", "IF", "INCLUD",
     "JUMPTO", "LPRINT", "MACRO", "MATCH", "OPEN", "OUTPUT", "PPRINT", "READ", "REPEAT", "RSTMODAL", "SAVMODAL",
     "SEARCH", "SYSTEM", "TAPERD", "TAPEWT", "TERMAC", "UNTIL", "WHEN", "WHILE", "WRITE",
@@ -28,8 +28,15 @@ impl Parser<'_> {
                 let arguments = self.eat(Sign::Slash);
                 match self.named(name, arguments)? {
                     Some(kind) => kind,
+                    None if is_record(name) => self.record(name, span, arguments)?,
                     None => return self.unknown(name, span),
                 }
+            }
+            (Some(Token::Record(..)), None | Some(Token::Sign(Sign::Slash))) => {
+                let span = self.span();
+                self.at += 1;
+                let arguments = self.eat(Sign::Slash);
+                self.record("this", span, arguments)?
             }
             _ => self.assignment()?,
         };
@@ -37,21 +44,32 @@ impl Parser<'_> {
         Ok(kind)
     }
 
+    /// Reads a record of the post product, which does nothing here.
+    fn record(&mut self, name: &str, span: crate::source::Span, arguments: bool) -> Parsed<StatementKind> {
+        if arguments && self.peek().is_some() {
+            self.list()?;
+        }
+        let message = format!("{name} is a record of the post product and does nothing in the control emulator");
+        let help = (name == "GOTO").then(|| "JUMPTO/label jumps".to_owned());
+        self.diagnostics.push(Diagnostic::new(self.source, span, Number::RECORD_IGNORED, message).help(help));
+        Ok(StatementKind::Empty)
+    }
+
     fn unknown<T>(&mut self, name: &str, span: crate::source::Span) -> Parsed<T> {
         if COMMANDS.contains(&name) {
             return self.fail_at(span, Number::SYNTAX, format!("{name} is not written this way"), None);
         }
-        if matches!(name, "LET" | "FOR" | "ENDFOR" | "INTERN" | "RESERV" | "DELETE") {
-            return self.fail_at(span, Number::RESERVED_WORD, format!("{name} is reserved but has no meaning"), None);
-        }
-        if ident::reserved(name) == Some(ident::Reserved::Post) || ident::major_code(name).is_some() {
-            let message = format!("{name} is a record of the post product; control emulator macros have no records");
-            return self.fail_at(span, Number::NOT_HERE, message, None);
+        if ident::reserved(name) == Some(ident::Reserved::Control) {
+            return self.fail_at(
+                span,
+                Number::RESERVED_WORD,
+                format!("{name} is reserved but begins no statement"),
+                None,
+            );
         }
         let help = match name {
             "RETURN" => Some("TERMAC ends a macro or function".to_owned()),
             "CALL" | "USRFUN" => Some("functions are called inside expressions".to_owned()),
-            "GOTO" => Some("JUMPTO/label jumps".to_owned()),
             "LOOP" => Some("the loops are DO, WHILE and REPEAT".to_owned()),
             "DIALOG" => Some("a dialog is the function $FDIALOG()".to_owned()),
             _ => ident::nearest(name, COMMANDS.iter().copied()).map(|near| format!("did you mean {near}?")),
@@ -411,4 +429,9 @@ impl Parser<'_> {
 
 fn is_assignment(sign: Sign) -> bool {
     matches!(sign, Sign::Assign | Sign::AddAssign | Sign::SubtractAssign | Sign::MultiplyAssign | Sign::DivideAssign)
+}
+
+fn is_record(name: &str) -> bool {
+    !COMMANDS.contains(&name)
+        && (ident::reserved(name) == Some(ident::Reserved::Post) || ident::major_code(name).is_some())
 }

@@ -45,7 +45,7 @@ fn every_error_of_a_file_is_found() {
             Number::BAD_EXIT,
             Number::BAD_TARGET,
             Number::RESERVED_WORD,
-            Number::NOT_HERE,
+            Number::RECORD_IGNORED,
             Number::SYNTAX,
         ]
     );

@@ -82,6 +82,7 @@ fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[S
     let values: Vec<Value> = values.iter().map(|slot| get(frame, *slot).clone()).collect();
     crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
     state.check_text(out.len())?;
+    state.spend(out.len() / 16)?;
     Ok(out)
 }
 

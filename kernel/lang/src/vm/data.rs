@@ -34,6 +34,34 @@ pub(super) fn typed(value: &Value, kind: Kind) -> Outcome<Value> {
     }
 }
 
+/// Pays for the copying of a long value, so that the budget bounds the time.
+pub(super) fn pay(state: &mut State, value: &Value) -> Outcome<()> {
+    match value {
+        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        Value::Sequence(elements) if elements.len() >= 4 => state.spend(elements.len() / 4),
+        _ => Ok(()),
+    }
+}
+
+/// Pays for looking through a long value.
+pub(super) fn pay_to_look(state: &mut State, value: &Value) -> Outcome<()> {
+    match value {
+        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        Value::Sequence(elements) if elements.len() >= 64 => state.spend(elements.len() / 64),
+        _ => Ok(()),
+    }
+}
+
+/// Pays for the copy that changing a value in place needs when another variable has it, too.
+pub(super) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
+    let shared = match value {
+        Value::Text(text) => Arc::strong_count(text) > 1,
+        Value::Sequence(elements) => Arc::strong_count(elements) > 1,
+        _ => false,
+    };
+    if shared { pay(state, value) } else { Ok(()) }
+}
+
 pub(super) fn add(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
     if matches!(a, Value::Text(_)) || matches!(b, Value::Text(_)) {
         return join(state, a, b);

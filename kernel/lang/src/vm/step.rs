@@ -80,6 +80,7 @@ pub(super) fn step(
             (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
             _ => {
                 let value = good!(data::add(state, get(frame, a), get(frame, b)));
+                good!(data::pay(state, &value));
                 set(frame, to, value);
             }
         },
@@ -89,6 +90,7 @@ pub(super) fn step(
         Op::Power { to, a, b } => arithmetic!(to, a, b, power, true),
         Op::Join { to, a, b } => {
             let value = good!(data::join(state, get(frame, a), get(frame, b)));
+            good!(data::pay(state, &value));
             set(frame, to, value);
         }
         Op::Negate { to, a } => {
@@ -114,13 +116,20 @@ pub(super) fn step(
         Op::Compare { relation, to, a, b } => {
             let holds = match (number(frame, a), number(frame, b)) {
                 (Some(a), Some(b)) => relate(relation, a, b),
-                _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+                _ => {
+                    good!(pay_to_compare(state, frame, a, b));
+                    good!(compare_slow(get(frame, a), get(frame, b), relation))
+                }
             };
             set(frame, to, Value::Logical(holds));
         }
         Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
             (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
-            _ => good!(data::add_to(state, frame, to, a)),
+            _ => {
+                good!(data::pay(state, get(frame, a)));
+                good!(data::pay_if_shared(state, get(frame, to)));
+                good!(data::add_to(state, frame, to, a));
+            }
         },
         Op::Jump { target } => return Ok(Next::Jump(target)),
         Op::JumpIf { a, target } => {
@@ -136,7 +145,10 @@ pub(super) fn step(
         Op::JumpUnlessCompare { relation, a, b, target } => {
             let holds = match (number(frame, a), number(frame, b)) {
                 (Some(a), Some(b)) => relate(relation, a, b),
-                _ => good!(compare_slow(get(frame, a), get(frame, b), relation)),
+                _ => {
+                    good!(pay_to_compare(state, frame, a, b));
+                    good!(compare_slow(get(frame, a), get(frame, b), relation))
+                }
             };
             if !holds {
                 return Ok(Next::Jump(target));
@@ -183,7 +195,12 @@ pub(super) fn step(
             };
             match found {
                 Some(found) => set_number(frame, to, found),
-                None => good!(element_slow(state, frame, to, a, index)),
+                None => {
+                    if let Value::Text(_) = get(frame, a) {
+                        good!(data::pay_to_look(state, get(frame, a)));
+                    }
+                    good!(element_slow(state, frame, to, a, index));
+                }
             }
         }
         Op::Elements { to, a, list } => {
@@ -197,6 +214,7 @@ pub(super) fn step(
             };
             if !stored {
                 let position = good!(real(frame, index));
+                good!(data::pay_if_shared(state, get(frame, to)));
                 good!(data::set_element(state, frame, to, &[data::whole(position)], a));
             }
         }
@@ -206,10 +224,12 @@ pub(super) fn step(
         }
         Op::Range { to, a, list } => {
             let value = good!(data::range_of(code, frame, get(frame, a), list));
+            good!(data::pay(state, &value));
             set(frame, to, value);
         }
         Op::Sequence { to, list } => {
             let value = good!(data::sequence(state, code, frame, list));
+            good!(data::pay(state, &value));
             set(frame, to, value);
         }
         Op::ReadShared { to, shared } => {
@@ -261,10 +281,10 @@ pub(super) fn step(
         }
         Op::Call { to, function, list } => {
             let value = good!(call(state, host, code, frame, function, list));
+            good!(data::pay(state, &value));
             set(frame, to, value);
-            while let Some(fault) = state.notes.pop() {
-                let place = code.places.get(at).copied().unwrap_or_default();
-                super::report(code, place, fault, 4, state, host);
+            if !state.notes.is_empty() {
+                super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
             }
         }
         Op::CallMacro { to, callee, list } => match call_macro(program, state, host, code, frame, (to, callee, list)) {
@@ -274,7 +294,11 @@ pub(super) fn step(
         },
         Op::Command { command, list } => {
             good!(state.spend(5));
-            if good!(commands::command(state, host, code, frame, (command, list), at)) {
+            let raised = good!(commands::command(state, host, code, frame, (command, list), at));
+            if !state.notes.is_empty() {
+                super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
+            }
+            if raised {
                 return Err(Stop::Raised(at));
             }
         }
@@ -321,6 +345,17 @@ fn arithmetic_slow(frame: &[Value], a: Slot, b: Slot, work: fn(f64, f64) -> f64,
         return Ok(result);
     }
     Err(if divides && b == 0.0 { divided_by_zero() } else { too_large() })
+}
+
+/// Two long values are compared element by element; a short one ends it soon.
+#[cold]
+#[inline(never)]
+fn pay_to_compare(state: &mut State, frame: &[Value], a: Slot, b: Slot) -> Outcome<()> {
+    match (get(frame, a), get(frame, b)) {
+        (Value::Text(x), Value::Text(y)) => state.spend(x.len().min(y.len()) / 64),
+        (Value::Sequence(x), Value::Sequence(y)) if x.len() == y.len() => state.spend(x.len() / 4),
+        _ => Ok(()),
+    }
 }
 
 #[cold]
@@ -379,6 +414,9 @@ fn call(
     let mut arguments = std::mem::take(&mut state.buffer);
     arguments.clear();
     arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
+    for argument in &arguments {
+        data::pay_to_look(state, argument)?;
+    }
     let result = match function.way {
         Way::Compute(compute) => compute(&mut Context { state, host }, &arguments),
         Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),

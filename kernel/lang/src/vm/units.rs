@@ -17,6 +17,10 @@ const END_OF_FILE: i32 = -1;
 const CANNOT_OPEN: i32 = 2;
 const NOT_OPEN: i32 = 9;
 const BAD_INPUT: i32 = 22;
+/// Steps that opening a file costs beside its length.
+const FILE_TICKS: usize = 100;
+/// Bytes that can be written to a file before it is closed.
+const MOST_WRITTEN: usize = 256 << 20;
 
 /// An open unit.
 #[derive(Debug, Default)]
@@ -28,6 +32,8 @@ pub struct Unit {
     rear: bool,
     changed: bool,
     console: bool,
+    /// Bytes written since it was opened.
+    written: usize,
 }
 
 fn unit_number(value: f64) -> Outcome<u8> {
@@ -55,11 +61,15 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     }
     let upper = path.to_ascii_uppercase();
     let console = upper == "STDIN" || upper == "STDOUT";
+    state.status = if console { 0 } else { host.may_open(state, &path) };
+    if state.status != 0 {
+        return Ok(());
+    }
     let text = if console { None } else { host.read_file(&path) };
+    state.spend(FILE_TICKS + text.as_ref().map_or(0, String::len) / 64)?;
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
     let next = if rear { lines.len() } else { 0 };
-    state.units.insert(number, Unit { path, lines, next, rear, changed: false, console });
-    state.status = 0;
+    state.units.insert(number, Unit { path, lines, next, rear, changed: false, console, written: 0 });
     Ok(())
 }
 
@@ -100,8 +110,10 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
         if !unit.changed && !unit.rear {
             unit.lines.truncate(unit.next);
         }
-        if unit.lines.len() >= most {
-            return Err(Fault::new(Number::SIZE, format!("a file has more than {most} lines")));
+        unit.written += text.len() + 1;
+        if unit.lines.len() >= most || unit.written > MOST_WRITTEN {
+            let message = format!("a file has more than {most} lines or {MOST_WRITTEN} bytes");
+            return Err(Fault::new(Number::SIZE, message));
         }
         unit.lines.push(text.to_owned());
         unit.next = unit.lines.len();

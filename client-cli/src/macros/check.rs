@@ -1,0 +1,50 @@
+//! `macro check`: every mistake of every file.
+
+use counterpoint_kernel::macros;
+use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::tools;
+use serde_json::json;
+
+use super::arguments::Check;
+use super::sandbox::Sandbox;
+use super::say_finding;
+use crate::error::Error;
+use crate::say;
+
+pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
+    let files = super::read(&arguments.files)?;
+    let mut host = macros::double();
+    host.attach(Box::new(Sandbox::here()?));
+    let found = tools::check_all(&files, &mut host, arguments.strong.into());
+    let errors = found.iter().flatten().filter(|finding| finding.is_error()).count();
+    let warnings = found.iter().flatten().count() - errors;
+    if arguments.json {
+        let all: Vec<_> = files.iter().zip(&found).map(|((name, _), found)| of_file(name, found)).collect();
+        let document = json!({ "errors": errors, "warnings": warnings, "files": all });
+        say::data(format!("{document:#}\n").as_bytes())?;
+    } else {
+        found.iter().flatten().for_each(say_finding);
+        let verdict = format!("{} files: {errors} errors, {warnings} warnings\n", files.len());
+        say::data(verdict.as_bytes())?;
+    }
+    Ok(u8::from(errors > 0))
+}
+
+fn of_file(name: &str, found: &[Diagnostic]) -> serde_json::Value {
+    json!({ "file": name, "findings": found.iter().map(as_json).collect::<Vec<_>>() })
+}
+
+fn as_json(finding: &Diagnostic) -> serde_json::Value {
+    json!({
+        "file": finding.file,
+        "line": finding.line,
+        "column": finding.column,
+        "width": finding.width,
+        "number": finding.number.to_string(),
+        "severity": finding.severity,
+        "type": finding.word().to_lowercase(),
+        "text": finding.message,
+        "help": finding.help,
+        "source": finding.source_line,
+    })
+}

@@ -1,0 +1,142 @@
+//! `macro explain`: what a number or a name means.
+//!
+//! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
+
+use counterpoint_kernel::machine::ident as control;
+use counterpoint_kernel::macros::{identifiers, system};
+use counterpoint_lang::func::{self, Way};
+use counterpoint_lang::tools::explain::{self, Entry};
+use counterpoint_lang::{format, ident};
+use include_dir::{Dir, include_dir};
+
+use crate::error::Error;
+use crate::say;
+
+static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
+
+pub(super) fn explain(what: &str) -> Result<u8, Error> {
+    match page(what).or_else(|| named(what)) {
+        Some(text) => {
+            say::data(text.as_bytes())?;
+            Ok(0)
+        }
+        None => Err(Error::Usage(unknown(what))),
+    }
+}
+
+/// The page of a number.
+fn page(what: &str) -> Option<String> {
+    let number: u32 = what.trim().parse().ok()?;
+    PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
+}
+
+/// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
+fn named(what: &str) -> Option<String> {
+    let name = what.trim().trim_end_matches(['/', '(', ')']).to_uppercase();
+    let dollar = format!("${name}");
+    let word = || word(&name);
+    statement(&name)
+        .or_else(|| function(&name))
+        .or_else(|| variable(&name))
+        .or_else(|| identifier(&name))
+        .or_else(word)
+        .or_else(|| function(&dollar))
+        .or_else(|| variable(&dollar))
+}
+
+fn entry(entry: &Entry) -> String {
+    let result = entry.result.map(|result| format!("gives: {result}\n")).unwrap_or_default();
+    format!("{}\n{result}\n{}\n", entry.form, entry.about)
+}
+
+fn statement(name: &str) -> Option<String> {
+    explain::statements().iter().find(|entry| entry.name == name).map(entry)
+}
+
+fn function(name: &str) -> Option<String> {
+    if let Some(Way::Missing(why)) = func::named(name).map(|function| &function.way) {
+        return Some(format!("{name}\n\nNot available in macros of the control emulator: {why}.\n"));
+    }
+    explain::functions().iter().find(|entry| entry.name == name).map(entry)
+}
+
+fn variable(name: &str) -> Option<String> {
+    if let Some(product) = system::product_of(name) {
+        return Some(format!("{name}\n\nThe control emulator has no such variable: it belongs to {product}.\n"));
+    }
+    let variable = system::find(name)?;
+    let kind = variable.kind.map_or("any type", counterpoint_lang::value::Kind::name);
+    let access = match variable.access {
+        system::Access::Read => "read only",
+        system::Access::Write => "can be assigned",
+        system::Access::Start => "can be assigned until the machine startup macro ends",
+    };
+    let range = match variable.range {
+        Some((low, high)) => format!(", {low} to {high}"),
+        None => String::new(),
+    };
+    let category = variable.category;
+    Some(format!("{}\n{kind}{range}, {access} ({category})\n\n{}\n", variable.form(), variable.about))
+}
+
+fn identifier(name: &str) -> Option<String> {
+    let built_in = |built_in: bool| if built_in { "a built-in action" } else { "no built-in action" };
+    if let Some(facts) = control::code(name).and_then(control::code_facts) {
+        let group = if facts.group == 0 { "no modal group".to_owned() } else { format!("modal group {}", facts.group) };
+        return Some(format!(
+            "{}\n\nCode with {group}, order {}, {}.\n",
+            facts.name,
+            facts.order,
+            built_in(facts.built_in)
+        ));
+    }
+    let facts = control::data(name).and_then(control::data_facts)?;
+    Some(format!("{}\n\nData with {}.\n", facts.name, built_in(facts.built_in)))
+}
+
+fn word(name: &str) -> Option<String> {
+    if let Some(code) = ident::minor_code(name) {
+        return Some(format!("{name}\n\nMinor word, a keyword; its code is {code}, so it can be written #{code}.\n"));
+    }
+    let code = ident::major_code(name)?;
+    let class = ident::MAJOR_CLASS;
+    Some(format!("{name}\n\nMajor word, a record of the post product; it can be written #{class}:{code}.\n"))
+}
+
+/// What to say of something that nothing is called.
+fn unknown(what: &str) -> String {
+    let name = what.trim().to_uppercase();
+    if let Ok(number) = name.parse::<f64>() {
+        return format!("there is no diagnostic {}", format::wildcard_text(number));
+    }
+    let with_dollar = [name.clone(), format!("${name}")];
+    let entries = explain::functions().iter().chain(explain::statements()).map(|entry| entry.name);
+    let variables = system::table().iter().map(|variable| variable.name.as_str());
+    let names: Vec<&str> = entries.chain(variables).chain(identifiers::names()).collect();
+    let near = with_dollar.iter().find_map(|name| ident::nearest(name, names.iter().copied()));
+    match near {
+        Some(near) => format!("nothing is called {what}; did you mean {near}?"),
+        None => format!("nothing is called {what}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_there_is_can_be_explained() {
+        for (number, ..) in counterpoint_lang::diag::TABLE {
+            assert!(page(&number.to_string()).is_some(), "{number}");
+        }
+        for facts in counterpoint_kernel::diag::ALL {
+            assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
+        }
+        let functions = func::TABLE.iter().map(|function| function.name);
+        let statements = counterpoint_lang::parse::COMMANDS.iter().copied();
+        let variables = system::table().iter().map(|variable| variable.name.as_str());
+        for name in functions.chain(statements).chain(variables).chain(identifiers::names()) {
+            assert!(named(name).is_some_and(|text| text.contains(name.trim_start_matches('$'))), "{name}");
+        }
+    }
+}

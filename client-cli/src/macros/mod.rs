@@ -1,0 +1,52 @@
+//! `counterpoint macro`: checks, rewrites, runs and explains macros.
+//!
+//! Invariant: a macro that is run reaches only files below the current folder, and nothing else of the system but its
+//! clock and environment.
+
+pub(crate) mod arguments;
+mod check;
+mod explain;
+mod fmt;
+mod run;
+mod sandbox;
+
+use std::path::{Path, PathBuf};
+
+use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::tools::File;
+
+use crate::error::Error;
+use crate::say;
+use arguments::Macro;
+
+/// Does a command; gives the exit code.
+pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
+    match command {
+        Macro::Check(arguments) => check::check(arguments),
+        Macro::Fmt(arguments) => fmt::fmt(arguments),
+        Macro::Run(arguments) => run::run(arguments),
+        Macro::Explain { what } => explain::explain(what),
+    }
+}
+
+/// Names and texts of files; what is not UTF-8 becomes a strange character.
+fn read(paths: &[PathBuf]) -> Result<Vec<File>, Error> {
+    paths.iter().map(|path| Ok((name(path), String::from_utf8_lossy(&bytes(path)?).into_owned()))).collect()
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    let bytes = std::fs::read(path).map_err(Error::file(path))?;
+    Ok(bytes.strip_prefix(b"\xEF\xBB\xBF").map_or_else(|| bytes.clone(), <[u8]>::to_vec))
+}
+
+fn name(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// A finding with its line and a mark.
+fn say_finding(finding: &Diagnostic) {
+    let style = if finding.is_error() { say::BAD } else { say::WARN };
+    let text = finding.to_string();
+    let (head, rest) = text.split_once(' ').unwrap_or((&text, ""));
+    say::talk(format_args!("{} {}", say::styled(style, head), rest.trim_end()));
+}

@@ -1,0 +1,29 @@
+//! `macro run`: a macro without a machine.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use counterpoint_kernel::macros;
+use counterpoint_lang::tools::{self, RunOptions};
+use counterpoint_lang::vm::Limits;
+
+use super::arguments::Run;
+use super::sandbox::Sandbox;
+use crate::error::Error;
+
+pub(super) fn run(arguments: &Run) -> Result<u8, Error> {
+    let files = super::read(&arguments.files)?;
+    let mut limits = Limits::default();
+    if let Some(ticks) = arguments.ticks {
+        limits.ticks = ticks;
+    }
+    let broken = Rc::new(RefCell::new(None));
+    let mut host = macros::double();
+    host.attach(Box::new(Sandbox::here()?.telling(Rc::clone(&broken))));
+    let options = RunOptions { trace: arguments.trace, strong: arguments.strong.into(), limits };
+    let failed = tools::run(&files, &mut host, options);
+    match broken.take() {
+        Some(error) => Err(error),
+        None => Ok(u8::from(failed)),
+    }
+}
