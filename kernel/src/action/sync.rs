@@ -136,7 +136,7 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let waiting = Waiting { spec, tag, file, line };
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
     kernel.control.disturb(kernel.rank);
-    let met = kernel.coordinator.meet(&waiting);
+    let met = kernel.coordinator.meet(&waiting, || kernel.emitter.work());
     kernel.control.disturb(kernel.rank);
     let wake = match met {
         Met::Woken(wake) => wake,

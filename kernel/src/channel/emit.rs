@@ -10,8 +10,9 @@ use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
 use crate::multi::tag::Tag;
 
-/// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.
-const NEAR_CHUNK: usize = 64;
+/// Events in a chunk that stays on this thread: small enough for the cache of the core that made them, and for the
+/// short time that a kernel has while it waits.
+const NEAR_CHUNK: usize = 16;
 
 /// Where chunks go.
 pub(crate) enum Target<'a> {
@@ -61,6 +62,14 @@ impl<'a> Emitter<'a> {
             self.flush(upto);
         }
         self.chunk.push(event);
+    }
+
+    /// Does a little of the work that was put off; `false` when there is none.
+    pub(crate) fn work(&mut self) -> bool {
+        match &mut self.target {
+            Target::Lane(feed) => feed.work(|| self.coordinator.floor(self.rank)),
+            Target::Queue(_) | Target::Direct { .. } => false,
+        }
     }
 
     /// Sends what there is. `upto`: no later event is before this tag.

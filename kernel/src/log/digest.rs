@@ -18,8 +18,9 @@ use crate::log::event::{
     Verdict, VerdictKind,
 };
 
-/// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy.
-const CHUNK: usize = 32 * 1024;
+/// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy; not so
+/// many that another kernel has to wait for it.
+const CHUNK: usize = 8 * 1024;
 
 /// Builds the digest of one channel's events.
 #[derive(Debug)]

@@ -356,7 +356,7 @@ impl Coordinator {
         let seen = self.slot(tag.rank)?.signal.load(SeqCst);
         if !self.eligible(&inner, tag) {
             drop(inner);
-            self.spin_for_signal(tag.rank, seen);
+            self.spin_for_signal(tag.rank, seen, || false);
             inner = self.lock();
             if !self.eligible(&inner, tag) {
                 return None;

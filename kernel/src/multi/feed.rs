@@ -10,7 +10,9 @@ use crate::log::event::Event;
 use crate::log::lane::Lane;
 
 /// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
-const MOST: usize = 256;
+const MOST: usize = 1024;
+/// Chunks that wait for a moment when the kernel has nothing better to do.
+const PUT_OFF: usize = 128;
 
 /// The way into one lane.
 pub(crate) struct Feed {
@@ -36,25 +38,37 @@ impl Feed {
     /// can stop the job. Returns `true` when too much is waiting for other kernels.
     pub(crate) fn pass(&mut self, chunk: &mut Vec<Event>, floor: impl Fn() -> i64) -> bool {
         let Some(last) = chunk.last().map(|event| event.t_ns) else { return false };
-        if last >= self.floor {
+        if self.floor == 0 {
             self.floor = floor();
         }
-        while let Some(front) = self.waiting.pop_front() {
-            if front.last().is_some_and(|event| event.t_ns >= self.floor) {
-                self.waiting.push_front(front);
-                break;
-            }
-            self.keep(&front);
-            self.recycle(front);
-        }
-        if self.waiting.is_empty() && last < self.floor {
+        if self.floor == i64::MAX {
+            // Nobody else runs, nor ever will.
+            while self.work(&floor) {}
             self.keep(chunk);
             chunk.clear();
             return false;
         }
+        debug_assert!(self.waiting.back().is_none_or(|b| b.last().is_none_or(|e| e.t_ns <= last)));
         let next = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(chunk.capacity()));
         self.waiting.push_back(std::mem::replace(chunk, next));
+        while self.waiting.len() > PUT_OFF && self.work(&floor) {}
         self.waiting.len() >= MOST
+    }
+
+    /// Takes one chunk in that waits, if it may; `false` if there is none.
+    pub(crate) fn work(&mut self, floor: impl Fn() -> i64) -> bool {
+        let Some(front) = self.waiting.pop_front() else { return false };
+        let last = front.last().map_or(0, |event| event.t_ns);
+        if last >= self.floor {
+            self.floor = floor();
+        }
+        if last >= self.floor {
+            self.waiting.push_front(front);
+            return false;
+        }
+        self.keep(&front);
+        self.recycle(front);
+        true
     }
 
     /// The job has ended: takes the rest, up to its stop. Gives the lane back.

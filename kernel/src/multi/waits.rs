@@ -30,7 +30,12 @@ impl Set {
 
     /// Channels, ascending.
     pub(crate) fn iter(self) -> impl Iterator<Item = u16> {
-        (1..=64_u16).filter(move |&c| self.has(c))
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let channel = left.trailing_zeros() as u16 + 1;
+            left &= left.checked_sub(1)?;
+            Some(channel)
+        })
     }
 }
 

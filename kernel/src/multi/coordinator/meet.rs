@@ -22,8 +22,9 @@ pub(crate) enum Met {
 }
 
 impl Coordinator {
-    /// Arrives, and spins for a moment until the meeting takes place.
-    pub(crate) fn meet(&self, waiting: &Waiting) -> Met {
+    /// Arrives, and waits for a moment until the meeting takes place, with `work` to do meanwhile as long as there is
+    /// some.
+    pub(crate) fn meet(&self, waiting: &Waiting, work: impl FnMut() -> bool) -> Met {
         let tag = waiting.tag;
         let Some(slot) = self.slot(tag.rank) else { return Met::Not };
         let seen = {
@@ -41,7 +42,7 @@ impl Coordinator {
             }
             seen
         };
-        self.spin_for_signal(tag.rank, seen);
+        self.spin_for_signal(tag.rank, seen, work);
         let mut inner = self.lock();
         if let Some(wake) = inner.take_wake(tag.rank) {
             return Met::Woken(wake);

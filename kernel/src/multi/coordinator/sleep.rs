@@ -33,7 +33,7 @@ impl Coordinator {
         let seen = slot.signal.load(SeqCst);
         if self.spin > 0 {
             drop(inner);
-            self.spin_for_signal(rank, seen);
+            self.spin_for_signal(rank, seen, || false);
             let inner = self.lock();
             if slot.signal.load(SeqCst) != seen {
                 return inner;
@@ -43,11 +43,12 @@ impl Coordinator {
         slot.sleep(inner)
     }
 
-    /// Spins until the slot is signalled or the patience is over.
-    pub(super) fn spin_for_signal(&self, rank: u16, seen: u32) {
+    /// Does what there is to do and spins, until the slot is signalled or the patience is over.
+    pub(super) fn spin_for_signal(&self, rank: u16, seen: u32, mut work: impl FnMut() -> bool) {
         let Some(slot) = self.slot(rank) else { return };
         let signalled = || slot.signal.load(SeqCst) != seen;
         for _ in 0..self.spin {
+            while !signalled() && work() {}
             if signalled() {
                 return;
             }
