@@ -10,9 +10,10 @@ use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
 use crate::multi::tag::Tag;
 
-/// Events in a chunk that stays on this thread: small enough for the cache of the core that made them, and for the
-/// short time that a kernel has while it waits.
-const NEAR_CHUNK: usize = 16;
+/// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.
+const NEAR_CHUNK: usize = 64;
+/// Events in such a chunk when there are other kernels: little work for the short time while this one waits.
+const SHORT_CHUNK: usize = 16;
 
 /// Where chunks go.
 pub(crate) enum Target<'a> {
@@ -44,6 +45,7 @@ impl<'a> Emitter<'a> {
     pub(crate) fn new(rank: u16, coordinator: &'a Coordinator, mut target: Target<'a>) -> Self {
         let (size, chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
+            Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::with_capacity(SHORT_CHUNK)),
             Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::with_capacity(NEAR_CHUNK)),
         };
         Self { rank, coordinator, target, size, chunk, gone: 0 }

@@ -13,7 +13,7 @@ use crate::log::lane::Lane;
 use crate::log::meetings::Meetings;
 use crate::log::summary::{self, ChannelState, Summary};
 use crate::log::timeline::{self, Timeline};
-use crate::log::told::Told;
+use crate::log::told::{Places, Told};
 use crate::log::toolpath::{self, Toolpath};
 use crate::log::work::Work;
 
@@ -50,10 +50,15 @@ impl Folds {
     /// The next event of the ordered log.
     #[inline]
     pub fn event(&mut self, event: &Event) {
-        self.told.extend(Told::of(event));
         match self.info.channel_index(event.channel).and_then(|index| self.lanes.get_mut(index)) {
-            Some(lane) => lane.event(event),
-            None => self.of_master(event),
+            Some(lane) => {
+                self.told.extend(Told::of(event, &self.info, &mut lane.places));
+                lane.event(event);
+            }
+            None => {
+                self.told.extend(Told::of(event, &self.info, &mut Places::default()));
+                self.of_master(event);
+            }
         }
     }
 
@@ -71,16 +76,17 @@ impl Folds {
     /// Takes all lanes back and brings together what they were told.
     pub(crate) fn join(&mut self, lanes: Vec<Lane>) {
         self.lanes = lanes;
-        let mut told: Vec<(u16, Told)> = Vec::new();
-        for lane in &mut self.lanes {
-            told.extend(lane.told.drain(..).map(|t| (lane.number, t)));
-        }
-        told.sort_by_key(|(rank, t)| (t.t_ns, t.micro, *rank));
-        for (_, told) in told {
-            if told.channel == 0 {
-                self.of_master(&told.event());
+        // Each lane's are in order; of those at the same tag the lower channel's come first.
+        let told: Vec<Vec<Told>> = self.lanes.iter_mut().map(|lane| std::mem::take(&mut lane.told)).collect();
+        self.told.reserve(told.iter().map(Vec::len).sum());
+        let mut told: Vec<_> = told.into_iter().map(|told| told.into_iter().peekable()).collect();
+        loop {
+            let heads = told.iter_mut().filter_map(|lane| Some((lane.peek().map(|t| (t.t_ns, t.micro))?, lane)));
+            let Some(next) = heads.min_by_key(|(tag, _)| *tag).and_then(|(_, lane)| lane.next()) else { break };
+            if next.channel == 0 {
+                self.of_master(&next.event());
             }
-            self.told.push(told);
+            self.told.push(next);
         }
     }
 

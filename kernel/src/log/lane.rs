@@ -9,7 +9,7 @@ use crate::log::event::{Event, Kind, MotionKind};
 use crate::log::info::{self, Info};
 use crate::log::summary::tally::Tally;
 use crate::log::timeline::bars::Bars;
-use crate::log::told::Told;
+use crate::log::told::{Places, Told};
 use crate::log::toolpath::Track;
 use crate::log::work::Work;
 
@@ -17,6 +17,8 @@ use crate::log::work::Work;
 #[derive(Debug)]
 pub(crate) struct Lane {
     pub(crate) number: u16,
+    info: Arc<Info>,
+    pub(super) places: Places,
     pub(super) digest: Digest,
     pub(super) tally: Tally,
     pub(super) bars: Bars,
@@ -30,9 +32,11 @@ pub(crate) struct Lane {
 }
 
 impl Lane {
-    pub(super) fn new(info: &Info, channel: &info::Channel) -> Self {
+    pub(super) fn new(info: &Arc<Info>, channel: &info::Channel) -> Self {
         Self {
             number: channel.number,
+            info: info.clone(),
+            places: Places::default(),
             digest: Digest::new(),
             tally: Tally::default(),
             bars: Bars::default(),
@@ -53,7 +57,7 @@ impl Lane {
         for event in events {
             match event.kind {
                 Kind::Block { .. } | Kind::Motion(_) => {}
-                _ => self.told.extend(Told::of(event)),
+                _ => self.told.extend(Told::of(event, &self.info, &mut self.places)),
             }
             if event.channel == self.number {
                 self.event(event);

@@ -5,12 +5,11 @@
 
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::log::event::{FileId, Primitive, Release, Wait};
 use crate::log::info::{BLOCK_TEXT, Info};
-use crate::log::told::{Told, What};
+use crate::log::told::{Place, Told, What};
 
 /// One meeting, or a wait that never came true.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,8 +45,8 @@ struct Pending {
     wait: Arc<Wait>,
     channel: u16,
     t_ns: i64,
-    file: FileId,
     line: u32,
+    place: Place,
 }
 
 /// A meeting of which at least one channel has gone on.
@@ -64,21 +63,18 @@ pub(crate) struct Meetings {
     info: Arc<Info>,
     pending: Vec<Pending>,
     met: Vec<Met>,
-    texts: FxHashMap<Box<str>, Arc<str>>,
-    blocks: FxHashMap<(FileId, u32), (Arc<str>, Arc<str>)>,
 }
 
 impl Meetings {
     pub(crate) fn new(info: &Arc<Info>) -> Self {
-        let info = info.clone();
-        Self { info, pending: Vec::new(), met: Vec::new(), texts: FxHashMap::default(), blocks: FxHashMap::default() }
+        Self { info: info.clone(), pending: Vec::new(), met: Vec::new() }
     }
 
     /// Takes note of waits and releases; nothing else is of interest.
     pub(crate) fn take(&mut self, told: Told) {
         let Told { t_ns, channel, file, line, what, .. } = told;
         match what {
-            What::Wait(wait) => self.pending.push(Pending { wait, channel, t_ns, file, line }),
+            What::Wait(wait, place) => self.pending.push(Pending { wait, channel, t_ns, line, place }),
             What::Release(release) => self.release((t_ns, channel, file, line), &release),
             What::Diagnostic(_) | What::Verdict(_) => {}
         }
@@ -93,8 +89,8 @@ impl Meetings {
         let at = self.pending.iter().position(|p| p.channel == channel);
         let pending = at.map(|at| self.pending.swap_remove(at));
         let participants = pending.as_ref().map_or(0, |p| p.wait.participants.len());
-        let (file, line) = pending.map_or((file, line), |p| (p.file, p.line));
-        let arrival = self.arrival(channel, release.since_ns, file, line);
+        let (line, place) = pending.map_or_else(|| (line, self.place(file, line)), |p| (p.line, p.place));
+        let arrival = arrival(channel, release.since_ns, line, place);
         let place = self.met.iter().rposition(|m| m.number <= release.meeting).map_or(0, |i| i + 1);
         if let Some(met) = place.checked_sub(1).and_then(|i| self.met.get_mut(i))
             && met.number == release.meeting
@@ -128,7 +124,7 @@ impl Meetings {
             match place {
                 Some(place) => {
                     let pending = self.pending.swap_remove(index);
-                    let arrival = self.arrival(pending.channel, pending.t_ns, pending.file, pending.line);
+                    let arrival = arrival(pending.channel, pending.t_ns, pending.line, pending.place);
                     if let Some(met) = self.met.get_mut(place) {
                         stood.push((pending.channel, met.meeting.release_ns.unwrap_or(pending.t_ns) - pending.t_ns));
                         met.meeting.arrivals.push(arrival);
@@ -148,7 +144,7 @@ impl Meetings {
         pending.sort_by_key(|p| (p.t_ns, p.channel));
         let mut open: Vec<(Arc<Wait>, Meeting)> = Vec::new();
         for p in pending {
-            let arrival = self.arrival(p.channel, p.t_ns, p.file, p.line);
+            let arrival = arrival(p.channel, p.t_ns, p.line, p.place);
             let key = p.wait.key.clone();
             let same = open.iter_mut().find(|(parts, m)| {
                 m.key == key && m.kind == p.wait.primitive && parts.participants == p.wait.participants
@@ -167,26 +163,13 @@ impl Meetings {
         self.met.into_iter().map(|m| m.meeting).chain(open.into_iter().map(|(_, m)| m)).collect()
     }
 
-    fn arrival(&mut self, channel: u16, t_ns: i64, file: FileId, line: u32) -> Arrival {
-        let (name, block) = match self.blocks.get(&(file, line)) {
-            Some(known) => known.clone(),
-            None => {
-                let info = self.info.clone();
-                let name = self.text(if line == 0 { "" } else { info.file_name(file) });
-                let block: Arc<str> = info.block_text(file, line, BLOCK_TEXT).into();
-                self.blocks.insert((file, line), (name.clone(), block.clone()));
-                (name, block)
-            }
-        };
-        Arrival { channel, t_ns, file: name, line, block }
+    /// Of a release whose wait is not in the log.
+    fn place(&self, file: FileId, line: u32) -> Place {
+        let name = if line == 0 { "" } else { self.info.file_name(file) };
+        (name.into(), self.info.block_text(file, line, BLOCK_TEXT).into())
     }
+}
 
-    fn text(&mut self, text: &str) -> Arc<str> {
-        if let Some(known) = self.texts.get(text) {
-            return known.clone();
-        }
-        let shared: Arc<str> = text.into();
-        self.texts.insert(text.into(), shared.clone());
-        shared
-    }
+fn arrival(channel: u16, t_ns: i64, line: u32, (file, block): Place) -> Arrival {
+    Arrival { channel, t_ns, file, line, block }
 }

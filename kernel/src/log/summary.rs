@@ -183,7 +183,7 @@ impl Findings {
         match &told.what {
             What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
             What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
-            What::Verdict(_) | What::Wait(_) | What::Release(_) => {}
+            What::Verdict(_) | What::Wait(..) | What::Release(_) => {}
         }
     }
 

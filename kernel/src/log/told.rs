@@ -4,7 +4,10 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
+
 use crate::log::event::{Diagnostic, Event, FileId, Kind, Release, Verdict, Wait};
+use crate::log::info::{BLOCK_TEXT, Info};
 
 /// One such event.
 #[derive(Debug)]
@@ -20,17 +23,36 @@ pub(crate) struct Told {
 /// Its content.
 #[derive(Debug)]
 pub(crate) enum What {
-    Wait(Arc<Wait>),
+    /// With the name of the file and the text of the block.
+    Wait(Arc<Wait>, Place),
     Release(Release),
     Diagnostic(Box<Diagnostic>),
     Verdict(Box<Verdict>),
 }
 
+/// Name of a file and text of a block in it.
+pub(crate) type Place = (Arc<str>, Arc<str>);
+
+/// The places of a channel's waits, each made once.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    names: FxHashMap<FileId, Arc<str>>,
+    blocks: FxHashMap<(FileId, u32), Arc<str>>,
+}
+
+impl Places {
+    fn at(&mut self, info: &Info, file: FileId, line: u32) -> Place {
+        let name = self.names.entry(file).or_insert_with(|| info.file_name(file).into()).clone();
+        let block = self.blocks.entry((file, line)).or_insert_with(|| info.block_text(file, line, BLOCK_TEXT).into());
+        (name, block.clone())
+    }
+}
+
 impl Told {
     /// `None` for events that only their channel is concerned with.
-    pub(crate) fn of(event: &Event) -> Option<Self> {
+    pub(crate) fn of(event: &Event, info: &Info, places: &mut Places) -> Option<Self> {
         let what = match &event.kind {
-            Kind::Wait(wait) => What::Wait(wait.clone()),
+            Kind::Wait(wait) => What::Wait(wait.clone(), places.at(info, event.file, event.line)),
             Kind::Release(release) => What::Release(release.clone()),
             Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),
             Kind::Verdict(verdict) => What::Verdict(verdict.clone()),
@@ -44,7 +66,7 @@ impl Told {
     pub(crate) fn event(&self) -> Event {
         let Self { t_ns, micro, channel, file, line, .. } = *self;
         let kind = match &self.what {
-            What::Wait(wait) => Kind::Wait(wait.clone()),
+            What::Wait(wait, _) => Kind::Wait(wait.clone()),
             What::Release(release) => Kind::Release(release.clone()),
             What::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
             What::Verdict(verdict) => Kind::Verdict(verdict.clone()),

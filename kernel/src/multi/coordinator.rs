@@ -201,6 +201,11 @@ impl Coordinator {
         self.single.store(true, Relaxed);
     }
 
+    /// Whether only one kernel runs.
+    pub(crate) fn is_single(&self) -> bool {
+        self.single.load(Relaxed)
+    }
+
     /// Number of kernels.
     pub(crate) fn kernels(&self) -> usize {
         self.slots.len()

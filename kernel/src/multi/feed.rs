@@ -12,7 +12,7 @@ use crate::log::lane::Lane;
 /// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
 const MOST: usize = 1024;
 /// Chunks that wait for a moment when the kernel has nothing better to do.
-const PUT_OFF: usize = 128;
+const PUT_OFF: usize = 16;
 
 /// The way into one lane.
 pub(crate) struct Feed {
