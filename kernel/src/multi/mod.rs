@@ -202,7 +202,11 @@ impl<'a> Shop<'a> {
                 work.push((start, Way::Lane(feed)));
             }
         }
-        self.together(work, || ())
+        // The only kernel needs no thread of its own.
+        match work.len() {
+            1 => work.into_iter().map(|(start, way)| self.alone(start, way.into())).collect(),
+            _ => self.together(work, || ()),
+        }
     }
 
     /// Kernels send their events to this thread, which merges them; the only kernel of a job runs on this thread and
@@ -238,14 +242,8 @@ impl<'a> Shop<'a> {
     }
 
     /// A thread for each kernel; meanwhile this one does something else.
-    fn together(self, mut work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<(u16, Halt)> {
+    fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<(u16, Halt)> {
         let (coordinator, control) = (self.coordinator, self.control);
-        // The last kernel needs no thread of its own when there is nothing else to do.
-        if work.len() == 1
-            && let Some((start, Way::Lane(feed))) = work.pop()
-        {
-            return vec![self.alone(start, Target::Lane(feed))];
-        }
         std::thread::scope(|scope| {
             let mut running = Vec::new();
             for (Start { channel, progress, at }, way) in work {
