@@ -132,7 +132,7 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
     let rank = kernel.rank;
     let mut conflict = 0;
     if kernel.spindle.shared {
-        let (now, writer) = kernel.shared(|inner, _| {
+        let (now, writer) = kernel.shared(|inner, coordinator| {
             let Some(spindle) = inner.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
             let old = spindle.command;
             change(&mut spindle.command);
@@ -140,6 +140,7 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
             let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
             let writer = if changed && other { spindle.writer } else { 0 };
             spindle.writer = rank;
+            coordinator.set_orders(true);
             spindle.ordered = Set::default().with(rank);
             (spindle.command, writer)
         })?;

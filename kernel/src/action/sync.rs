@@ -195,8 +195,8 @@ impl Inner {
         let tag = waiting.tag;
         let (file, line) = (waiting.file, waiting.line);
         match self.waits.arrive(waiting) {
-            Arrival::Released { channels, t, micro, meeting } => {
-                self.shared.met(channels);
+            Arrival::Released { channels, t, micro } => {
+                let meeting = coordinator.count_meeting(self, channels);
                 for channel in channels.iter().filter(|&c| c != tag.rank) {
                     let tag = Tag { t, micro, rank: channel };
                     coordinator.resume(self, channel, Wake::Released { tag, meeting });

@@ -6,6 +6,7 @@
 //! another one; `need` of a running kernel is at most the time of any parked tag it still stands before.
 
 pub(crate) mod meet;
+mod pair;
 mod permits;
 mod sleep;
 
@@ -101,6 +102,12 @@ pub(crate) struct Inner {
 pub(crate) struct Coordinator {
     slots: Box<[Slot]>,
     inner: Mutex<Inner>,
+    /// Where the only two kernels of a job meet.
+    pair: pair::Pair,
+    /// Meetings so far.
+    meetings: AtomicU64,
+    /// Time from the last arrival to the release, ns.
+    release_ns: i64,
     /// Time of the stop, read by running kernels once per block.
     stop_t: AtomicI64,
     /// Counts when a resume begins to change a bound and when it has.
@@ -162,6 +169,7 @@ impl Coordinator {
         waits: Waits,
         messages: Option<Sender<Message>>,
     ) -> Self {
+        let release_ns = waits.release_ns();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -187,6 +195,9 @@ impl Coordinator {
                 queue: Vec::new(),
                 messages,
             }),
+            pair: pair::Pair::default(),
+            meetings: AtomicU64::new(0),
+            release_ns,
             stop_t: AtomicI64::new(i64::MAX),
             resumes: AtomicU64::new(0),
             waiting_permits: AtomicU32::new(0),

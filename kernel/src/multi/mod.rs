@@ -243,6 +243,9 @@ impl<'a> Shop<'a> {
 
     /// A thread for each kernel; meanwhile this one does something else.
     fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<(u16, Halt)> {
+        if let [(a, _), (b, _)] = &work[..] {
+            self.coordinator.set_pair(a.channel.number, b.channel.number);
+        }
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();

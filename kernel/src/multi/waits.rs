@@ -92,6 +92,12 @@ impl Spec {
         out
     }
 
+    /// The code in one word; equal words mean equal codes of one form.
+    pub(crate) fn code(&self) -> u64 {
+        let form = u64::from(self.style == Style::Listed) << 3 | self.primitive as u64;
+        u64::from(self.number) << 32 | u64::from(self.letter) << 4 | form
+    }
+
     fn matches(&self, other: &Self) -> bool {
         self.letter == other.letter
             && self.number == other.number
@@ -147,7 +153,7 @@ pub(crate) struct Finish {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Arrival {
     /// The meeting is complete: these channels go on at this time.
-    Released { channels: Set, t: i64, micro: u32, meeting: u64 },
+    Released { channels: Set, t: i64, micro: u32 },
     /// The channel stands.
     Blocked,
     /// The control refuses: these channels (the arriving one included) alarm.
@@ -159,8 +165,12 @@ pub(crate) enum Arrival {
 pub(crate) struct Waits {
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
-    meetings: u64,
     release_ns: i64,
+}
+
+/// When a meeting lets go whose last arrival was at this time and microstep.
+pub(crate) fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
+    if release_ns > 0 { (t + release_ns, 0) } else { (t, micro + 1) }
 }
 
 fn index(rank: u16) -> usize {
@@ -169,7 +179,12 @@ fn index(rank: u16) -> usize {
 
 impl Waits {
     pub(crate) fn new(channels: usize, release_ns: i64) -> Self {
-        Self { waiting: vec![None; channels], finished: vec![None; channels], meetings: 0, release_ns }
+        Self { waiting: vec![None; channels], finished: vec![None; channels], release_ns }
+    }
+
+    /// Time from the last arrival to the release, ns.
+    pub(crate) fn release_ns(&self) -> i64 {
+        self.release_ns
     }
 
     /// The wait of a channel.
@@ -256,13 +271,8 @@ impl Waits {
         for channel in parts.iter() {
             self.leave(channel);
         }
-        self.meetings += 1;
-        if self.release_ns > 0 {
-            (t, micro) = (t + self.release_ns, 0);
-        } else {
-            micro += 1;
-        }
-        Arrival::Released { channels: parts, t, micro, meeting: self.meetings }
+        (t, micro) = after(t, micro, self.release_ns);
+        Arrival::Released { channels: parts, t, micro }
     }
 
     /// Participants of a channel's wait that have not arrived at the same meeting.
@@ -328,10 +338,10 @@ mod tests {
         let mut waits = Waits::new(3, 0);
         assert_eq!(waits.arrive(waiting(1, 1, 101, &[1, 2, 3])), Arrival::Blocked);
         assert_eq!(waits.arrive(waiting(2, 5, 101, &[1, 2, 3])), Arrival::Blocked);
-        let Arrival::Released { channels, t, micro, meeting } = waits.arrive(waiting(3, 7, 101, &[1, 2, 3])) else {
+        let Arrival::Released { channels, t, micro } = waits.arrive(waiting(3, 7, 101, &[1, 2, 3])) else {
             panic!("not released");
         };
-        assert_eq!((channels, t, micro, meeting), (Set::up_to(3), 7, 1, 1));
+        assert_eq!((channels, t, micro), (Set::up_to(3), 7, 1));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering::SeqCst;
 
 use super::{Coordinator, Inner, Status, Wake, index};
 use crate::multi::tag::Tag;
-use crate::multi::waits::{Arrival, Waiting};
+use crate::multi::waits::{Arrival, Set, Waiting};
 
 /// What came of an arrival.
 #[derive(Debug, PartialEq)]
@@ -24,7 +24,10 @@ pub(crate) enum Met {
 impl Coordinator {
     /// Arrives, and waits for a moment until the meeting takes place, with `work` to do meanwhile as long as there is
     /// some.
-    pub(crate) fn meet(&self, waiting: &Waiting, work: impl FnMut() -> bool) -> Met {
+    pub(crate) fn meet(&self, waiting: &Waiting, mut work: impl FnMut() -> bool) -> Met {
+        if let Some(wake) = self.meet_pair(waiting, &mut work) {
+            return Met::Woken(wake);
+        }
         let tag = waiting.tag;
         let Some(slot) = self.slot(tag.rank) else { return Met::Not };
         let seen = {
@@ -54,6 +57,13 @@ impl Coordinator {
         Met::Not
     }
 
+    /// A meeting takes place: its number.
+    pub(crate) fn count_meeting(&self, inner: &mut Inner, channels: Set) -> u64 {
+        inner.shared.met(channels);
+        self.set_orders(inner.shared.has_orders(channels));
+        self.meetings.fetch_add(1, SeqCst) + 1
+    }
+
     /// Carries out the arrival of a parked kernel that is next in tag order; `false` if its own attention is needed.
     pub(super) fn arrive_for(&self, inner: &mut Inner, tag: Tag) -> bool {
         let Some(waiting) = inner.put_arriving(None, tag.rank) else { return false };
@@ -62,8 +72,8 @@ impl Coordinator {
             return false;
         }
         self.stand_still(inner, tag.rank, Status::Blocked);
-        if let Arrival::Released { channels, t, micro, meeting } = inner.waits.arrive(waiting) {
-            inner.shared.met(channels);
+        if let Arrival::Released { channels, t, micro } = inner.waits.arrive(waiting) {
+            let meeting = self.count_meeting(inner, channels);
             for channel in channels.iter() {
                 self.resume(inner, channel, Wake::Released { tag: Tag { t, micro, rank: channel }, meeting });
             }

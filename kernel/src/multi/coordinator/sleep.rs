@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering::SeqCst;
 use super::{Coordinator, Guard, Slot};
 
 /// Turns of the core given away before a waiting thread is put to sleep.
-const YIELDS: u32 = 30;
+pub(super) const YIELDS: u32 = 30;
 
 impl Slot {
     fn sleep<'a>(&'a self, inner: Guard<'a>) -> Guard<'a> {
