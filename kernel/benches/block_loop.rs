@@ -102,12 +102,6 @@ fn block_loop(c: &mut Criterion) {
     let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
     group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
     group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
-    let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
-    group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
-    group.bench_function("one_channel_results", |b| b.iter(|| results(&one, &files, 2)));
-    let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
-    group.bench_function("two_channels_1000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
-    group.bench_function("two_channels_1000_waits_results", |b| b.iter(|| results(&two, &files, 2)));
     let text = format!(
         "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
         blocks / 5
@@ -117,5 +111,20 @@ fn block_loop(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, block_loop);
+/// One channel of 100,000 blocks, and two of them with 5,000 meetings: the rate of blocks is that of one channel.
+fn channels(c: &mut Criterion) {
+    let mut group = c.benchmark_group("channels");
+    let blocks = 100_000;
+    group.throughput(Throughput::Elements(blocks as u64));
+    group.sample_size(20);
+    let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
+    group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("one_channel_results", |b| b.iter(|| results(&one, &files, 2)));
+    let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
+    group.bench_function("two_channels_5000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
+    group.bench_function("two_channels_5000_waits_results", |b| b.iter(|| results(&two, &files, 2)));
+    group.finish();
+}
+
+criterion_group!(benches, block_loop, channels);
 criterion_main!(benches);

@@ -20,7 +20,7 @@ use crate::log::event::{
 
 /// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy; not so
 /// many that another kernel has to wait for it.
-const CHUNK: usize = 8 * 1024;
+const CHUNK: usize = 16 * 1024;
 
 /// Builds the digest of one channel's events.
 #[derive(Debug)]
