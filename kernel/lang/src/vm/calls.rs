@@ -1,6 +1,8 @@
 //! Entering and leaving macros.
 
-use super::{End, State, report, run};
+use super::run::{self, Stop};
+use super::{End, State, report};
+use crate::bytecode::fast::WINDOW;
 use crate::bytecode::{Code, Slot};
 use crate::compile::Program;
 use crate::diag::Number;
@@ -9,66 +11,81 @@ use crate::host::Host;
 use crate::source::Span;
 use crate::value::{Kind, Value};
 
-/// What a macro gets.
-pub(super) enum Arguments<'a> {
-    /// `$P1` and on, written back.
-    Numbered(&'a mut [Value]),
-    /// Parameters of a function.
-    Parameters(&'a [Value], &'a [Slot]),
-}
+/// The registers of a macro. It stays allocated, constants included, from run to run.
+pub(super) type Frame = Vec<Value>;
 
-/// Runs a macro to its end; faults are reported here.
+/// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
 pub(super) fn enter(
     program: &Program,
     state: &mut State,
     host: &mut dyn Host,
     code: &Code,
     index: u16,
-    mut arguments: Arguments<'_>,
+    arguments: &mut [Value],
 ) -> End {
-    let slot = usize::from(index);
-    if state.frames.len() <= slot {
-        state.frames.resize_with(slot + 1, || Some(Vec::new()));
-    }
-    let entry = code.places.first().copied().unwrap_or_default();
     if let Err(fault) = may_enter(program, state, index) {
-        report(code, entry, fault, 8, state, host);
+        report(code, entry(code), fault, 8, state, host);
         return End::Error;
     }
-    let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
-    prepare(code, &mut frame);
-    if let Some((result, _)) = code.result {
-        run::set(&mut frame, result, Value::Null);
+    let mut frame = take(state, code, index);
+    for (slot, _) in &code.parameters {
+        run::set(&mut frame, *slot, Value::Unset);
     }
-    let tracing = !code.statements.is_empty();
-    if tracing {
+    for (number, slot) in &code.arguments {
+        if let Some(value) = arguments.get(usize::from(*number) - 1) {
+            run::set(&mut frame, *slot, value.clone());
+        }
+    }
+    begin(state, host, code);
+    let end = run::run(program, state, host, code, &mut frame);
+    leave(state, host, code);
+    for (number, slot) in &code.arguments {
+        if let (Some(value), Some(register)) =
+            (arguments.get_mut(usize::from(*number) - 1), frame.get(usize::from(*slot)))
+        {
+            *value = register.clone();
+        }
+    }
+    put_back(state, index, frame);
+    end
+}
+
+/// Finds a function to be called and its registers.
+pub(super) fn call<'p>(program: &'p Program, state: &mut State, callee: u16) -> Result<(&'p Code, Frame), Fault> {
+    state.spend(5)?;
+    may_enter(program, state, callee)?;
+    let missing = || Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there");
+    let code = program.macros.get(usize::from(callee)).ok_or_else(missing)?;
+    Ok((code, take(state, code, callee)))
+}
+
+/// Notes that a macro runs.
+#[inline]
+pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
+    state.depth += 1;
+    if !code.statements.is_empty() {
         host.trace(&format!(" Macro:* Entering {}", code.name));
         state.names.push(code.name.clone());
     }
-    state.depth += 1;
-    let end = match fill(code, &mut frame, &arguments) {
-        Ok(()) => body(program, state, host, code, &mut frame),
-        Err(fault) => fail(state, host, code, entry, fault),
-    };
+}
+
+/// Notes that a macro has ended.
+#[inline]
+pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth -= 1;
-    if tracing {
+    if !code.statements.is_empty() {
         state.names.pop();
         let back = state.names.last().map_or("regular processing", String::as_str);
         host.trace(&format!(" Macro:* Leaving {}, Returning to {back}", code.name));
     }
-    if let Arguments::Numbered(values) = &mut arguments {
-        for (number, slot) in &code.arguments {
-            if let (Some(value), Some(register)) =
-                (values.get_mut(usize::from(*number) - 1), frame.get(usize::from(*slot)))
-            {
-                *value = register.clone();
-            }
-        }
-    }
-    if let Some(place) = state.frames.get_mut(slot) {
+}
+
+/// Makes the registers of a macro free for its next run.
+#[inline]
+pub(super) fn put_back(state: &mut State, index: u16, frame: Frame) {
+    if let Some(place) = state.frames.get_mut(usize::from(index)) {
         *place = Some(frame);
     }
-    end
 }
 
 /// Result of the last run of a function.
@@ -80,8 +97,18 @@ pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value
     }
 }
 
+/// Gives the result of a function to its caller.
+#[inline]
+pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot) {
+    let Some((result, _)) = code.result else { return run::set(caller, to, Value::Null) };
+    match run::number(frame, result) {
+        Some(number) => run::set_number(caller, to, number),
+        None => run::set(caller, to, run::get(frame, result).clone()),
+    }
+}
+
 /// Refuses a macro that is running already, and too many macros at once.
-pub(super) fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> {
+fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> {
     if state.depth >= state.limits.depth {
         return Err(Fault::new(Number::DEPTH, format!("more than {} macros are active", state.limits.depth)));
     }
@@ -92,80 +119,94 @@ pub(super) fn may_enter(program: &Program, state: &State, index: u16) -> Result<
     Ok(())
 }
 
-fn prepare(code: &Code, frame: &mut Vec<Value>) {
-    if frame.len() != code.registers {
-        frame.clear();
-        frame.resize(code.registers, Value::Unset);
-        for (slot, value) in &code.constants {
-            if let Some(register) = frame.get_mut(usize::from(*slot)) {
-                *register = value.clone();
-            }
-        }
-    } else {
+/// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`.
+fn take(state: &mut State, code: &Code, index: u16) -> Frame {
+    let slot = usize::from(index);
+    if state.frames.len() <= slot {
+        state.frames.resize_with(slot + 1, || Some(Vec::new()));
+    }
+    let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
+    // Short forms work on a window of fixed size, so every frame has that much more than it needs.
+    if frame.len() == code.registers + WINDOW {
         for slot in &code.locals {
             match frame.get_mut(usize::from(*slot)) {
                 Some(Value::Unset) | None => {}
                 Some(register) => *register = Value::Unset,
             }
         }
+    } else {
+        fresh(code, &mut frame);
+    }
+    if let Some((result, _)) = code.result {
+        run::set(&mut frame, result, Value::Null);
+    }
+    frame
+}
+
+#[cold]
+fn fresh(code: &Code, frame: &mut Frame) {
+    frame.clear();
+    frame.resize(code.registers + WINDOW, Value::Unset);
+    for (slot, value) in &code.constants {
+        run::set(frame, *slot, value.clone());
     }
 }
 
-fn fill(code: &Code, frame: &mut [Value], arguments: &Arguments<'_>) -> Result<(), Fault> {
-    match arguments {
-        Arguments::Numbered(values) => {
-            for (number, slot) in &code.arguments {
-                if let (Some(value), Some(register)) =
-                    (values.get(usize::from(*number) - 1), frame.get_mut(usize::from(*slot)))
-                {
-                    *register = value.clone();
-                }
-            }
+/// Copies arguments from the registers `list` of the caller into the parameters of a function.
+#[inline]
+pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[Slot]) -> Result<(), Fault> {
+    for ((slot, kind), from) in code.parameters.iter().zip(given) {
+        if let Some(number) = run::number(caller, *from)
+            && kind.is_none_or(|kind| kind == Kind::Real)
+        {
+            run::set_number(frame, *slot, number);
+            continue;
         }
-        Arguments::Parameters(caller, given) => {
-            for ((slot, kind), from) in code.parameters.iter().zip(*given) {
-                if let Some(number) = run::number(caller, *from)
-                    && kind.is_none_or(|kind| kind == Kind::Real)
-                {
-                    run::set_number(frame, *slot, number);
-                    continue;
-                }
-                let value = run::get(caller, *from);
-                let value = match kind {
-                    Some(kind) => super::data::typed(value, *kind)?,
-                    None => value.clone(),
-                };
-                run::set(frame, *slot, value);
-            }
-        }
+        let value = run::get(caller, *from);
+        let value = match kind {
+            Some(kind) => super::data::typed(value, *kind)?,
+            None => value.clone(),
+        };
+        run::set(frame, *slot, value);
     }
     Ok(())
 }
 
-fn body(program: &Program, state: &mut State, host: &mut dyn Host, code: &Code, frame: &mut [Value]) -> End {
-    match run::run(program, state, host, code, frame) {
-        Ok(()) => {
-            let typed = code.result.and_then(|(slot, kind)| Some((frame.get(usize::from(slot))?, kind?)));
-            match typed {
-                Some((value, kind)) if !matches!(value, Value::Null) && value.kind() != Some(kind) => {
-                    let message = format!("the result is of type {}, not {}", value.kind_name(), kind.name());
-                    let place = code.places.last().copied().unwrap_or_default();
-                    fail(state, host, code, place, Fault::new(Number::TYPED_STORE, message))
-                }
-                _ => End::Normal,
-            }
-        }
-        Err(run::Stop::Fault(at, fault)) => {
-            let place = code.places.get(at).copied().unwrap_or_default();
-            fail(state, host, code, place, fault)
-        }
-        Err(run::Stop::Raised(at)) => {
-            let place = code.places.get(at).copied().unwrap_or_default();
-            ended(state, host, code, place);
+fn entry(code: &Code) -> Span {
+    code.places.first().copied().unwrap_or_default()
+}
+
+/// Reports how a macro ended.
+pub(super) fn finish(
+    state: &mut State,
+    host: &mut dyn Host,
+    code: &Code,
+    frame: &[Value],
+    outcome: Result<(), Stop>,
+) -> End {
+    let place = |at: usize| code.places.get(at).copied().unwrap_or_default();
+    match outcome {
+        Ok(()) => match code.result {
+            Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
+            _ => End::Normal,
+        },
+        Err(Stop::Fault(at, fault)) => fail(state, host, code, place(at), fault),
+        Err(Stop::Raised(at)) => {
+            ended(state, host, code, place(at));
             End::Error
         }
-        Err(run::Stop::Budget) => End::Budget,
+        Err(Stop::Budget) => End::Budget,
     }
+}
+
+/// Checks the type of a result.
+fn result_typed(state: &mut State, host: &mut dyn Host, code: &Code, value: &Value, kind: Kind) -> End {
+    if matches!(value, Value::Null) || value.kind() == Some(kind) {
+        return End::Normal;
+    }
+    let message = format!("the result is of type {}, not {}", value.kind_name(), kind.name());
+    let place = code.places.last().copied().unwrap_or_default();
+    fail(state, host, code, place, Fault::new(Number::TYPED_STORE, message))
 }
 
 /// Reports a fault and ends the macro.

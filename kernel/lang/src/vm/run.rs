@@ -1,8 +1,11 @@
-//! The loop over the instructions.
+//! The loop over the instructions of a macro and of the functions it calls.
 //!
-//! Invariant: a short way here gives exactly what [`super::step`] gives, or is not taken.
+//! Invariant: a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
+//! [`super::step`] gives, or are not taken.
 
-use super::{State, data, step};
+use super::calls::{self, Frame};
+use super::{End, State, fast, step};
+use crate::bytecode::fast::WINDOW;
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
 use crate::compile::Program;
 use crate::fault::Fault;
@@ -55,110 +58,101 @@ pub(super) enum Next {
     Step,
     /// Another one.
     Jump(Target),
-    /// Nothing: the macro ends.
-    Return,
 }
 
-/// Runs the code in its frame.
-#[inline(never)]
-pub(super) fn run(
-    program: &Program,
+/// A call: register of the result, function, registers of the arguments.
+pub(super) type Call = (Slot, u16, u16);
+
+/// A macro that waits for a function it called.
+struct Caller<'p> {
+    code: &'p Code,
+    frame: Frame,
+    /// The call.
+    at: usize,
+    /// Register of the result, and the function.
+    to: Slot,
+    callee: u16,
+}
+
+/// Runs a macro that has been entered, with everything it calls.
+pub(super) fn run<'p>(
+    program: &'p Program,
+    state: &mut State,
+    host: &mut dyn Host,
+    mut code: &'p Code,
+    frame: &mut Frame,
+) -> End {
+    let mut callers: Vec<Caller<'p>> = Vec::new();
+    let mut at = 0usize;
+    loop {
+        let mut outcome = match execute(state, host, code, frame, &mut at) {
+            Ok(None) => Ok(()),
+            Err(stop) => Err(stop),
+            Ok(Some((to, callee, list))) => match calls::call(program, state, callee) {
+                Ok((callee_code, callee_frame)) => {
+                    let waiting = std::mem::replace(frame, callee_frame);
+                    let filled = calls::fill(callee_code, frame, &waiting, slots(code, list));
+                    callers.push(Caller { code, frame: waiting, at, to, callee });
+                    (code, at) = (callee_code, 0);
+                    calls::begin(state, host, code);
+                    match filled {
+                        Ok(()) => continue,
+                        Err(fault) => Err(Stop::Fault(0, fault)),
+                    }
+                }
+                Err(fault) => Err(Stop::Fault(at, fault)),
+            },
+        };
+        // The macro has ended; so do its callers if a budget is used up.
+        loop {
+            let end = calls::finish(state, host, code, frame, outcome);
+            let Some(caller) = callers.pop() else { return end };
+            calls::leave(state, host, code);
+            let ended = std::mem::replace(frame, caller.frame);
+            calls::give(code, &ended, frame, caller.to);
+            calls::put_back(state, caller.callee, ended);
+            (code, at) = (caller.code, caller.at + 1);
+            if end != End::Budget {
+                break;
+            }
+            outcome = Err(Stop::Budget);
+        }
+    }
+}
+
+/// Runs until the macro calls a function or ends.
+fn execute(
     state: &mut State,
     host: &mut dyn Host,
     code: &Code,
     frame: &mut [Value],
-) -> Result<(), Stop> {
-    let mut at = 0usize;
-    macro_rules! jump {
-        ($target:expr) => {{
-            let target = usize::from($target);
-            if target <= at {
-                let cost = (at - target) as u64 + 1;
-                if state.ticks < cost {
-                    return Err(Stop::Fault(at, used_up(state)));
-                }
-                state.ticks -= cost;
-            }
-            at = target;
-            continue;
-        }};
-    }
-    macro_rules! short {
-        ($to:expr, $a:expr, $b:expr, $work:expr) => {
-            if let (Some(a), Some(b)) = (number(frame, $a), number(frame, $b)) {
-                let result: f64 = $work(a, b);
-                if result.is_finite() {
-                    set_number(frame, $to, result);
-                    at += 1;
-                    continue;
-                }
-            }
-        };
-    }
-    while let Some(op) = code.ops.get(at) {
-        match *op {
-            Op::Add { to, a, b } => short!(to, a, b, |a: f64, b: f64| a + b),
-            Op::Subtract { to, a, b } => short!(to, a, b, |a: f64, b: f64| a - b),
-            Op::Multiply { to, a, b } => short!(to, a, b, |a: f64, b: f64| a * b),
-            Op::Divide { to, a, b } => short!(to, a, b, |a: f64, b: f64| a / b),
-            Op::AddTo { to, a } => short!(to, to, a, |a: f64, b: f64| a + b),
-            Op::Move { to, a } => {
-                match number(frame, a) {
-                    Some(number) => set_number(frame, to, number),
-                    None => copy(frame, to, a),
-                }
-                at += 1;
-                continue;
-            }
-            Op::Element { to, a, index } => {
-                if let Some(position) = number(frame, index)
-                    && let Some(found) = data::element_number(get(frame, a), position)
-                {
-                    set_number(frame, to, found);
-                    at += 1;
-                    continue;
-                }
-            }
-            Op::SetElement { to, index, a } => {
-                if let (Some(position), Some(value)) = (number(frame, index), number(frame, a))
-                    && data::set_element_number(frame, to, position, value)
-                {
-                    at += 1;
-                    continue;
-                }
-            }
-            Op::Jump { target } => jump!(target),
-            Op::JumpUnlessCompare { relation, a, b, target } => {
-                if let (Some(a), Some(b)) = (number(frame, a), number(frame, b)) {
-                    if relate(relation, a, b) {
-                        at += 1;
-                        continue;
-                    }
-                    jump!(target);
-                }
-            }
-            Op::DoNext { variable, end, target } => {
-                let known = (number(frame, variable), number(frame, end), number(frame, end + 1));
-                if let (Some(value), Some(last), Some(step)) = known {
-                    let value = value + step;
-                    set_number(frame, variable, value);
-                    if past(value, last, step) {
-                        at += 1;
-                        continue;
-                    }
-                    jump!(target);
-                }
-            }
-            Op::Return => return Ok(()),
-            _ => {}
+    position: &mut usize,
+) -> Result<Option<Call>, Stop> {
+    let mut at = *position;
+    loop {
+        if let Some(window) = frame.first_chunk_mut::<WINDOW>() {
+            let elements = state.limits.elements;
+            let work = fast::Work { forms: &code.fast, functions: &code.functions, elements };
+            (at, state.ticks) = fast::run(&work, window, at, state.ticks);
         }
-        match step::step(program, state, host, code, frame, at)? {
+        match code.ops.get(at) {
+            None | Some(Op::Return) => return Ok(None),
+            Some(Op::CallMacro { to, callee, list }) => {
+                *position = at;
+                return Ok(Some((*to, *callee, *list)));
+            }
+            Some(_) => {}
+        }
+        match step::step(state, host, code, frame, at)? {
             Next::Step => at += 1,
-            Next::Jump(target) => jump!(target),
-            Next::Return => return Ok(()),
+            Next::Jump(target) => {
+                let Some(left) = fast::passed(at, target, state.ticks) else {
+                    return Err(Stop::Fault(at, used_up(state)));
+                };
+                (at, state.ticks) = (usize::from(target), left);
+            }
         }
     }
-    Ok(())
 }
 
 #[cold]
