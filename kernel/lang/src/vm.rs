@@ -66,8 +66,8 @@ pub struct State {
     /// A diagnostic of severity 8 or more was reported.
     pub failed: bool,
     objects: Vec<Value>,
-    /// Registers of every macro that has run, none while it runs.
-    frames: Vec<Option<calls::Frame>>,
+    /// Frame of every macro, none while it runs.
+    frames: Vec<Option<Box<calls::Frame>>>,
     units: FxHashMap<u8, Unit>,
     formats: FxHashMap<(String, bool), Arc<Format>>,
     patterns: FxHashMap<String, Arc<Pattern>>,

@@ -10,9 +10,30 @@ use crate::fault::Fault;
 use crate::host::Host;
 use crate::source::Span;
 use crate::value::{Kind, Value};
+use std::sync::Arc;
 
-/// The registers of a macro. It stays allocated, constants included, from run to run.
-pub(super) type Frame = Vec<Value>;
+/// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
+#[derive(Debug, Default)]
+pub(super) struct Frame {
+    /// Its registers, and unused ones up to the size of a window behind them.
+    pub(super) registers: Vec<Value>,
+    /// Which macro it is.
+    pub(super) index: u16,
+    /// Who waits for it, none for the outermost macro; at which instruction, and the register for the result.
+    pub(super) caller: Option<Box<Frame>>,
+    pub(super) at: usize,
+    pub(super) to: Slot,
+}
+
+impl Frame {
+    /// Notes who waits for this macro.
+    #[inline]
+    pub(super) fn wait(&mut self, caller: Box<Frame>, at: usize, to: Slot) {
+        self.caller = Some(caller);
+        self.at = at;
+        self.to = to;
+    }
+}
 
 /// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
 pub(super) fn enter(
@@ -28,35 +49,42 @@ pub(super) fn enter(
         return End::Error;
     }
     let mut frame = take(state, code, index);
+    let registers = frame.registers.as_mut_slice();
     for (slot, _) in &code.parameters {
-        run::set(&mut frame, *slot, Value::Unset);
+        run::set(registers, *slot, Value::Unset);
     }
     for (number, slot) in &code.arguments {
         if let Some(value) = arguments.get(usize::from(*number) - 1) {
-            run::set(&mut frame, *slot, value.clone());
+            run::set(registers, *slot, value.clone());
         }
     }
     begin(state, host, code);
-    let end = run::run(program, state, host, code, &mut frame);
+    let end = run::run(program, state, host, &mut frame);
     leave(state, host, code);
     for (number, slot) in &code.arguments {
         if let (Some(value), Some(register)) =
-            (arguments.get_mut(usize::from(*number) - 1), frame.get(usize::from(*slot)))
+            (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
         {
             *value = register.clone();
         }
     }
-    put_back(state, index, frame);
+    put_back(state, frame);
     end
 }
 
 /// Finds a function to be called and its registers.
-pub(super) fn call<'p>(program: &'p Program, state: &mut State, callee: u16) -> Result<(&'p Code, Frame), Fault> {
+#[inline]
+pub(super) fn call<'p>(
+    program: &'p Program,
+    state: &mut State,
+    callee: u16,
+) -> Result<(&'p Arc<Code>, Box<Frame>), Box<Fault>> {
     state.spend(5)?;
     may_enter(program, state, callee)?;
-    let missing = || Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there");
-    let code = program.macros.get(usize::from(callee)).ok_or_else(missing)?;
-    Ok((code, take(state, code, callee)))
+    match program.macros.get(usize::from(callee)) {
+        Some(code) => Ok((code, take(state, code, callee))),
+        None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there"))),
+    }
 }
 
 /// Notes that a macro runs.
@@ -82,8 +110,8 @@ pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
 
 /// Makes the registers of a macro free for its next run.
 #[inline]
-pub(super) fn put_back(state: &mut State, index: u16, frame: Frame) {
-    if let Some(place) = state.frames.get_mut(usize::from(index)) {
+pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
+    if let Some(place) = state.frames.get_mut(usize::from(frame.index)) {
         *place = Some(frame);
     }
 }
@@ -92,7 +120,7 @@ pub(super) fn put_back(state: &mut State, index: u16, frame: Frame) {
 pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
     static NULL: Value = Value::Null;
     match (code.result, state.frames.get(usize::from(index))) {
-        (Some((slot, _)), Some(Some(frame))) => run::get(frame, slot),
+        (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
         _ => &NULL,
     }
 }
@@ -108,6 +136,7 @@ pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot)
 }
 
 /// Refuses a macro that is running already, and too many macros at once.
+#[inline]
 fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> {
     if state.depth >= state.limits.depth {
         return Err(Fault::new(Number::DEPTH, format!("more than {} macros are active", state.limits.depth)));
@@ -120,36 +149,45 @@ fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> 
 }
 
 /// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`.
-fn take(state: &mut State, code: &Code, index: u16) -> Frame {
-    let slot = usize::from(index);
-    if state.frames.len() <= slot {
-        state.frames.resize_with(slot + 1, || Some(Vec::new()));
-    }
-    let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
-    // Short forms work on a window of fixed size, so every frame has that much more than it needs.
-    if frame.len() == code.registers + WINDOW {
-        for slot in &code.locals {
-            match frame.get_mut(usize::from(*slot)) {
-                Some(Value::Unset) | None => {}
-                Some(register) => *register = Value::Unset,
-            }
-        }
-    } else {
-        fresh(code, &mut frame);
+fn take(state: &mut State, code: &Code, index: u16) -> Box<Frame> {
+    let mut frame = match state.frames.get_mut(usize::from(index)).and_then(Option::take) {
+        // Short forms work on a window of fixed size, so every frame has that much more than it needs.
+        Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
+        _ => fresh(state, code, index),
+    };
+    for slot in &code.locals {
+        clear(&mut frame.registers, *slot, Value::Unset);
     }
     if let Some((result, _)) = code.result {
-        run::set(&mut frame, result, Value::Null);
+        clear(&mut frame.registers, result, Value::Null);
     }
     frame
 }
 
-#[cold]
-fn fresh(code: &Code, frame: &mut Frame) {
-    frame.clear();
-    frame.resize(code.registers + WINDOW, Value::Unset);
-    for (slot, value) in &code.constants {
-        run::set(frame, *slot, value.clone());
+/// Gives a register a value that needs no memory, and mostly has no need to free any.
+#[inline]
+fn clear(registers: &mut [Value], slot: Slot, value: Value) {
+    match registers.get_mut(usize::from(slot)) {
+        Some(register @ (Value::Text(_) | Value::Sequence(_) | Value::Array(_))) => *register = value,
+        Some(register) => *register = value,
+        None => {}
     }
+}
+
+#[cold]
+fn fresh(state: &mut State, code: &Code, index: u16) -> Box<Frame> {
+    let slot = usize::from(index);
+    if state.frames.len() <= slot {
+        state.frames.resize_with(slot + 1, || Some(Box::default()));
+    }
+    if let Some(place) = state.frames.get_mut(slot) {
+        *place = None;
+    }
+    let mut registers = vec![Value::Unset; code.registers + WINDOW];
+    for (slot, value) in &code.constants {
+        run::set(&mut registers, *slot, value.clone());
+    }
+    Box::new(Frame { registers, index, ..Frame::default() })
 }
 
 /// Copies arguments from the registers `list` of the caller into the parameters of a function.
@@ -176,26 +214,25 @@ fn entry(code: &Code) -> Span {
     code.places.first().copied().unwrap_or_default()
 }
 
-/// Reports how a macro ended.
-pub(super) fn finish(
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &[Value],
-    outcome: Result<(), Stop>,
-) -> End {
+/// Checks the result of a macro that came to its end.
+#[inline]
+pub(super) fn finished(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> End {
+    match code.result {
+        Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
+        _ => End::Normal,
+    }
+}
+
+/// Reports why a macro stopped.
+#[cold]
+pub(super) fn stopped(state: &mut State, host: &mut dyn Host, code: &Code, stop: Stop) -> End {
     let place = |at: usize| code.places.get(at).copied().unwrap_or_default();
-    match outcome {
-        Ok(()) => match code.result {
-            Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
-            _ => End::Normal,
-        },
-        Err(Stop::Fault(at, fault)) => fail(state, host, code, place(at), fault),
-        Err(Stop::Raised(at)) => {
+    match stop {
+        Stop::Fault(at, fault) => fail(state, host, code, place(at), fault),
+        Stop::Raised(at) => {
             ended(state, host, code, place(at));
             End::Error
         }
-        Err(Stop::Budget) => End::Budget,
     }
 }
 

@@ -18,8 +18,6 @@ pub(super) enum Stop {
     Fault(usize, Fault),
     /// A diagnostic of severity 8 was issued by the macro itself.
     Raised(usize),
-    /// A budget of the whole run is used up; it is reported already.
-    Budget,
 }
 
 #[inline]
@@ -60,62 +58,52 @@ pub(super) enum Next {
     Jump(Target),
 }
 
-/// A call: register of the result, function, registers of the arguments.
-pub(super) type Call = (Slot, u16, u16);
-
-/// A macro that waits for a function it called.
-struct Caller<'p> {
-    code: &'p Code,
-    frame: Frame,
-    /// The call.
-    at: usize,
-    /// Register of the result, and the function.
-    to: Slot,
-    callee: u16,
+/// Why the loop pauses without a fault.
+enum Pause {
+    /// The macro is at its end.
+    End,
+    /// A call: register of the result, function, registers of the arguments.
+    Call(Slot, u16, u16),
 }
 
 /// Runs a macro that has been entered, with everything it calls.
-pub(super) fn run<'p>(
-    program: &'p Program,
-    state: &mut State,
-    host: &mut dyn Host,
-    mut code: &'p Code,
-    frame: &mut Frame,
-) -> End {
-    let mut callers: Vec<Caller<'p>> = Vec::new();
+pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, frame: &mut Box<Frame>) -> End {
+    let Some(mut code) = program.macros.get(usize::from(frame.index)) else { return End::Error };
     let mut at = 0usize;
     loop {
-        let mut outcome = match execute(state, host, code, frame, &mut at) {
-            Ok(None) => Ok(()),
-            Err(stop) => Err(stop),
-            Ok(Some((to, callee, list))) => match calls::call(program, state, callee) {
-                Ok((callee_code, callee_frame)) => {
-                    let waiting = std::mem::replace(frame, callee_frame);
-                    let filled = calls::fill(callee_code, frame, &waiting, slots(code, list));
-                    callers.push(Caller { code, frame: waiting, at, to, callee });
-                    (code, at) = (callee_code, 0);
+        let end = match execute(state, host, code, &mut frame.registers, &mut at) {
+            Ok(Pause::Call(to, callee, list)) => match calls::call(program, state, callee) {
+                Ok((function, called)) => {
+                    let waiting = std::mem::replace(frame, called);
+                    let filled = calls::fill(function, &mut frame.registers, &waiting.registers, slots(code, list));
+                    frame.wait(waiting, at, to);
+                    (code, at) = (function, 0);
                     calls::begin(state, host, code);
                     match filled {
                         Ok(()) => continue,
-                        Err(fault) => Err(Stop::Fault(0, fault)),
+                        Err(fault) => calls::stopped(state, host, code, Stop::Fault(0, fault)),
                     }
                 }
-                Err(fault) => Err(Stop::Fault(at, fault)),
+                Err(fault) => calls::stopped(state, host, code, Stop::Fault(at, *fault)),
             },
+            Ok(Pause::End) => calls::finished(state, host, code, &frame.registers),
+            Err(stop) => calls::stopped(state, host, code, *stop),
         };
-        // The macro has ended; so do its callers if a budget is used up.
+        // Back to the caller; with a used-up budget to the outermost macro.
         loop {
-            let end = calls::finish(state, host, code, frame, outcome);
-            let Some(caller) = callers.pop() else { return end };
+            let Some(caller) = frame.caller.take() else { return end };
             calls::leave(state, host, code);
-            let ended = std::mem::replace(frame, caller.frame);
-            calls::give(code, &ended, frame, caller.to);
-            calls::put_back(state, caller.callee, ended);
-            (code, at) = (caller.code, caller.at + 1);
+            let ended = std::mem::replace(frame, caller);
+            calls::give(code, &ended.registers, &mut frame.registers, ended.to);
+            at = ended.at + 1;
+            calls::put_back(state, ended);
+            match program.macros.get(usize::from(frame.index)) {
+                Some(caller) => code = caller,
+                None => return End::Error,
+            }
             if end != End::Budget {
                 break;
             }
-            outcome = Err(Stop::Budget);
         }
     }
 }
@@ -127,7 +115,7 @@ fn execute(
     code: &Code,
     frame: &mut [Value],
     position: &mut usize,
-) -> Result<Option<Call>, Stop> {
+) -> Result<Pause, Box<Stop>> {
     let mut at = *position;
     loop {
         if let Some(window) = frame.first_chunk_mut::<WINDOW>() {
@@ -136,21 +124,20 @@ fn execute(
             (at, state.ticks) = fast::run(&work, window, at, state.ticks);
         }
         match code.ops.get(at) {
-            None | Some(Op::Return) => return Ok(None),
+            None | Some(Op::Return) => return Ok(Pause::End),
             Some(Op::CallMacro { to, callee, list }) => {
                 *position = at;
-                return Ok(Some((*to, *callee, *list)));
+                return Ok(Pause::Call(*to, *callee, *list));
             }
             Some(_) => {}
         }
-        match step::step(state, host, code, frame, at)? {
-            Next::Step => at += 1,
-            Next::Jump(target) => {
-                let Some(left) = fast::passed(at, target, state.ticks) else {
-                    return Err(Stop::Fault(at, used_up(state)));
-                };
-                (at, state.ticks) = (usize::from(target), left);
-            }
+        match step::step(state, host, code, frame, at) {
+            Ok(Next::Step) => at += 1,
+            Ok(Next::Jump(target)) => match fast::passed(at, target, state.ticks) {
+                Some(left) => (at, state.ticks) = (usize::from(target), left),
+                None => return Err(Box::new(Stop::Fault(at, used_up(state)))),
+            },
+            Err(stop) => return Err(Box::new(stop)),
         }
     }
 }
