@@ -10,7 +10,6 @@ use crate::fault::Fault;
 use crate::host::Host;
 use crate::source::Span;
 use crate::value::{Kind, Value};
-use std::sync::Arc;
 
 /// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
 #[derive(Debug, Default)]
@@ -44,11 +43,13 @@ pub(super) fn enter(
     index: u16,
     arguments: &mut [Value],
 ) -> End {
-    if let Err(fault) = may_enter(program, state, index) {
-        report(code, entry(code), fault, 8, state, host);
-        return End::Error;
-    }
-    let mut frame = take(state, code, index);
+    let mut frame = match take(program, state, code, index) {
+        Ok(frame) => frame,
+        Err(fault) => {
+            report(code, code.places.first().copied().unwrap_or_default(), *fault, 8, state, host);
+            return End::Error;
+        }
+    };
     let registers = frame.registers.as_mut_slice();
     for (slot, _) in &code.parameters {
         run::set(registers, *slot, Value::Unset);
@@ -78,11 +79,10 @@ pub(super) fn call<'p>(
     program: &'p Program,
     state: &mut State,
     callee: u16,
-) -> Result<(&'p Arc<Code>, Box<Frame>), Box<Fault>> {
+) -> Result<(&'p Code, Box<Frame>), Box<Fault>> {
     state.spend(5)?;
-    may_enter(program, state, callee)?;
     match program.macros.get(usize::from(callee)) {
-        Some(code) => Ok((code, take(state, code, callee))),
+        Some(code) => Ok((code, take(program, state, code, callee)?)),
         None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there"))),
     }
 }
@@ -135,25 +135,17 @@ pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot)
     }
 }
 
-/// Refuses a macro that is running already, and too many macros at once.
+/// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`. A macro that is
+/// running already is refused, and too many macros at once.
 #[inline]
-fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> {
-    if state.depth >= state.limits.depth {
-        return Err(Fault::new(Number::DEPTH, format!("more than {} macros are active", state.limits.depth)));
-    }
-    if matches!(state.frames.get(usize::from(index)), Some(None)) {
-        let name = program.macros.get(usize::from(index)).map_or("the macro", |code| code.name.as_str());
-        return Err(Fault::new(Number::RE_ENTERED, format!("{name} is running already")));
-    }
-    Ok(())
-}
-
-/// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`.
-fn take(state: &mut State, code: &Code, index: u16) -> Box<Frame> {
-    let mut frame = match state.frames.get_mut(usize::from(index)).and_then(Option::take) {
+fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result<Box<Frame>, Box<Fault>> {
+    let mut frame = match state.frames.get_mut(usize::from(index)) {
         // Short forms work on a window of fixed size, so every frame has that much more than it needs.
-        Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
-        _ => fresh(state, code, index),
+        Some(place) if state.depth < state.limits.depth => match place.take() {
+            Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
+            other => fresh(program, state, code, (index, other))?,
+        },
+        _ => fresh(program, state, code, (index, None))?,
     };
     for slot in &code.locals {
         clear(&mut frame.registers, *slot, Value::Unset);
@@ -161,57 +153,60 @@ fn take(state: &mut State, code: &Code, index: u16) -> Box<Frame> {
     if let Some((result, _)) = code.result {
         clear(&mut frame.registers, result, Value::Null);
     }
-    frame
+    Ok(frame)
 }
 
 /// Gives a register a value that needs no memory, and mostly has no need to free any.
-#[inline]
+#[inline(always)]
 fn clear(registers: &mut [Value], slot: Slot, value: Value) {
     match registers.get_mut(usize::from(slot)) {
-        Some(register @ (Value::Text(_) | Value::Sequence(_) | Value::Array(_))) => *register = value,
+        Some(register @ (Value::Text(_) | Value::Sequence(_) | Value::Array(_))) => run::free(register, value),
         Some(register) => *register = value,
         None => {}
     }
 }
 
+/// The registers of a macro that has not run yet in this state, or did with other code.
 #[cold]
-fn fresh(state: &mut State, code: &Code, index: u16) -> Box<Frame> {
-    let slot = usize::from(index);
-    if state.frames.len() <= slot {
-        state.frames.resize_with(slot + 1, || Some(Box::default()));
+#[inline(never)]
+fn fresh(
+    program: &Program,
+    state: &mut State,
+    code: &Code,
+    (index, old): (u16, Option<Box<Frame>>),
+) -> Result<Box<Frame>, Box<Fault>> {
+    if state.depth >= state.limits.depth {
+        let message = format!("more than {} macros are active", state.limits.depth);
+        return Err(Box::new(Fault::new(Number::DEPTH, message)));
     }
-    if let Some(place) = state.frames.get_mut(slot) {
-        *place = None;
+    let slot = usize::from(index);
+    if old.is_none() && slot < state.frames.len() {
+        let name = program.macros.get(slot).map_or("the macro", |code| code.name.as_str());
+        return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is running already"))));
+    }
+    if state.frames.len() <= slot {
+        state.frames.resize_with(slot, || Some(Box::default()));
+        state.frames.push(None);
     }
     let mut registers = vec![Value::Unset; code.registers + WINDOW];
     for (slot, value) in &code.constants {
         run::set(&mut registers, *slot, value.clone());
     }
-    Box::new(Frame { registers, index, ..Frame::default() })
+    Ok(Box::new(Frame { registers, index, ..Frame::default() }))
 }
 
 /// Copies arguments from the registers `list` of the caller into the parameters of a function.
 #[inline]
 pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[Slot]) -> Result<(), Fault> {
     for ((slot, kind), from) in code.parameters.iter().zip(given) {
-        if let Some(number) = run::number(caller, *from)
-            && kind.is_none_or(|kind| kind == Kind::Real)
-        {
-            run::set_number(frame, *slot, number);
-            continue;
+        match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
+            (Value::Real(number), None | Some(Kind::Real), Some(parameter)) => run::put(parameter, *number),
+            (value, None, Some(parameter)) => *parameter = value.clone(),
+            (value, Some(kind), Some(parameter)) => *parameter = super::data::typed(value, *kind)?,
+            (_, _, None) => {}
         }
-        let value = run::get(caller, *from);
-        let value = match kind {
-            Some(kind) => super::data::typed(value, *kind)?,
-            None => value.clone(),
-        };
-        run::set(frame, *slot, value);
     }
     Ok(())
-}
-
-fn entry(code: &Code) -> Span {
-    code.places.first().copied().unwrap_or_default()
 }
 
 /// Checks the result of a macro that came to its end.

@@ -3,8 +3,8 @@
 //! Invariant: it stops in front of the first instruction that has no short form or whose operands do not fit, having
 //! changed nothing of it; numbers that it stores exist. It allocates only to let a sequence grow.
 
-use crate::bytecode::Target;
 use crate::bytecode::fast::{Fast, Near, WINDOW};
+use crate::bytecode::{Code, Target};
 use crate::func::{Function, Way};
 use crate::value::Value;
 use std::sync::Arc;
@@ -12,21 +12,12 @@ use std::sync::Arc;
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];
 
-/// What the loop works on besides the registers.
-pub(super) struct Work<'a> {
-    /// Short forms of the macro.
-    pub(super) forms: &'a [Fast],
-    /// Functions of the macro.
-    pub(super) functions: &'a [&'static Function],
-    /// Most elements of a sequence.
-    pub(super) elements: usize,
-}
-
-/// Runs from `at` with `ticks` left; the answer is where it stopped and the ticks left then.
+/// Runs from `at` with `ticks` left; `elements` is the most that a sequence may have. The answer is where it stopped and
+/// the ticks left then.
 #[allow(clippy::too_many_lines, reason = "one arm per form; kept together so that operands stay in machine registers")]
 #[inline(never)]
-pub(super) fn run(work: &Work<'_>, window: &mut Window, mut at: usize, mut ticks: u64) -> (usize, u64) {
-    let forms = work.forms;
+pub(super) fn run(code: &Code, window: &mut Window, elements: usize, mut at: usize, mut ticks: u64) -> (usize, u64) {
+    let forms = code.fast.as_slice();
     macro_rules! number {
         ($register:expr) => {
             match window.get(usize::from($register)) {
@@ -96,14 +87,14 @@ pub(super) fn run(work: &Work<'_>, window: &mut Window, mut at: usize, mut ticks
                 let more = number!(a);
                 match window.get_mut(usize::from(to)) {
                     Some(Value::Real(number)) => *number = exists!(*number + more),
-                    Some(Value::Sequence(elements)) if elements.len() < work.elements => push(elements, more),
+                    Some(Value::Sequence(sequence)) if sequence.len() < elements => push(sequence, more),
                     _ => break,
                 }
                 at += 1;
             }
             Fast::Pair { to, a, b, function } => {
                 let (a, b) = (number!(a), number!(b));
-                let (Some(result), Some(left)) = (pair(work.functions, function, a, b), ticks.checked_sub(3)) else {
+                let (Some(result), Some(left)) = (pair(&code.functions, function, a, b), ticks.checked_sub(3)) else {
                     break;
                 };
                 ticks = left;
@@ -185,17 +176,9 @@ pub(super) fn passed(at: usize, target: Target, ticks: u64) -> Option<u64> {
 
 #[inline(always)]
 fn put(window: &mut Window, to: Near, number: f64) {
-    match window.get_mut(usize::from(to)) {
-        Some(Value::Real(register)) => *register = number,
-        Some(register) => replace(register, number),
-        None => {}
+    if let Some(register) = window.get_mut(usize::from(to)) {
+        super::run::put(register, number);
     }
-}
-
-/// Stores a number over another value.
-#[inline(never)]
-fn replace(register: &mut Value, number: f64) {
-    *register = Value::Real(number);
 }
 
 #[inline(never)]

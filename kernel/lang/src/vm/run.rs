@@ -11,6 +11,7 @@ use crate::compile::Program;
 use crate::fault::Fault;
 use crate::host::Host;
 use crate::value::Value;
+use std::sync::Arc;
 
 /// Why a macro ends early.
 pub(super) enum Stop {
@@ -43,11 +44,26 @@ pub(super) fn set(frame: &mut [Value], slot: Slot, value: Value) {
 
 #[inline]
 pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
-    match frame.get_mut(usize::from(slot)) {
-        Some(Value::Real(register)) => *register = number,
-        Some(register) => *register = Value::Real(number),
-        None => {}
+    if let Some(register) = frame.get_mut(usize::from(slot)) {
+        put(register, number);
     }
+}
+
+/// Stores a number.
+#[inline(always)]
+pub(super) fn put(register: &mut Value, number: f64) {
+    match register {
+        Value::Real(old) => *old = number,
+        Value::Text(_) | Value::Sequence(_) | Value::Array(_) => free(register, Value::Real(number)),
+        _ => *register = Value::Real(number),
+    }
+}
+
+/// Stores over a value that has memory to free.
+#[cold]
+#[inline(never)]
+pub(super) fn free(register: &mut Value, value: Value) {
+    *register = value;
 }
 
 /// What comes after an instruction.
@@ -68,7 +84,7 @@ enum Pause {
 
 /// Runs a macro that has been entered, with everything it calls.
 pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, frame: &mut Box<Frame>) -> End {
-    let Some(mut code) = program.macros.get(usize::from(frame.index)) else { return End::Error };
+    let Some(mut code) = program.macros.get(usize::from(frame.index)).map(Arc::as_ref) else { return End::Error };
     let mut at = 0usize;
     loop {
         let end = match execute(state, host, code, &mut frame.registers, &mut at) {
@@ -119,9 +135,7 @@ fn execute(
     let mut at = *position;
     loop {
         if let Some(window) = frame.first_chunk_mut::<WINDOW>() {
-            let elements = state.limits.elements;
-            let work = fast::Work { forms: &code.fast, functions: &code.functions, elements };
-            (at, state.ticks) = fast::run(&work, window, at, state.ticks);
+            (at, state.ticks) = fast::run(code, window, state.limits.elements, at, state.ticks);
         }
         match code.ops.get(at) {
             None | Some(Op::Return) => return Ok(Pause::End),
