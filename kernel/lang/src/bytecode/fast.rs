@@ -113,6 +113,14 @@ pub enum Fast {
         index: Near,
         c: Near,
     },
+    /// Calls a function.
+    Call {
+        to: Near,
+        callee: u16,
+        list: u16,
+    },
+    /// Ends a function.
+    Return,
     Jump {
         target: Target,
     },

@@ -184,6 +184,8 @@ impl Finder<'_> {
             Op::Element { to, a, index } => Fast::Element { to: near(to)?, array: near(a)?, index: near(index)? },
             Op::SetElement { to, index, a } => Fast::SetElement { array: near(to)?, index: near(index)?, a: near(a)? },
             Op::Call { to, function, list } => self.call(to, function, list)?,
+            Op::CallMacro { to, callee, list } => Fast::Call { to: near(to)?, callee, list },
+            Op::Return => Fast::Return,
             Op::Jump { target } => Fast::Jump { target },
             Op::JumpIf { a, target } => Fast::JumpIf { a: near(a)?, target },
             Op::JumpUnless { a, target } => Fast::JumpUnless { a: near(a)?, target },

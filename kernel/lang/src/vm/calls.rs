@@ -28,7 +28,9 @@ impl Frame {
     /// Notes who waits for this macro.
     #[inline]
     pub(super) fn wait(&mut self, caller: Box<Frame>, at: usize, to: Slot) {
-        self.caller = Some(caller);
+        if let Some(other) = self.caller.replace(caller) {
+            drop(other);
+        }
         self.at = at;
         self.to = to;
     }
@@ -147,23 +149,29 @@ fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result
         },
         _ => fresh(program, state, code, (index, None))?,
     };
-    for slot in &code.locals {
-        clear(&mut frame.registers, *slot, Value::Unset);
-    }
-    if let Some((result, _)) = code.result {
-        clear(&mut frame.registers, result, Value::Null);
-    }
+    clear(code, &mut frame.registers);
     Ok(frame)
 }
 
-/// Gives a register a value that needs no memory, and mostly has no need to free any.
+/// Unsets the variables of a macro and its result.
 #[inline(always)]
-fn clear(registers: &mut [Value], slot: Slot, value: Value) {
-    match registers.get_mut(usize::from(slot)) {
-        Some(register @ (Value::Text(_) | Value::Sequence(_) | Value::Array(_))) => run::free(register, value),
-        Some(register) => *register = value,
-        None => {}
+fn clear(code: &Code, registers: &mut [Value]) {
+    for slot in &code.locals {
+        match registers.get_mut(usize::from(*slot)) {
+            Some(Value::Unset) | None => {}
+            Some(register) => *register = Value::Unset,
+        }
     }
+    let result = code.result.and_then(|(result, _)| registers.get_mut(usize::from(result)));
+    match result {
+        Some(Value::Null) | None => {}
+        Some(register) => become_null(register),
+    }
+}
+
+#[inline(never)]
+fn become_null(register: &mut Value) {
+    *register = Value::Null;
 }
 
 /// The registers of a macro that has not run yet in this state, or did with other code.
@@ -193,6 +201,64 @@ fn fresh(
         run::set(&mut registers, *slot, value.clone());
     }
     Ok(Box::new(Frame { registers, index, ..Frame::default() }))
+}
+
+/// Calls a function if nothing stands against it, all arguments are numbers and nobody wants a trace: `frame` becomes
+/// that of the function. `call` is the place of the call, the register of the result, the function, and the list of the
+/// arguments.
+#[inline(never)]
+pub(super) fn quick_call<'p>(
+    program: &'p Program,
+    state: &mut State,
+    code: &Code,
+    frame: &mut Box<Frame>,
+    (at, to, callee, list): (usize, u8, u16, u16),
+) -> Option<&'p Code> {
+    let function = program.macros.get(usize::from(callee))?.as_ref();
+    let given = code.lists.get(usize::from(list))?;
+    let number = |slot: &Slot| run::number(&frame.registers, *slot);
+    if !function.statements.is_empty() || !function.numeric || state.depth >= state.limits.depth {
+        return None;
+    }
+    let ticks = state.ticks.checked_sub(5)?;
+    let place = state.frames.get_mut(usize::from(callee))?;
+    let called = place.as_mut().filter(|called| called.registers.len() == function.registers + WINDOW)?;
+    for ((parameter, _), from) in function.parameters.iter().zip(given) {
+        run::put(called.registers.get_mut(usize::from(*parameter))?, number(from)?);
+    }
+    let mut called = place.take()?;
+    clear(function, &mut called.registers);
+    let waiting = std::mem::replace(frame, called);
+    frame.wait(waiting, at, Slot::from(to));
+    (state.ticks, state.depth) = (ticks, state.depth + 1);
+    Some(function)
+}
+
+/// Ends a function that was called by another macro, if its result is a number and nobody wants a trace: `frame` becomes
+/// that of the caller. The answer is the caller and the place of the call.
+#[inline(never)]
+pub(super) fn quick_return<'p>(
+    program: &'p Program,
+    state: &mut State,
+    code: &Code,
+    frame: &mut Box<Frame>,
+) -> Option<(&'p Code, usize)> {
+    let (result, kind) = code.result?;
+    let number = run::number(&frame.registers, result)?;
+    if !code.statements.is_empty() || kind.is_some_and(|kind| kind != Kind::Real) {
+        return None;
+    }
+    let caller = program.macros.get(usize::from(frame.caller.as_ref()?.index))?.as_ref();
+    let place = state.frames.get_mut(usize::from(frame.index))?;
+    let waiting = frame.caller.take()?;
+    let ended = std::mem::replace(frame, waiting);
+    run::set_number(&mut frame.registers, ended.to, number);
+    let at = ended.at;
+    if let Some(other) = place.replace(ended) {
+        drop(other);
+    }
+    state.depth -= 1;
+    Some((caller, at))
 }
 
 /// Copies arguments from the registers `list` of the caller into the parameters of a function.

@@ -3,8 +3,11 @@
 //! Invariant: it stops in front of the first instruction that has no short form or whose operands do not fit, having
 //! changed nothing of it; numbers that it stores exist. It allocates only to let a sequence grow.
 
+use super::State;
+use super::calls::{self, Frame};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
+use crate::compile::Program;
 use crate::func::{Function, Way};
 use crate::value::Value;
 use std::sync::Arc;
@@ -12,12 +15,22 @@ use std::sync::Arc;
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];
 
-/// Runs from `at` with `ticks` left; `elements` is the most that a sequence may have. The answer is where it stopped and
-/// the ticks left then.
+/// Where the loop is: the macro that runs, its frame and the next instruction.
+pub(super) struct Place<'a, 'p> {
+    pub(super) code: &'p Code,
+    pub(super) frame: &'a mut Box<Frame>,
+    pub(super) at: usize,
+}
+
+/// Runs on from `place` and leaves there where it stopped.
 #[allow(clippy::too_many_lines, reason = "one arm per form; kept together so that operands stay in machine registers")]
 #[inline(never)]
-pub(super) fn run(code: &Code, window: &mut Window, elements: usize, mut at: usize, mut ticks: u64) -> (usize, u64) {
-    let forms = code.fast.as_slice();
+pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place<'_, 'p>) {
+    let (mut at, mut ticks) = (place.at, state.ticks);
+    let mut code = place.code;
+    let mut forms = code.fast.as_slice();
+    let frame = &mut *place.frame;
+    let Some(mut window) = frame.registers.first_chunk_mut::<WINDOW>() else { return };
     macro_rules! number {
         ($register:expr) => {
             match window.get(usize::from($register)) {
@@ -87,7 +100,7 @@ pub(super) fn run(code: &Code, window: &mut Window, elements: usize, mut at: usi
                 let more = number!(a);
                 match window.get_mut(usize::from(to)) {
                     Some(Value::Real(number)) => *number = exists!(*number + more),
-                    Some(Value::Sequence(sequence)) if sequence.len() < elements => push(sequence, more),
+                    Some(Value::Sequence(sequence)) if sequence.len() < state.limits.elements => push(sequence, more),
                     _ => break,
                 }
                 at += 1;
@@ -129,6 +142,21 @@ pub(super) fn run(code: &Code, window: &mut Window, elements: usize, mut at: usi
                 *place = exists!(then.of(*place, c));
                 at += 3;
             }
+            Fast::Call { to, callee, list } => {
+                state.ticks = ticks;
+                let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
+                    break;
+                };
+                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
+                (code, window, at, ticks) = (callee, registers, 0, state.ticks);
+                forms = code.fast.as_slice();
+            }
+            Fast::Return => {
+                let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break };
+                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
+                (code, window, at) = (caller, registers, call + 1);
+                forms = code.fast.as_slice();
+            }
             Fast::Jump { target } => jump!(target),
             Fast::JumpIf { a, target } => match window.get(usize::from(a)) {
                 Some(Value::Logical(true)) => jump!(target),
@@ -164,7 +192,7 @@ pub(super) fn run(code: &Code, window: &mut Window, elements: usize, mut at: usi
             }
         }
     }
-    (at, ticks)
+    (place.code, place.at, state.ticks) = (code, at, ticks);
 }
 
 /// Ticks left after a jump from `at`: a jump back costs the instructions it goes back over.

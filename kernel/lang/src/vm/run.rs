@@ -4,8 +4,8 @@
 //! [`super::step`] gives, or are not taken.
 
 use super::calls::{self, Frame};
-use super::{End, State, fast, step};
-use crate::bytecode::fast::WINDOW;
+use super::fast::{self, Place};
+use super::{End, State, step};
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
 use crate::compile::Program;
 use crate::fault::Fault;
@@ -49,21 +49,20 @@ pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
     }
 }
 
-/// Stores a number.
+/// Stores a number. What was there before is mostly a number too, so all else is kept out of the way.
 #[inline(always)]
 pub(super) fn put(register: &mut Value, number: f64) {
-    match register {
-        Value::Real(old) => *old = number,
-        Value::Text(_) | Value::Sequence(_) | Value::Array(_) => free(register, Value::Real(number)),
-        _ => *register = Value::Real(number),
+    if !matches!(register, Value::Real(_)) {
+        become_number(register);
+    }
+    if let Value::Real(old) = register {
+        *old = number;
     }
 }
 
-/// Stores over a value that has memory to free.
-#[cold]
 #[inline(never)]
-pub(super) fn free(register: &mut Value, value: Value) {
-    *register = value;
+fn become_number(register: &mut Value) {
+    *register = Value::Real(0.0);
 }
 
 /// What comes after an instruction.
@@ -84,37 +83,38 @@ enum Pause {
 
 /// Runs a macro that has been entered, with everything it calls.
 pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, frame: &mut Box<Frame>) -> End {
-    let Some(mut code) = program.macros.get(usize::from(frame.index)).map(Arc::as_ref) else { return End::Error };
-    let mut at = 0usize;
+    let Some(code) = program.macros.get(usize::from(frame.index)).map(Arc::as_ref) else { return End::Error };
+    let mut place = Place { code, frame, at: 0 };
     loop {
-        let end = match execute(state, host, code, &mut frame.registers, &mut at) {
+        let end = match execute(program, state, host, &mut place) {
             Ok(Pause::Call(to, callee, list)) => match calls::call(program, state, callee) {
                 Ok((function, called)) => {
-                    let waiting = std::mem::replace(frame, called);
-                    let filled = calls::fill(function, &mut frame.registers, &waiting.registers, slots(code, list));
-                    frame.wait(waiting, at, to);
-                    (code, at) = (function, 0);
-                    calls::begin(state, host, code);
+                    let waiting = std::mem::replace(place.frame, called);
+                    let given = slots(place.code, list);
+                    let filled = calls::fill(function, &mut place.frame.registers, &waiting.registers, given);
+                    place.frame.wait(waiting, place.at, to);
+                    (place.code, place.at) = (function, 0);
+                    calls::begin(state, host, function);
                     match filled {
                         Ok(()) => continue,
-                        Err(fault) => calls::stopped(state, host, code, Stop::Fault(0, fault)),
+                        Err(fault) => calls::stopped(state, host, function, Stop::Fault(0, fault)),
                     }
                 }
-                Err(fault) => calls::stopped(state, host, code, Stop::Fault(at, *fault)),
+                Err(fault) => calls::stopped(state, host, place.code, Stop::Fault(place.at, *fault)),
             },
-            Ok(Pause::End) => calls::finished(state, host, code, &frame.registers),
-            Err(stop) => calls::stopped(state, host, code, *stop),
+            Ok(Pause::End) => calls::finished(state, host, place.code, &place.frame.registers),
+            Err(stop) => calls::stopped(state, host, place.code, *stop),
         };
         // Back to the caller; with a used-up budget to the outermost macro.
         loop {
-            let Some(caller) = frame.caller.take() else { return end };
-            calls::leave(state, host, code);
-            let ended = std::mem::replace(frame, caller);
-            calls::give(code, &ended.registers, &mut frame.registers, ended.to);
-            at = ended.at + 1;
+            let Some(caller) = place.frame.caller.take() else { return end };
+            calls::leave(state, host, place.code);
+            let ended = std::mem::replace(place.frame, caller);
+            calls::give(place.code, &ended.registers, &mut place.frame.registers, ended.to);
+            place.at = ended.at + 1;
             calls::put_back(state, ended);
-            match program.macros.get(usize::from(frame.index)) {
-                Some(caller) => code = caller,
+            match program.macros.get(usize::from(place.frame.index)) {
+                Some(caller) => place.code = caller,
                 None => return End::Error,
             }
             if end != End::Budget {
@@ -124,31 +124,25 @@ pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, fra
     }
 }
 
-/// Runs until the macro calls a function or ends.
-fn execute(
+/// Runs until the macro calls a function that needs more than the short form of a call, or ends.
+fn execute<'p>(
+    program: &'p Program,
     state: &mut State,
     host: &mut dyn Host,
-    code: &Code,
-    frame: &mut [Value],
-    position: &mut usize,
+    place: &mut Place<'_, 'p>,
 ) -> Result<Pause, Box<Stop>> {
-    let mut at = *position;
     loop {
-        if let Some(window) = frame.first_chunk_mut::<WINDOW>() {
-            (at, state.ticks) = fast::run(code, window, state.limits.elements, at, state.ticks);
-        }
+        fast::run(program, state, place);
+        let (code, at) = (place.code, place.at);
         match code.ops.get(at) {
             None | Some(Op::Return) => return Ok(Pause::End),
-            Some(Op::CallMacro { to, callee, list }) => {
-                *position = at;
-                return Ok(Pause::Call(*to, *callee, *list));
-            }
+            Some(Op::CallMacro { to, callee, list }) => return Ok(Pause::Call(*to, *callee, *list)),
             Some(_) => {}
         }
-        match step::step(state, host, code, frame, at) {
-            Ok(Next::Step) => at += 1,
+        match step::step(state, host, code, &mut place.frame.registers, at) {
+            Ok(Next::Step) => place.at += 1,
             Ok(Next::Jump(target)) => match fast::passed(at, target, state.ticks) {
-                Some(left) => (at, state.ticks) = (usize::from(target), left),
+                Some(left) => (place.at, state.ticks) = (usize::from(target), left),
                 None => return Err(Box::new(Stop::Fault(at, used_up(state)))),
             },
             Err(stop) => return Err(Box::new(stop)),
