@@ -147,15 +147,17 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place
                 let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
                     break;
                 };
-                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
-                (code, window, at, ticks) = (callee, registers, 0, state.ticks);
+                (code, at, ticks) = (callee, 0, state.ticks);
                 forms = code.fast.as_slice();
+                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
+                window = registers;
             }
             Fast::Return => {
                 let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break };
-                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
-                (code, window, at) = (caller, registers, call + 1);
+                (code, at) = (caller, call + 1);
                 forms = code.fast.as_slice();
+                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
+                window = registers;
             }
             Fast::Jump { target } => jump!(target),
             Fast::JumpIf { a, target } => match window.get(usize::from(a)) {
