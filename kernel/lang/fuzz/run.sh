@@ -26,9 +26,10 @@ findings=0
 for target in "${targets[@]}"; do
     mkdir -p "$work/corpus/$target" "$work/findings/$target"
     log=$work/$target.log
-    # -timeout: one input that runs longer than this many seconds is a finding.
+    # -timeout: one input that runs longer than this many seconds is a finding; by the clock on the wall, so it leaves room
+    # for a machine that is busy.
     status=0
-    "$folder/$triple/release/$target" -max_total_time="$seconds" -max_len=2048 -timeout=10 -rss_limit_mb=2048 \
+    "$folder/$triple/release/$target" -max_total_time="$seconds" -max_len=2048 -timeout=60 -rss_limit_mb=2048 \
         -print_final_stats=1 -artifact_prefix="$work/findings/$target/" \
         "$work/corpus/$target" "$work/seeds/$target" >"$log" 2>&1 || status=$?
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -1)

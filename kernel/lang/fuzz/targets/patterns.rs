@@ -21,7 +21,7 @@ fuzz_target!(|input: &str| {
     let Ok(pattern) = Pattern::new(expression) else { return };
     let (mut budget, start) = (STEPS, Instant::now());
     let found = within(pattern.find(text, 0, &mut budget)).flatten();
-    assert!(start.elapsed() < Duration::from_secs(2), "{} steps took too long", STEPS - budget);
+    assert!(start.elapsed() < Duration::from_secs(10), "{} steps took too long", STEPS - budget);
     if let Some(found) = found {
         for (from, to) in found.groups.into_iter().flatten() {
             assert!(text.get(from..to).is_some(), "a group lies in the text, between characters");
