@@ -1,7 +1,9 @@
 //! The code of a macro.
 //!
 //! Invariant: an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
-//! their own that are filled once. Every instruction knows its statement.
+//! their own that are filled once. Every instruction knows its statement, and some have a short form in [`fast`].
+
+pub mod fast;
 
 use crate::func::Function;
 use crate::source::{Source, Span};
@@ -340,6 +342,8 @@ pub struct Code {
     pub source: Arc<Source>,
     /// Instructions.
     pub ops: Vec<Op>,
+    /// Short forms, one for each instruction.
+    pub fast: Vec<fast::Fast>,
     /// Place of the statement of each instruction.
     pub places: Vec<Span>,
     /// Number of registers.
@@ -352,6 +356,8 @@ pub struct Code {
     pub arguments: Vec<(u8, Slot)>,
     /// Registers and types of the parameters of a function.
     pub parameters: Vec<(Slot, Option<Kind>)>,
+    /// No parameter has another type than REAL.
+    pub numeric: bool,
     /// Register and type of the result of a function.
     pub result: Option<(Slot, Option<Kind>)>,
     /// Register lists.

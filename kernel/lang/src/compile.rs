@@ -5,6 +5,7 @@
 
 mod assign;
 mod expression;
+mod fast;
 mod flow;
 mod names;
 mod statement;
@@ -276,12 +277,14 @@ impl Code {
             name: String::new(),
             source: Arc::clone(source),
             ops: Vec::new(),
+            fast: Vec::new(),
             places: Vec::new(),
             registers: 0,
             constants: Vec::new(),
             locals: Vec::new(),
             arguments: Vec::new(),
             parameters: Vec::new(),
+            numeric: false,
             result: None,
             lists: Vec::new(),
             declarations: Vec::new(),
@@ -371,12 +374,14 @@ impl<'a> MacroCompiler<'a> {
         if self.code.ops.len() > MAX_CODE || self.code.registers > MAX_CODE {
             self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
         }
+        self.code.fast = fast::forms(&self.code, &self.temporaries);
         self.code
     }
 
     fn header(&mut self, header: &crate::ast::Header) {
         self.code.name.clone_from(&header.name);
         self.code.is_function = true;
+        let cleared = self.code.locals.len();
         for (name, kind) in &header.parameters {
             let slot = self.new_local(name, *kind, Some(0));
             self.code.parameters.push((slot, *kind));
@@ -389,6 +394,9 @@ impl<'a> MacroCompiler<'a> {
             local.written = true;
         }
         self.code.result = Some((slot, header.result));
+        self.code.numeric = header.parameters.iter().all(|(_, kind)| kind.is_none_or(|kind| kind == Kind::Real));
+        // Parameters and the result are set at every entry.
+        self.code.locals.truncate(cleared);
     }
 
     fn error(&mut self, span: Span, number: Number, message: impl Into<String>) {

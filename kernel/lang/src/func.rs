@@ -36,6 +36,8 @@ pub struct Context<'a> {
 pub enum Way {
     /// From one number, none where it has no result.
     Math(fn(f64) -> Option<f64>),
+    /// From two numbers, none where that is not so easy; then, and from other values, from its arguments.
+    Pair(fn(f64, f64) -> Option<f64>, fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
     /// From its arguments.
     Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
     /// By the host.
@@ -154,7 +156,7 @@ pub static TABLE: &[Function] = &[
     math("$FCEIL", |n| Some(n.ceil())),
     math("$FFLOOR", |n| Some(n.floor())),
     pure("$FATAN2", "nn", R, math::arc_tangent_of_two),
-    pure("$FMOD", "nn", R, math::remainder),
+    Function { name: "$FMOD", arguments: "nn", result: R, way: Way::Pair(math::quick_remainder, math::remainder) },
     pure("$FMAX", "nnN+", R, math::largest),
     pure("$FMIN", "nnN+", R, math::smallest),
     pure("$FDIST", "nnnnnn", R, math::distance),

@@ -21,17 +21,37 @@ pub const MAX_PROGRAM: usize = 20_000;
 enum Class {
     One(char),
     Any,
-    Set { ranges: Vec<(char, char)>, negated: bool },
+    Set(Box<Set>),
+}
+
+/// Ranges of characters, and which of the first 128 characters belong to the set after negation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Set {
+    ranges: Vec<(char, char)>,
+    negated: bool,
+    ascii: u128,
+}
+
+impl Set {
+    fn new(ranges: Vec<(char, char)>, negated: bool) -> Set {
+        let mut set = Set { ranges, negated, ascii: 0 };
+        set.ascii = (0..128u8).filter(|byte| set.lists(char::from(*byte))).fold(0, |bits, byte| bits | 1u128 << byte);
+        set
+    }
+
+    fn lists(&self, character: char) -> bool {
+        self.ranges.iter().any(|(low, high)| (*low..=*high).contains(&character)) != self.negated
+    }
 }
 
 impl Class {
+    #[inline]
     fn holds(&self, character: char) -> bool {
         match self {
             Class::One(one) => *one == character,
             Class::Any => true,
-            Class::Set { ranges, negated } => {
-                ranges.iter().any(|(low, high)| (*low..=*high).contains(&character)) != *negated
-            }
+            Class::Set(set) if character.is_ascii() => set.ascii >> (u32::from(character) & 127) & 1 != 0,
+            Class::Set(set) => set.lists(character),
         }
     }
 }
@@ -61,8 +81,12 @@ enum Step {
 #[derive(Clone, Debug)]
 pub struct Pattern {
     steps: Vec<Step>,
+    /// Places noted during a search: two for the whole and each group, one for each loop.
     slots: usize,
-    first: Option<char>,
+    /// Groups.
+    groups: usize,
+    /// What every match begins with.
+    first: Option<Class>,
     anchored: bool,
 }
 
@@ -95,7 +119,7 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn find(&self, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
-        matcher::find(self, text, from, budget)
+        matcher::Search::new(self, text).find(from, budget)
     }
 
     /// Replaces all matches (`which` 0) or the `which`-th one.

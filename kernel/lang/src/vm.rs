@@ -7,6 +7,7 @@
 mod calls;
 pub(crate) mod commands;
 mod data;
+mod fast;
 mod run;
 mod step;
 pub(crate) mod units;
@@ -65,7 +66,8 @@ pub struct State {
     /// A diagnostic of severity 8 or more was reported.
     pub failed: bool,
     objects: Vec<Value>,
-    frames: Vec<Option<Vec<Value>>>,
+    /// Frame of every macro, none while it runs.
+    frames: Vec<Option<Box<calls::Frame>>>,
     units: FxHashMap<u8, Unit>,
     formats: FxHashMap<(String, bool), Arc<Format>>,
     patterns: FxHashMap<String, Arc<Pattern>>,
@@ -213,7 +215,7 @@ pub fn run(
     if state.depth == 0 {
         state.ticks = state.limits.ticks;
     }
-    let end = calls::enter(program, state, host, code, index, calls::Arguments::Numbered(arguments));
+    let end = calls::enter(program, state, host, code, index, arguments);
     let value = calls::result(state, code, index).clone();
     (end, value)
 }

@@ -1,15 +1,17 @@
 //! Any input gives errors or a program, never a panic; formats and expressions come back as they went in.
 
+use counterpoint_lang::bytecode::fast::Fast;
 use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::diag::Number;
+use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::format::{Format, read, wildcard_text, write};
 use counterpoint_lang::host::Test;
 use counterpoint_lang::pattern::Pattern;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::tools::{self, Style};
 use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang::vm::{self, End, Limits, State};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 const PIECES: &[&str] = &[
     "IF/",
@@ -160,19 +162,78 @@ fn program() -> impl Strategy<Value = String> {
     })
 }
 
-fn execute(text: &str) {
+/// Loops over numbers, arrays and sequences, with values of other types in between.
+fn numbers() -> impl Strategy<Value = String> {
+    let name = prop::sample::select(&["A", "B", "C", "D(1)", "D(I)", "D(A)", "Q(I)", "R", "Q", "$P1"][..]);
+    let operand = prop::sample::select(
+        &["A", "B", "C", "I", "2", "0", "-.5", "H", "D(I)", "D(2)", "Q(1)", "R", "T", "G(I,A)"][..],
+    );
+    let sign = prop::sample::select(&["+", "-", "*", "/", "+", "-", "*"][..]);
+    let value = (operand.clone(), sign.clone(), operand.clone(), sign, operand, any::<bool>());
+    let value = value.prop_map(
+        |(a, f, b, g, c, left)| {
+            if left { format!("({a}{f}{b}){g}{c}") } else { format!("{a}{f}({b}{g}{c})") }
+        },
+    );
+    let assign = prop::sample::select(&["=", "+=", "-=", "*=", "/=", "=", "="][..]);
+    let statement = prop_oneof![
+        12 => (name, assign, value.clone()).prop_map(|(name, assign, value)| format!("{name}{assign}{value}")),
+        1 => prop::sample::select(&["B='x'", "C=$NULL", "A=ON", "Q={}", "B=5"][..]).prop_map(str::to_owned),
+        1 => value.clone().prop_map(|value| format!("Q+={value}")),
+        1 => value.clone().prop_map(|value| format!("A=$FMOD({value},B)")),
+        1 => value.prop_map(|value| format!("IF/{value}.LT.A.OR.A.NE.3\nEXIT\nENDOF/IF")),
+    ];
+    prop::collection::vec(statement, 1..6).prop_map(|lines| {
+        let body = lines.join("\n");
+        format!(
+            "MACRO/G(X,Y)\nG=X-Y*2\nENDMAC\nDECLAR/REAL,D(3)\nDECLAR/REAL,R\nQ={{1,2,3}}\nA=1\nB=2\nH=10**300\nDO/I=1,4\n{body}\nENDOF/DO\n\
+             PPRINT/'!(*) !(*) !(*) !(*) !(*) !(*)',A,B,C,R,Q,{{D(1),D(2),D(3)}}"
+        )
+    })
+}
+
+/// Everything that can be seen of a run.
+#[derive(Debug, PartialEq)]
+struct Seen {
+    ends: Vec<End>,
+    arguments: String,
+    ticks: u64,
+    printed: Vec<String>,
+    traced: Vec<String>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
     let (mut program, mut host) = (Program::new(), Test::new());
-    let options = Options { uninitialised: true, trace: true, ..Options::default() };
     let added = compile::add(&mut program, &mut host, Source::new("any", text), options);
     if added.has_errors() {
-        return;
+        return None;
+    }
+    if !short_forms {
+        program.macros.iter_mut().for_each(|code| Arc::make_mut(code).fast.fill(Fast::None));
     }
     let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3 };
     let mut state = State::new(limits);
-    for index in added.macros {
-        vm::run(&program, &mut state, &mut host, index, &mut [Value::Real(1.0)]);
-    }
+    let mut arguments = [Value::Real(1.0)];
+    let ends = added.macros.iter().map(|index| vm::run(&program, &mut state, &mut host, *index, &mut arguments).0);
+    let ends = ends.collect();
     vm::close_all(&mut state, &mut host);
+    Some(Seen {
+        ends,
+        arguments: format!("{arguments:?}"),
+        ticks: state.ticks,
+        printed: host.printed,
+        traced: host.traced,
+        diagnostics: host.diagnostics,
+    })
+}
+
+/// Runs a text with and without short forms of instructions, which must make no difference.
+fn execute(text: &str) {
+    for trace in [false, true] {
+        let options = Options { uninitialised: true, trace, ..Options::default() };
+        assert_eq!(run(text, options, true), run(text, options, false), "{text}");
+    }
 }
 
 proptest! {
@@ -194,6 +255,12 @@ proptest! {
 
     #[test]
     fn any_program(text in program()) {
+        execute(&text);
+    }
+
+    #[test]
+    fn any_numbers(text in numbers()) {
+        prop_assert!(run(&text, Options::default(), true).is_some(), "{text}");
         execute(&text);
     }
 

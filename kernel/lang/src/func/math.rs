@@ -76,6 +76,16 @@ pub(super) fn arc_tangent_of_two(_: &mut Context<'_>, arguments: &[Value]) -> Ou
     Ok(Value::Real(direction(y, x)))
 }
 
+/// The remainder of two whole numbers, which takes no library; the sign is that of `a`.
+pub(super) fn quick_remainder(a: f64, b: f64) -> Option<f64> {
+    #[allow(clippy::cast_possible_truncation)]
+    let (x, y) = (a as i32, b as i32);
+    if f64::from(x) == a && f64::from(y) == b {
+        return x.checked_rem(y).map(|rest| f64::from(rest).copysign(a));
+    }
+    (b != 0.0).then(|| a % b)
+}
+
 pub(super) fn remainder(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (a, b) = (number(arguments, 0)?, number(arguments, 1)?);
     if b == 0.0 {

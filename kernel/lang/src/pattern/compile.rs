@@ -1,6 +1,6 @@
 //! From the text of an expression to steps.
 
-use super::{Class, MAX_PROGRAM, Pattern, Step};
+use super::{Class, MAX_PROGRAM, Pattern, Set, Step};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 
@@ -47,10 +47,10 @@ pub(super) fn compile(text: &str) -> Outcome<Pattern> {
     compiler.steps.push(Step::Done);
     let anchored = compiler.steps.get(1) == Some(&Step::Start);
     let first = match compiler.steps.iter().find(|step| !matches!(step, Step::Save(_))) {
-        Some(Step::One(Class::One(first))) => Some(*first),
+        Some(Step::One(class) | Step::Run(class, 1.., _)) => Some(class.clone()),
         _ => None,
     };
-    Ok(Pattern { steps: compiler.steps, slots: compiler.slots, first, anchored })
+    Ok(Pattern { steps: compiler.steps, slots: compiler.slots, groups: compiler.groups, first, anchored })
 }
 
 impl Compiler {
@@ -175,7 +175,7 @@ impl Compiler {
         loop {
             let Some(low) = self.next() else { return bad("a `[` has no `]`") };
             if low == ']' && !first {
-                return Ok(Class::Set { ranges, negated });
+                return Ok(Class::Set(Box::new(Set::new(ranges, negated))));
             }
             first = false;
             let dash = self.text.get(self.at) == Some(&'-');

@@ -1,13 +1,14 @@
 //! Replacing, extracting and splitting.
 
+use super::matcher::Search;
 use super::{Match, Pattern, STEPS};
 use crate::fault::Outcome;
 
 /// Calls `each` with every match from left to right until it answers false.
 fn matches(pattern: &Pattern, text: &str, mut each: impl FnMut(&Match) -> bool) -> Outcome<()> {
     let (mut from, mut last_end) = (0usize, None);
-    let mut budget = STEPS;
-    while let Some(found) = pattern.find(text, from, &mut budget)? {
+    let (mut search, mut budget) = (Search::new(pattern, text), STEPS);
+    while let Some(found) = search.find(from, &mut budget)? {
         let (start, end) = found.whole();
         let empty_behind_a_match = start == end && last_end == Some(start);
         if !empty_behind_a_match && !each(&found) {
@@ -28,12 +29,10 @@ fn matches(pattern: &Pattern, text: &str, mut each: impl FnMut(&Match) -> bool) 
 
 /// Appends `template` with `\1` to `\9` filled in.
 fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
-    let mut characters = template.chars();
-    while let Some(character) = characters.next() {
-        if character != '\\' {
-            out.push(character);
-            continue;
-        }
+    let mut rest = template;
+    while let Some((plain, escaped)) = rest.split_once('\\') {
+        out.push_str(plain);
+        let mut characters = escaped.chars();
         match characters.next() {
             Some(digit @ '1'..='9') => {
                 let group = digit.to_digit(10).and_then(|digit| found.groups.get(digit as usize)).copied().flatten();
@@ -42,11 +41,13 @@ fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
             Some(other) => out.push(other),
             None => out.push('\\'),
         }
+        rest = characters.as_str();
     }
+    out.push_str(rest);
 }
 
 pub(super) fn replace(pattern: &Pattern, text: &str, with: &str, which: usize) -> Outcome<String> {
-    let (mut out, mut copied, mut count) = (String::with_capacity(text.len()), 0usize, 0usize);
+    let (mut out, mut copied, mut count) = (String::with_capacity(text.len() + text.len() / 2), 0usize, 0usize);
     matches(pattern, text, |found| {
         count += 1;
         if which == 0 || count == which {

@@ -17,33 +17,56 @@ enum Back {
     Run(usize, usize, usize),
 }
 
-pub(super) fn find(pattern: &Pattern, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
-    let mut slots = vec![NONE; pattern.slots];
-    let mut stack = Vec::new();
-    let mut start = from;
-    while start <= text.len() {
-        if let Some(first) = pattern.first {
-            match text.get(start..).and_then(|rest| rest.find(first)) {
-                Some(ahead) => start += ahead,
-                None => return Ok(None),
-            }
-        }
-        slots.fill(NONE);
-        stack.clear();
-        if attempt(pattern, text, start, &mut slots, &mut stack, budget)? {
-            return Ok(Some(captured(&slots)));
-        }
-        if pattern.anchored {
-            return Ok(None);
-        }
-        start += character(text, start).map_or(1, char::len_utf8);
-    }
-    Ok(None)
+/// A search in a text, with the memory that all attempts share.
+pub(super) struct Search<'a> {
+    pattern: &'a Pattern,
+    text: &'a str,
+    slots: Vec<usize>,
+    stack: Vec<Back>,
 }
 
-fn captured(slots: &[usize]) -> Match {
+impl<'a> Search<'a> {
+    pub(super) fn new(pattern: &'a Pattern, text: &'a str) -> Search<'a> {
+        Search { pattern, text, slots: vec![NONE; pattern.slots], stack: Vec::new() }
+    }
+
+    /// Finds the leftmost match that begins at byte `from` or later.
+    pub(super) fn find(&mut self, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
+        let mut start = from;
+        while start <= self.text.len() {
+            if let Some(first) = &self.pattern.first {
+                match ahead(self.text, start, first) {
+                    Some(place) => start = place,
+                    None => return Ok(None),
+                }
+            }
+            self.slots.fill(NONE);
+            self.stack.clear();
+            if attempt(self.pattern, self.text, start, &mut self.slots, &mut self.stack, budget)? {
+                return Ok(Some(captured(&self.slots, self.pattern.groups)));
+            }
+            if self.pattern.anchored {
+                return Ok(None);
+            }
+            start += character(self.text, start).map_or(1, char::len_utf8);
+        }
+        Ok(None)
+    }
+}
+
+/// Place of the next character of a class.
+fn ahead(text: &str, from: usize, class: &Class) -> Option<usize> {
+    let rest = text.get(from..)?;
+    let found = match class {
+        Class::One(one) => rest.find(*one),
+        class => rest.char_indices().find(|(_, character)| class.holds(*character)).map(|(at, _)| at),
+    };
+    Some(from + found?)
+}
+
+fn captured(slots: &[usize], groups: usize) -> Match {
     let mut found = Match::default();
-    for (group, pair) in found.groups.iter_mut().zip(slots.chunks(2)) {
+    for (group, pair) in found.groups.iter_mut().zip(slots.chunks_exact(2)).take(groups + 1) {
         if let [start, end] = pair
             && *start != NONE
             && *end != NONE
@@ -54,6 +77,7 @@ fn captured(slots: &[usize]) -> Match {
     found
 }
 
+#[inline]
 fn character(text: &str, at: usize) -> Option<char> {
     match text.as_bytes().get(at) {
         Some(byte) if byte.is_ascii() => Some(char::from(*byte)),
@@ -112,7 +136,10 @@ fn attempt(
             Some(Step::WordEnd) => good = is_word(before(text, at)) && !is_word(character(text, at)),
             Some(Step::Save(slot) | Step::Mark(slot)) => {
                 if let Some(place) = slots.get_mut(*slot) {
-                    stack.push(Back::Slot(*slot, *place));
+                    // Without a choice to go back to, a failure forgets all places anyway.
+                    if !stack.is_empty() {
+                        stack.push(Back::Slot(*slot, *place));
+                    }
                     *place = at;
                 }
             }

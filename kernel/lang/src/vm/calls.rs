@@ -1,6 +1,8 @@
 //! Entering and leaving macros.
 
-use super::{End, State, report, run};
+use super::run::{self, Stop};
+use super::{End, State, report};
+use crate::bytecode::fast::WINDOW;
 use crate::bytecode::{Code, Slot};
 use crate::compile::Program;
 use crate::diag::Number;
@@ -9,163 +11,300 @@ use crate::host::Host;
 use crate::source::Span;
 use crate::value::{Kind, Value};
 
-/// What a macro gets.
-pub(super) enum Arguments<'a> {
-    /// `$P1` and on, written back.
-    Numbered(&'a mut [Value]),
-    /// Parameters of a function.
-    Parameters(&'a [Value], &'a [Slot]),
+/// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
+#[derive(Debug, Default)]
+pub(super) struct Frame {
+    /// Its registers, and unused ones up to the size of a window behind them.
+    pub(super) registers: Vec<Value>,
+    /// Which macro it is.
+    pub(super) index: u16,
+    /// Who waits for it, none for the outermost macro; at which instruction, and the register for the result.
+    pub(super) caller: Option<Box<Frame>>,
+    pub(super) at: usize,
+    pub(super) to: Slot,
 }
 
-/// Runs a macro to its end; faults are reported here.
+impl Frame {
+    /// Notes who waits for this macro.
+    #[inline]
+    pub(super) fn wait(&mut self, caller: Box<Frame>, at: usize, to: Slot) {
+        if let Some(other) = self.caller.replace(caller) {
+            drop(other);
+        }
+        self.at = at;
+        self.to = to;
+    }
+}
+
+/// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
 pub(super) fn enter(
     program: &Program,
     state: &mut State,
     host: &mut dyn Host,
     code: &Code,
     index: u16,
-    mut arguments: Arguments<'_>,
+    arguments: &mut [Value],
 ) -> End {
-    let slot = usize::from(index);
-    if state.frames.len() <= slot {
-        state.frames.resize_with(slot + 1, || Some(Vec::new()));
+    let mut frame = match take(program, state, code, index) {
+        Ok(frame) => frame,
+        Err(fault) => {
+            report(code, code.places.first().copied().unwrap_or_default(), *fault, 8, state, host);
+            return End::Error;
+        }
+    };
+    let registers = frame.registers.as_mut_slice();
+    for (slot, _) in &code.parameters {
+        run::set(registers, *slot, Value::Unset);
     }
-    let entry = code.places.first().copied().unwrap_or_default();
-    if let Err(fault) = may_enter(program, state, index) {
-        report(code, entry, fault, 8, state, host);
-        return End::Error;
+    for (number, slot) in &code.arguments {
+        if let Some(value) = arguments.get(usize::from(*number) - 1) {
+            run::set(registers, *slot, value.clone());
+        }
     }
-    let mut frame = state.frames.get_mut(slot).and_then(Option::take).unwrap_or_default();
-    prepare(code, &mut frame);
-    if let Some((result, _)) = code.result {
-        run::set(&mut frame, result, Value::Null);
+    begin(state, host, code);
+    let end = run::run(program, state, host, &mut frame);
+    leave(state, host, code);
+    for (number, slot) in &code.arguments {
+        if let (Some(value), Some(register)) =
+            (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
+        {
+            *value = register.clone();
+        }
     }
-    let tracing = !code.statements.is_empty();
-    if tracing {
+    put_back(state, frame);
+    end
+}
+
+/// Finds a function to be called and its registers.
+#[inline]
+pub(super) fn call<'p>(
+    program: &'p Program,
+    state: &mut State,
+    callee: u16,
+) -> Result<(&'p Code, Box<Frame>), Box<Fault>> {
+    state.spend(5)?;
+    match program.macros.get(usize::from(callee)) {
+        Some(code) => Ok((code, take(program, state, code, callee)?)),
+        None => Err(Box::new(Fault::new(Number::UNKNOWN_FUNCTION, "this function is not there"))),
+    }
+}
+
+/// Notes that a macro runs.
+#[inline]
+pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
+    state.depth += 1;
+    if !code.statements.is_empty() {
         host.trace(&format!(" Macro:* Entering {}", code.name));
         state.names.push(code.name.clone());
     }
-    state.depth += 1;
-    let end = match fill(code, &mut frame, &arguments) {
-        Ok(()) => body(program, state, host, code, &mut frame),
-        Err(fault) => fail(state, host, code, entry, fault),
-    };
+}
+
+/// Notes that a macro has ended.
+#[inline]
+pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth -= 1;
-    if tracing {
+    if !code.statements.is_empty() {
         state.names.pop();
         let back = state.names.last().map_or("regular processing", String::as_str);
         host.trace(&format!(" Macro:* Leaving {}, Returning to {back}", code.name));
     }
-    if let Arguments::Numbered(values) = &mut arguments {
-        for (number, slot) in &code.arguments {
-            if let (Some(value), Some(register)) =
-                (values.get_mut(usize::from(*number) - 1), frame.get(usize::from(*slot)))
-            {
-                *value = register.clone();
-            }
-        }
-    }
-    if let Some(place) = state.frames.get_mut(slot) {
+}
+
+/// Makes the registers of a macro free for its next run.
+#[inline]
+pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
+    if let Some(place) = state.frames.get_mut(usize::from(frame.index)) {
         *place = Some(frame);
     }
-    end
 }
 
 /// Result of the last run of a function.
 pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
     static NULL: Value = Value::Null;
     match (code.result, state.frames.get(usize::from(index))) {
-        (Some((slot, _)), Some(Some(frame))) => run::get(frame, slot),
+        (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
         _ => &NULL,
     }
 }
 
-/// Refuses a macro that is running already, and too many macros at once.
-pub(super) fn may_enter(program: &Program, state: &State, index: u16) -> Result<(), Fault> {
+/// Gives the result of a function to its caller.
+#[inline]
+pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot) {
+    let Some((result, _)) = code.result else { return run::set(caller, to, Value::Null) };
+    match run::number(frame, result) {
+        Some(number) => run::set_number(caller, to, number),
+        None => run::set(caller, to, run::get(frame, result).clone()),
+    }
+}
+
+/// The registers of a macro, ready for a run: constants filled in, variables unset, the result `$NULL`. A macro that is
+/// running already is refused, and too many macros at once.
+#[inline]
+fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result<Box<Frame>, Box<Fault>> {
+    let mut frame = match state.frames.get_mut(usize::from(index)) {
+        // Short forms work on a window of fixed size, so every frame has that much more than it needs.
+        Some(place) if state.depth < state.limits.depth => match place.take() {
+            Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
+            other => fresh(program, state, code, (index, other))?,
+        },
+        _ => fresh(program, state, code, (index, None))?,
+    };
+    clear(code, &mut frame.registers);
+    Ok(frame)
+}
+
+/// Unsets the variables of a macro and its result.
+#[inline(always)]
+fn clear(code: &Code, registers: &mut [Value]) {
+    for slot in &code.locals {
+        match registers.get_mut(usize::from(*slot)) {
+            Some(Value::Unset) | None => {}
+            Some(register) => *register = Value::Unset,
+        }
+    }
+    let result = code.result.and_then(|(result, _)| registers.get_mut(usize::from(result)));
+    match result {
+        Some(Value::Null) | None => {}
+        Some(register) => become_null(register),
+    }
+}
+
+#[inline(never)]
+fn become_null(register: &mut Value) {
+    *register = Value::Null;
+}
+
+/// The registers of a macro that has not run yet in this state, or did with other code.
+#[cold]
+#[inline(never)]
+fn fresh(
+    program: &Program,
+    state: &mut State,
+    code: &Code,
+    (index, old): (u16, Option<Box<Frame>>),
+) -> Result<Box<Frame>, Box<Fault>> {
     if state.depth >= state.limits.depth {
-        return Err(Fault::new(Number::DEPTH, format!("more than {} macros are active", state.limits.depth)));
+        let message = format!("more than {} macros are active", state.limits.depth);
+        return Err(Box::new(Fault::new(Number::DEPTH, message)));
     }
-    if matches!(state.frames.get(usize::from(index)), Some(None)) {
-        let name = program.macros.get(usize::from(index)).map_or("the macro", |code| code.name.as_str());
-        return Err(Fault::new(Number::RE_ENTERED, format!("{name} is running already")));
+    let slot = usize::from(index);
+    if old.is_none() && slot < state.frames.len() {
+        let name = program.macros.get(slot).map_or("the macro", |code| code.name.as_str());
+        return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is running already"))));
+    }
+    if state.frames.len() <= slot {
+        state.frames.resize_with(slot, || Some(Box::default()));
+        state.frames.push(None);
+    }
+    let mut registers = vec![Value::Unset; code.registers + WINDOW];
+    for (slot, value) in &code.constants {
+        run::set(&mut registers, *slot, value.clone());
+    }
+    Ok(Box::new(Frame { registers, index, ..Frame::default() }))
+}
+
+/// Calls a function if nothing stands against it, all arguments are numbers and nobody wants a trace: `frame` becomes
+/// that of the function. `call` is the place of the call, the register of the result, the function, and the list of the
+/// arguments.
+#[inline(never)]
+pub(super) fn quick_call<'p>(
+    program: &'p Program,
+    state: &mut State,
+    code: &Code,
+    frame: &mut Box<Frame>,
+    (at, to, callee, list): (usize, u8, u16, u16),
+) -> Option<&'p Code> {
+    let function = program.macros.get(usize::from(callee))?.as_ref();
+    let given = code.lists.get(usize::from(list))?;
+    let number = |slot: &Slot| run::number(&frame.registers, *slot);
+    if !function.statements.is_empty() || !function.numeric || state.depth >= state.limits.depth {
+        return None;
+    }
+    let ticks = state.ticks.checked_sub(5)?;
+    let place = state.frames.get_mut(usize::from(callee))?;
+    let called = place.as_mut().filter(|called| called.registers.len() == function.registers + WINDOW)?;
+    for ((parameter, _), from) in function.parameters.iter().zip(given) {
+        run::put(called.registers.get_mut(usize::from(*parameter))?, number(from)?);
+    }
+    let mut called = place.take()?;
+    clear(function, &mut called.registers);
+    let waiting = std::mem::replace(frame, called);
+    frame.wait(waiting, at, Slot::from(to));
+    (state.ticks, state.depth) = (ticks, state.depth + 1);
+    Some(function)
+}
+
+/// Ends a function that was called by another macro, if its result is a number and nobody wants a trace: `frame` becomes
+/// that of the caller. The answer is the caller and the place of the call.
+#[inline(never)]
+pub(super) fn quick_return<'p>(
+    program: &'p Program,
+    state: &mut State,
+    code: &Code,
+    frame: &mut Box<Frame>,
+) -> Option<(&'p Code, usize)> {
+    let (result, kind) = code.result?;
+    let number = run::number(&frame.registers, result)?;
+    if !code.statements.is_empty() || kind.is_some_and(|kind| kind != Kind::Real) {
+        return None;
+    }
+    let caller = program.macros.get(usize::from(frame.caller.as_ref()?.index))?.as_ref();
+    let place = state.frames.get_mut(usize::from(frame.index))?;
+    let waiting = frame.caller.take()?;
+    let ended = std::mem::replace(frame, waiting);
+    run::set_number(&mut frame.registers, ended.to, number);
+    let at = ended.at;
+    if let Some(other) = place.replace(ended) {
+        drop(other);
+    }
+    state.depth -= 1;
+    Some((caller, at))
+}
+
+/// Copies arguments from the registers `list` of the caller into the parameters of a function.
+#[inline]
+pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[Slot]) -> Result<(), Fault> {
+    for ((slot, kind), from) in code.parameters.iter().zip(given) {
+        match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
+            (Value::Real(number), None | Some(Kind::Real), Some(parameter)) => run::put(parameter, *number),
+            (value, None, Some(parameter)) => *parameter = value.clone(),
+            (value, Some(kind), Some(parameter)) => *parameter = super::data::typed(value, *kind)?,
+            (_, _, None) => {}
+        }
     }
     Ok(())
 }
 
-fn prepare(code: &Code, frame: &mut Vec<Value>) {
-    if frame.len() != code.registers {
-        frame.clear();
-        frame.resize(code.registers, Value::Unset);
-        for (slot, value) in &code.constants {
-            if let Some(register) = frame.get_mut(usize::from(*slot)) {
-                *register = value.clone();
-            }
-        }
-    } else {
-        for slot in &code.locals {
-            match frame.get_mut(usize::from(*slot)) {
-                Some(Value::Unset) | None => {}
-                Some(register) => *register = Value::Unset,
-            }
-        }
+/// Checks the result of a macro that came to its end.
+#[inline]
+pub(super) fn finished(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> End {
+    match code.result {
+        Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
+        _ => End::Normal,
     }
 }
 
-fn fill(code: &Code, frame: &mut [Value], arguments: &Arguments<'_>) -> Result<(), Fault> {
-    match arguments {
-        Arguments::Numbered(values) => {
-            for (number, slot) in &code.arguments {
-                if let (Some(value), Some(register)) =
-                    (values.get(usize::from(*number) - 1), frame.get_mut(usize::from(*slot)))
-                {
-                    *register = value.clone();
-                }
-            }
-        }
-        Arguments::Parameters(caller, given) => {
-            for ((slot, kind), from) in code.parameters.iter().zip(*given) {
-                if let Some(number) = run::number(caller, *from)
-                    && kind.is_none_or(|kind| kind == Kind::Real)
-                {
-                    run::set_number(frame, *slot, number);
-                    continue;
-                }
-                let value = run::get(caller, *from);
-                let value = match kind {
-                    Some(kind) => super::data::typed(value, *kind)?,
-                    None => value.clone(),
-                };
-                run::set(frame, *slot, value);
-            }
-        }
-    }
-    Ok(())
-}
-
-fn body(program: &Program, state: &mut State, host: &mut dyn Host, code: &Code, frame: &mut [Value]) -> End {
-    match run::run(program, state, host, code, frame) {
-        Ok(()) => {
-            let typed = code.result.and_then(|(slot, kind)| Some((frame.get(usize::from(slot))?, kind?)));
-            match typed {
-                Some((value, kind)) if !matches!(value, Value::Null) && value.kind() != Some(kind) => {
-                    let message = format!("the result is of type {}, not {}", value.kind_name(), kind.name());
-                    let place = code.places.last().copied().unwrap_or_default();
-                    fail(state, host, code, place, Fault::new(Number::TYPED_STORE, message))
-                }
-                _ => End::Normal,
-            }
-        }
-        Err(run::Stop::Fault(at, fault)) => {
-            let place = code.places.get(at).copied().unwrap_or_default();
-            fail(state, host, code, place, fault)
-        }
-        Err(run::Stop::Raised(at)) => {
-            let place = code.places.get(at).copied().unwrap_or_default();
-            ended(state, host, code, place);
+/// Reports why a macro stopped.
+#[cold]
+pub(super) fn stopped(state: &mut State, host: &mut dyn Host, code: &Code, stop: Stop) -> End {
+    let place = |at: usize| code.places.get(at).copied().unwrap_or_default();
+    match stop {
+        Stop::Fault(at, fault) => fail(state, host, code, place(at), fault),
+        Stop::Raised(at) => {
+            ended(state, host, code, place(at));
             End::Error
         }
-        Err(run::Stop::Budget) => End::Budget,
     }
+}
+
+/// Checks the type of a result.
+fn result_typed(state: &mut State, host: &mut dyn Host, code: &Code, value: &Value, kind: Kind) -> End {
+    if matches!(value, Value::Null) || value.kind() == Some(kind) {
+        return End::Normal;
+    }
+    let message = format!("the result is of type {}, not {}", value.kind_name(), kind.name());
+    let place = code.places.last().copied().unwrap_or_default();
+    fail(state, host, code, place, Fault::new(Number::TYPED_STORE, message))
 }
 
 /// Reports a fault and ends the macro.

@@ -148,7 +148,7 @@ pub(super) fn set_element_number(frame: &mut [Value], to: Slot, index: f64, numb
 
 pub(super) fn element(state: &State, value: &Value, indices: &[i64]) -> Outcome<Value> {
     let index = indices.first().copied().unwrap_or(0);
-    let position = usize::try_from(index - 1).ok();
+    let position = usize::try_from(index.saturating_sub(1)).ok();
     match value {
         Value::Array(array) => {
             let position = array_position(state, array, indices)?;
@@ -236,8 +236,10 @@ fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> O
                 return Err(Fault::kind("a single value", &value));
             }
             let length = elements.len();
-            let place =
-                usize::try_from(index - 1).ok().filter(|at| *at < length).ok_or_else(|| outside(index, length))?;
+            let place = usize::try_from(index.saturating_sub(1))
+                .ok()
+                .filter(|at| *at < length)
+                .ok_or_else(|| outside(index, length))?;
             if let Some(element) = Arc::make_mut(elements).get_mut(place) {
                 *element = value;
             }

@@ -1,13 +1,17 @@
-//! The loop over the instructions.
+//! The loop over the instructions of a macro and of the functions it calls.
 //!
-//! Invariant: a short way here gives exactly what [`super::step`] gives, or is not taken.
+//! Invariant: a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
+//! [`super::step`] gives, or are not taken.
 
-use super::{State, data, step};
+use super::calls::{self, Frame};
+use super::fast::{self, Place};
+use super::{End, State, step};
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
 use crate::compile::Program;
 use crate::fault::Fault;
 use crate::host::Host;
 use crate::value::Value;
+use std::sync::Arc;
 
 /// Why a macro ends early.
 pub(super) enum Stop {
@@ -15,8 +19,6 @@ pub(super) enum Stop {
     Fault(usize, Fault),
     /// A diagnostic of severity 8 was issued by the macro itself.
     Raised(usize),
-    /// A budget of the whole run is used up; it is reported already.
-    Budget,
 }
 
 #[inline]
@@ -42,11 +44,25 @@ pub(super) fn set(frame: &mut [Value], slot: Slot, value: Value) {
 
 #[inline]
 pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
-    match frame.get_mut(usize::from(slot)) {
-        Some(Value::Real(register)) => *register = number,
-        Some(register) => *register = Value::Real(number),
-        None => {}
+    if let Some(register) = frame.get_mut(usize::from(slot)) {
+        put(register, number);
     }
+}
+
+/// Stores a number. What was there before is mostly a number too, so all else is kept out of the way.
+#[inline(always)]
+pub(super) fn put(register: &mut Value, number: f64) {
+    if !matches!(register, Value::Real(_)) {
+        become_number(register);
+    }
+    if let Value::Real(old) = register {
+        *old = number;
+    }
+}
+
+#[inline(never)]
+fn become_number(register: &mut Value) {
+    *register = Value::Real(0.0);
 }
 
 /// What comes after an instruction.
@@ -55,110 +71,83 @@ pub(super) enum Next {
     Step,
     /// Another one.
     Jump(Target),
-    /// Nothing: the macro ends.
-    Return,
 }
 
-/// Runs the code in its frame.
-#[inline(never)]
-pub(super) fn run(
-    program: &Program,
+/// Why the loop pauses without a fault.
+enum Pause {
+    /// The macro is at its end.
+    End,
+    /// A call: register of the result, function, registers of the arguments.
+    Call(Slot, u16, u16),
+}
+
+/// Runs a macro that has been entered, with everything it calls.
+pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, frame: &mut Box<Frame>) -> End {
+    let Some(code) = program.macros.get(usize::from(frame.index)).map(Arc::as_ref) else { return End::Error };
+    let mut place = Place { code, frame, at: 0 };
+    loop {
+        let end = match execute(program, state, host, &mut place) {
+            Ok(Pause::Call(to, callee, list)) => match calls::call(program, state, callee) {
+                Ok((function, called)) => {
+                    let waiting = std::mem::replace(place.frame, called);
+                    let given = slots(place.code, list);
+                    let filled = calls::fill(function, &mut place.frame.registers, &waiting.registers, given);
+                    place.frame.wait(waiting, place.at, to);
+                    (place.code, place.at) = (function, 0);
+                    calls::begin(state, host, function);
+                    match filled {
+                        Ok(()) => continue,
+                        Err(fault) => calls::stopped(state, host, function, Stop::Fault(0, fault)),
+                    }
+                }
+                Err(fault) => calls::stopped(state, host, place.code, Stop::Fault(place.at, *fault)),
+            },
+            Ok(Pause::End) => calls::finished(state, host, place.code, &place.frame.registers),
+            Err(stop) => calls::stopped(state, host, place.code, *stop),
+        };
+        // Back to the caller; with a used-up budget to the outermost macro.
+        loop {
+            let Some(caller) = place.frame.caller.take() else { return end };
+            calls::leave(state, host, place.code);
+            let ended = std::mem::replace(place.frame, caller);
+            calls::give(place.code, &ended.registers, &mut place.frame.registers, ended.to);
+            place.at = ended.at + 1;
+            calls::put_back(state, ended);
+            match program.macros.get(usize::from(place.frame.index)) {
+                Some(caller) => place.code = caller,
+                None => return End::Error,
+            }
+            if end != End::Budget {
+                break;
+            }
+        }
+    }
+}
+
+/// Runs until the macro calls a function that needs more than the short form of a call, or ends.
+fn execute<'p>(
+    program: &'p Program,
     state: &mut State,
     host: &mut dyn Host,
-    code: &Code,
-    frame: &mut [Value],
-) -> Result<(), Stop> {
-    let mut at = 0usize;
-    macro_rules! jump {
-        ($target:expr) => {{
-            let target = usize::from($target);
-            if target <= at {
-                let cost = (at - target) as u64 + 1;
-                if state.ticks < cost {
-                    return Err(Stop::Fault(at, used_up(state)));
-                }
-                state.ticks -= cost;
-            }
-            at = target;
-            continue;
-        }};
-    }
-    macro_rules! short {
-        ($to:expr, $a:expr, $b:expr, $work:expr) => {
-            if let (Some(a), Some(b)) = (number(frame, $a), number(frame, $b)) {
-                let result: f64 = $work(a, b);
-                if result.is_finite() {
-                    set_number(frame, $to, result);
-                    at += 1;
-                    continue;
-                }
-            }
-        };
-    }
-    while let Some(op) = code.ops.get(at) {
-        match *op {
-            Op::Add { to, a, b } => short!(to, a, b, |a: f64, b: f64| a + b),
-            Op::Subtract { to, a, b } => short!(to, a, b, |a: f64, b: f64| a - b),
-            Op::Multiply { to, a, b } => short!(to, a, b, |a: f64, b: f64| a * b),
-            Op::Divide { to, a, b } => short!(to, a, b, |a: f64, b: f64| a / b),
-            Op::AddTo { to, a } => short!(to, to, a, |a: f64, b: f64| a + b),
-            Op::Move { to, a } => {
-                match number(frame, a) {
-                    Some(number) => set_number(frame, to, number),
-                    None => copy(frame, to, a),
-                }
-                at += 1;
-                continue;
-            }
-            Op::Element { to, a, index } => {
-                if let Some(position) = number(frame, index)
-                    && let Some(found) = data::element_number(get(frame, a), position)
-                {
-                    set_number(frame, to, found);
-                    at += 1;
-                    continue;
-                }
-            }
-            Op::SetElement { to, index, a } => {
-                if let (Some(position), Some(value)) = (number(frame, index), number(frame, a))
-                    && data::set_element_number(frame, to, position, value)
-                {
-                    at += 1;
-                    continue;
-                }
-            }
-            Op::Jump { target } => jump!(target),
-            Op::JumpUnlessCompare { relation, a, b, target } => {
-                if let (Some(a), Some(b)) = (number(frame, a), number(frame, b)) {
-                    if relate(relation, a, b) {
-                        at += 1;
-                        continue;
-                    }
-                    jump!(target);
-                }
-            }
-            Op::DoNext { variable, end, target } => {
-                let known = (number(frame, variable), number(frame, end), number(frame, end + 1));
-                if let (Some(value), Some(last), Some(step)) = known {
-                    let value = value + step;
-                    set_number(frame, variable, value);
-                    if past(value, last, step) {
-                        at += 1;
-                        continue;
-                    }
-                    jump!(target);
-                }
-            }
-            Op::Return => return Ok(()),
-            _ => {}
+    place: &mut Place<'_, 'p>,
+) -> Result<Pause, Box<Stop>> {
+    loop {
+        fast::run(program, state, place);
+        let (code, at) = (place.code, place.at);
+        match code.ops.get(at) {
+            None | Some(Op::Return) => return Ok(Pause::End),
+            Some(Op::CallMacro { to, callee, list }) => return Ok(Pause::Call(*to, *callee, *list)),
+            Some(_) => {}
         }
-        match step::step(program, state, host, code, frame, at)? {
-            Next::Step => at += 1,
-            Next::Jump(target) => jump!(target),
-            Next::Return => return Ok(()),
+        match step::step(state, host, code, &mut place.frame.registers, at) {
+            Ok(Next::Step) => place.at += 1,
+            Ok(Next::Jump(target)) => match fast::passed(at, target, state.ticks) {
+                Some(left) => (place.at, state.ticks) = (usize::from(target), left),
+                None => return Err(Box::new(Stop::Fault(at, used_up(state)))),
+            },
+            Err(stop) => return Err(Box::new(stop)),
         }
     }
-    Ok(())
 }
 
 #[cold]

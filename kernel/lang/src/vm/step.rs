@@ -3,9 +3,8 @@
 //! Invariant: this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
 
 use super::run::{Next, Stop, copy, get, number, relate, set, set_number, slots};
-use super::{State, calls, commands, data};
+use super::{State, commands, data};
 use crate::bytecode::{Code, Op, Own, Relation, Slot};
-use crate::compile::Program;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::func::{Context, Way};
@@ -37,14 +36,13 @@ fn divided_by_zero() -> Fault {
 #[allow(clippy::too_many_lines, reason = "one arm per instruction; the work is elsewhere")]
 #[inline(never)]
 pub(super) fn step(
-    program: &Program,
     state: &mut State,
     host: &mut dyn Host,
     code: &Code,
     frame: &mut [Value],
     at: usize,
 ) -> Result<Next, Stop> {
-    let Some(op) = code.ops.get(at) else { return Ok(Next::Return) };
+    let Some(op) = code.ops.get(at) else { return Ok(Next::Step) };
     macro_rules! good {
         ($outcome:expr) => {
             match $outcome {
@@ -183,6 +181,9 @@ pub(super) fn step(
                 _ => good!(loop_numbers(frame, variable, end)),
             };
             let value = value + step;
+            if !value.is_finite() {
+                return Err(Stop::Fault(at, too_large()));
+            }
             set_number(frame, variable, value);
             if !super::run::past(value, last, step) {
                 return Ok(Next::Jump(target));
@@ -287,11 +288,8 @@ pub(super) fn step(
                 super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
             }
         }
-        Op::CallMacro { to, callee, list } => match call_macro(program, state, host, code, frame, (to, callee, list)) {
-            Ok(()) => {}
-            Err(None) => return Err(Stop::Budget),
-            Err(Some(fault)) => return Err(Stop::Fault(at, fault)),
-        },
+        // The loop takes these itself.
+        Op::CallMacro { .. } | Op::Return => {}
         Op::Command { command, list } => {
             good!(state.spend(5));
             let raised = good!(commands::command(state, host, code, frame, (command, list), at));
@@ -310,7 +308,6 @@ pub(super) fn step(
                 host.trace(&format!(" Macro:  {text}"));
             }
         }
-        Op::Return => return Ok(Next::Return),
     }
     Ok(Next::Step)
 }
@@ -376,31 +373,6 @@ fn compare_slow(a: &Value, b: &Value, relation: Relation) -> Outcome<bool> {
     })
 }
 
-/// Calls a user function; no fault means that a budget is used up.
-#[inline(never)]
-fn call_macro(
-    program: &Program,
-    state: &mut State,
-    host: &mut dyn Host,
-    code: &Code,
-    frame: &mut [Value],
-    (to, callee, list): (Slot, u16, u16),
-) -> Result<(), Option<Fault>> {
-    state.spend(5)?;
-    calls::may_enter(program, state, callee)?;
-    let Some(callee_code) = program.macros.get(usize::from(callee)) else { return Err(None) };
-    let given = calls::Arguments::Parameters(frame, slots(code, list));
-    let end = calls::enter(program, state, host, callee_code, callee, given);
-    if end == super::End::Budget {
-        return Err(None);
-    }
-    match calls::result(state, callee_code, callee) {
-        Value::Real(number) => set_number(frame, to, *number),
-        value => set(frame, to, value.clone()),
-    }
-    Ok(())
-}
-
 fn call(
     state: &mut State,
     host: &mut dyn Host,
@@ -418,7 +390,7 @@ fn call(
         data::pay_to_look(state, argument)?;
     }
     let result = match function.way {
-        Way::Compute(compute) => compute(&mut Context { state, host }, &arguments),
+        Way::Compute(compute) | Way::Pair(_, compute) => compute(&mut Context { state, host }, &arguments),
         Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),
         Way::Math(_) | Way::Missing(_) => Ok(Value::Null),
     };

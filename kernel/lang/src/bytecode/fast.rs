@@ -1,0 +1,210 @@
+//! The short forms of instructions, for numbers in the first registers.
+//!
+//! Invariant: a short form stands at the position of the instruction it replaces and does exactly what that instruction
+//! does, or that instruction and the ones behind it, or nothing at all: where an operand is no number or a result does
+//! not exist, the machine takes the instruction itself. So a short form never has to fail.
+
+use super::Target;
+
+/// Registers that a short form can name.
+pub const WINDOW: usize = 256;
+/// A register of the window.
+pub type Near = u8;
+
+/// One short form. `a`, `b`, `c` are operands in the order in which they are written, `to` is the destination.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(align(8))]
+#[allow(missing_docs, reason = "the operands are named the same way throughout")]
+pub enum Fast {
+    /// There is none: take the instruction.
+    #[default]
+    None,
+    Move {
+        to: Near,
+        a: Near,
+    },
+    Negate {
+        to: Near,
+        a: Near,
+    },
+    Add {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    Subtract {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    Multiply {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    Divide {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    /// Adds to a number or appends a number to a sequence.
+    AddTo {
+        to: Near,
+        a: Near,
+    },
+    /// A function of two numbers.
+    Pair {
+        to: Near,
+        a: Near,
+        b: Near,
+        function: u16,
+    },
+    /// An operation of `a` and `b`, then one of the result and `c`.
+    Two {
+        first: Then,
+        then: Then,
+        to: Near,
+        a: Near,
+        b: Near,
+        c: Near,
+    },
+    /// [`Fast::Two`]: a product is added to `c`.
+    MultiplyAdd {
+        to: Near,
+        a: Near,
+        b: Near,
+        c: Near,
+    },
+    /// [`Fast::Two`]: a quotient is subtracted from `c`.
+    DivideFrom {
+        to: Near,
+        a: Near,
+        b: Near,
+        c: Near,
+    },
+    Element {
+        to: Near,
+        array: Near,
+        index: Near,
+    },
+    /// An element and `c`.
+    ElementThen {
+        then: Then,
+        to: Near,
+        array: Near,
+        index: Near,
+        c: Near,
+    },
+    SetElement {
+        array: Near,
+        index: Near,
+        a: Near,
+    },
+    /// An element and `c`, back into the element.
+    Update {
+        then: Then,
+        array: Near,
+        index: Near,
+        c: Near,
+    },
+    /// [`Fast::Update`] with a sum.
+    UpdateAdd {
+        array: Near,
+        index: Near,
+        c: Near,
+    },
+    /// Calls a function.
+    Call {
+        to: Near,
+        callee: u16,
+        list: u16,
+    },
+    /// Ends a function.
+    Return,
+    Jump {
+        target: Target,
+    },
+    JumpIf {
+        a: Near,
+        target: Target,
+    },
+    JumpUnless {
+        a: Near,
+        target: Target,
+    },
+    UnlessEqual {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    UnlessNotEqual {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    UnlessLess {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    UnlessLessEqual {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    UnlessGreater {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    UnlessGreaterEqual {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    /// End in `end`, step in `step`.
+    DoNext {
+        variable: Near,
+        end: Near,
+        step: Near,
+        target: Target,
+    },
+}
+
+/// An operation of a value and a second operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "they are named as the operators")]
+pub enum Then {
+    Add,
+    Subtract,
+    /// The value is subtracted from the operand.
+    From,
+    Multiply,
+    Divide,
+    /// The operand is divided by the value.
+    Under,
+}
+
+impl Then {
+    /// The result for a value and an operand.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(self, value: f64, operand: f64) -> f64 {
+        match self {
+            Then::Add => value + operand,
+            Then::Subtract => value - operand,
+            Then::From => operand - value,
+            Then::Multiply => value * operand,
+            Then::Divide => value / operand,
+            Then::Under => operand / value,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_short_form_is_one_word() {
+        assert_eq!(std::mem::size_of::<super::Fast>(), 8);
+    }
+}

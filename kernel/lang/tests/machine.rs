@@ -1,0 +1,80 @@
+//! What the machine that runs macros must do whatever way it takes.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+use counterpoint_lang::compile::{self, Options, Program};
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::host::Test;
+use counterpoint_lang::source::Source;
+use counterpoint_lang::vm::{self, End, Limits, State};
+
+fn run(text: &str, limits: Limits) -> (Test, End) {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    assert_eq!(added.diagnostics, [], "{text}");
+    let mut state = State::new(limits);
+    let (end, _) = vm::run(&program, &mut state, &mut host, *added.macros.last().unwrap(), &mut []);
+    assert_eq!(state.depth, 0, "every macro that is entered is left");
+    (host, end)
+}
+
+fn first(text: &str) -> Number {
+    run(text, Limits::default()).0.diagnostics.first().unwrap().number
+}
+
+#[test]
+fn an_index_beyond_every_whole_number_is_outside() {
+    for index in ["-(10**300)", "10**300", "0", ".9", "2"] {
+        assert_eq!(first(&format!("Q={{7}}\nA=Q({index})")), Number::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("Q={{7}}\nQ({index})=1")), Number::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("DECLAR/REAL,A(1)\nA({index})+=1")), Number::OUT_OF_RANGE, "{index}");
+        assert_eq!(first(&format!("A='x'\nB=A({index})")), Number::OUT_OF_RANGE, "{index}");
+    }
+}
+
+#[test]
+fn a_number_that_does_not_exist_is_never_stored() {
+    for text in [
+        "A=10**300\nA=A*A",
+        "A=10**300\nB=A*A+1",
+        "A=10**300\nB=1-A/(1/A)",
+        "DECLAR/REAL,A(1)\nB=10**300\nA(1)=B\nA(1)=A(1)*B",
+        "A=0\nB=1\nB/=A",
+        "A=10**308\nDO/I=A,A*1.5,A\nENDOF/DO",
+    ] {
+        assert_eq!(first(text), Number::BAD_ARITHMETIC, "{text}");
+    }
+}
+
+#[test]
+fn registers_beyond_the_window_work_alike() {
+    let mut text: String = (0..400).map(|name| format!("V{name}={name}.5\n")).collect();
+    text += "S=0\nDECLAR/REAL,A(3)\nDO/I=1,3\nA(I)=A(I)+V399*2-V0\nS=S+A(I)*I-V399/2\nENDOF/DO\nPPRINT/'!(*)',S";
+    let (host, end) = run(&text, Limits::default());
+    let sum: f64 = (1..=3).map(|i| 798.5 * f64::from(i) - 199.75).sum();
+    assert_eq!((end, host.printed), (End::Normal, vec![format!("{sum}")]));
+}
+
+#[test]
+fn a_fault_ends_the_function_and_its_caller_goes_on() {
+    let text = "MACRO/F(X)\nF=1\nF=1/X\nF=2\nENDMAC\nA=F(0)\nPPRINT/'!(*)',A";
+    let (host, end) = run(text, Limits::default());
+    assert_eq!((end, host.printed), (End::Normal, vec!["1".to_owned()]));
+    let fault = host.diagnostics.first().unwrap();
+    assert_eq!((fault.number, fault.line, fault.macro_name.as_deref()), (Number::BAD_ARITHMETIC, 3, Some("F")));
+}
+
+#[test]
+fn depth_and_ticks_are_limited_through_calls() {
+    let chain: String = (1..40).map(|n| format!("MACRO/F{n}(X)\nF{n}=F{}(X+1)\nENDMAC\n", n - 1)).collect();
+    let text = format!("MACRO/F0(X)\nF0=X\nENDMAC\n{chain}A=F39(0)\nPPRINT/'!(*)',A");
+    let (host, end) = run(&text, Limits::default());
+    assert_eq!((end, host.printed), (End::Normal, vec!["39".to_owned()]));
+    let (host, _) = run(&text, Limits { depth: 20, ..Limits::default() });
+    assert_eq!(host.diagnostics.first().unwrap().number, Number::DEPTH);
+    let (host, end) = run(&text, Limits { ticks: 100, ..Limits::default() });
+    assert_eq!((end, host.diagnostics.first().unwrap().number), (End::Budget, Number::TICKS));
+    assert!(host.printed.is_empty());
+    let endless = "MACRO/F(X)\nF=X\nWHILE/X.EQ.X\nENDOF/WHILE\nENDMAC\nA=F(1)\nPPRINT/'after'";
+    let (host, end) = run(endless, Limits { ticks: 10_000, ..Limits::default() });
+    assert_eq!((end, host.printed.len()), (End::Budget, 0));
+}
