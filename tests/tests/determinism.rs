@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Work, machine};
+use counterpoint_tests::{Done, Work, machine};
 
 thread_local! {
     static STATE: Cell<u64> = const { Cell::new(0) };
@@ -83,6 +83,60 @@ fn two_hundred_runs_give_one_log() {
         work.options.threads = [1, 2, 8, 0][run % 4];
         let done = work.run((run % 3 != 0).then_some(disturb as fn(u16))).unwrap();
         assert_eq!(done.summary.log_digest, oracle.summary.log_digest, "run {run}, threads {}", work.options.threads);
+        assert_eq!(done.events, oracle.events, "run {run}");
+    }
+}
+
+/// Results without an ordered log are those of the log.
+fn same_results(work: &Work, oracle: &Done, run: usize) {
+    let (results, outcome) = work.results((!run.is_multiple_of(3)).then_some(disturb as fn(u16))).unwrap();
+    assert_eq!(results.summary, oracle.summary, "run {run}, threads {}", work.options.threads);
+    assert_eq!(outcome, oracle.outcome, "run {run}");
+}
+
+#[test]
+fn results_that_kernels_feed_are_those_of_the_log() {
+    let mut work = busy();
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    for run in 0..100 {
+        work.options.threads = [1, 2, 8, 0][run % 4];
+        same_results(&work, &oracle, run);
+    }
+    work.options.limits.simulated_ns = 30_000_000_000;
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    assert!(oracle.summary.verdict.is_some());
+    for run in 0..60 {
+        work.options.threads = [0, 2, 1][run % 3];
+        same_results(&work, &oracle, run);
+    }
+}
+
+/// Two turrets that meet all the time, with a command to their spindle and a shared variable between some meetings.
+#[test]
+fn two_kernels_that_meet_often_give_one_log() {
+    let path = |own: usize| {
+        let mut text = format!("O{own}\nG98 F200.\nG97 S800 M3\n");
+        for round in 0..300_usize {
+            text.push_str(&format!("G1 X{}. Z-{}.\n", 40 + (round * own) % 7, round % 9));
+            match (round + own * 7) % 23 {
+                0 => text.push_str(&format!("#50{own}=#50{}+1\n", 3 - own)),
+                1 => text.push_str(&format!("S{}\n", 700 + round)),
+                _ => {}
+            }
+            text.push_str(&format!("M{}{}\n", 101 + round % 5, if round % 2 == 0 { "" } else { " P12" }));
+        }
+        text + "M30\n"
+    };
+    let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &[path(1), path(2)], Options::default());
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    assert_eq!((oracle.summary.waits.len(), &oracle.summary.verdict), (300, &None), "{:#?}", oracle.summary.verdict);
+    for run in 0..60 {
+        work.options.threads = [0, 2, 1][run % 3];
+        same_results(&work, &oracle, run);
+        let done = work.run((run % 2 == 0).then_some(disturb as fn(u16))).unwrap();
         assert_eq!(done.events, oracle.events, "run {run}");
     }
 }

@@ -87,7 +87,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
     let seconds = kernel.feed_seconds(&path, feed, unit)?;
     kernel.travel(
         seconds,
-        Motion {
+        &Motion {
             kind: if clockwise { MotionKind::ArcCw } else { MotionKind::ArcCcw },
             moving: coded | 1 << first | 1 << second,
             from,

@@ -91,7 +91,8 @@ impl Kernel<'_> {
         }
         let seconds = self.rapid_seconds(&from, &target);
         let length = self.tool_path(&self.changes(&from, &target));
-        self.travel(seconds, Motion::straight(MotionKind::Rapid, coded, [from, target], (0.0, FeedUnit::Rapid), length))
+        let feed = (0.0, FeedUnit::Rapid);
+        self.travel(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, target], feed, length))
     }
 
     /// A straight feed move to a target in the work frame.
@@ -106,20 +107,19 @@ impl Kernel<'_> {
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let length = self.tool_path(&changes);
         let feed = (feed.unwrap_or(0.0), unit);
-        self.travel(seconds, Motion::straight(MotionKind::Linear, coded, [from, target], feed, length))
+        self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, target], feed, length))
     }
 
     /// Carries out a motion: limits, event, clock, position.
     #[inline]
-    pub(super) fn travel(&mut self, seconds: f64, motion: Motion) -> Acted {
+    pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.block.moved = true;
         self.flow.pass.effects = true;
         self.place.position = motion.to;
         let ns = Self::ns(seconds);
-        let to = motion.to;
-        self.emit(ns, Kind::Motion(motion));
+        self.emit_as(ns, |kind| *kind = Kind::Motion(*motion));
         self.advance(ns);
-        self.check_travel(&to);
+        self.check_travel(&motion.to);
         self.follow_radius()
     }
 

@@ -53,5 +53,5 @@ pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
     };
     let length = kernel.tool_path(&changes);
     let feed = (lead, FeedUnit::PerRevolution);
-    kernel.travel(seconds, Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
+    kernel.travel(seconds, &Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
 }

@@ -4,7 +4,7 @@
 //! this stream is before.
 
 use crate::job::Sink;
-use crate::log::event::Event;
+use crate::log::event::{Event, Kind};
 use crate::multi::coordinator::Coordinator;
 use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
@@ -35,35 +35,51 @@ pub(crate) struct Emitter<'a> {
     rank: u16,
     coordinator: &'a Coordinator,
     target: Target<'a>,
-    size: usize,
+    /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
     chunk: Vec<Event>,
+    size: usize,
+    count: usize,
     /// Events handed on.
     gone: u64,
 }
 
+/// An event to be overwritten.
+fn blank() -> Event {
+    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell }
+}
+
 impl<'a> Emitter<'a> {
     pub(crate) fn new(rank: u16, coordinator: &'a Coordinator, mut target: Target<'a>) -> Self {
-        let (size, chunk) = match &mut target {
+        let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
-            Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::with_capacity(SHORT_CHUNK)),
-            Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::with_capacity(NEAR_CHUNK)),
+            Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
+            Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::new()),
         };
-        Self { rank, coordinator, target, size, chunk, gone: 0 }
+        chunk.resize_with(size, blank);
+        Self { rank, coordinator, target, chunk, size, count: 0, gone: 0 }
     }
 
     /// Events so far.
     pub(crate) fn count(&self) -> u64 {
-        self.gone + self.chunk.len() as u64
+        self.gone + self.count as u64
     }
 
     /// Adds an event; a full chunk goes out first.
-    #[inline(always)]
     pub(crate) fn push(&mut self, event: Event) {
-        if self.chunk.len() >= self.size {
-            let upto = Tag { t: event.t_ns, micro: event.micro, rank: self.rank };
-            self.flush(upto);
+        if let Some(slot) = self.slot(event.t_ns, event.micro) {
+            *slot = event;
         }
-        self.chunk.push(event);
+    }
+
+    /// The place of the next event, to be written field by field (never `None`). The event is at this tag.
+    #[inline(always)]
+    pub(crate) fn slot(&mut self, t: i64, micro: u32) -> Option<&mut Event> {
+        if self.count >= self.size {
+            self.flush(Tag { t, micro, rank: self.rank });
+        }
+        let slot = self.chunk.get_mut(self.count)?;
+        self.count += 1;
+        Some(slot)
     }
 
     /// Does a little of the work that was put off; `false` when there is none.
@@ -77,20 +93,28 @@ impl<'a> Emitter<'a> {
     /// Sends what there is. `upto`: no later event is before this tag.
     #[inline(never)]
     pub(crate) fn flush(&mut self, upto: Tag) {
-        self.gone += self.chunk.len() as u64;
+        let count = std::mem::take(&mut self.count);
+        self.gone += count as u64;
+        let events = self.chunk.get(..count).unwrap_or_default();
         match &mut self.target {
             Target::Direct { merger, sink } => {
-                if !merger.pass(self.rank, &self.chunk, *sink) {
+                if !merger.pass(self.rank, events, *sink) {
                     self.coordinator.abort();
                 }
-                self.chunk.clear();
             }
             Target::Lane(feed) => {
-                if feed.pass(&mut self.chunk, || self.coordinator.floor(upto.rank)) {
-                    self.coordinator.catch_up(upto);
+                let floor = || self.coordinator.floor(upto.rank);
+                if !feed.pass(events, floor) {
+                    self.chunk.truncate(count);
+                    let full = feed.put(&mut self.chunk, floor);
+                    self.chunk.resize_with(self.size, blank);
+                    if full {
+                        self.coordinator.catch_up(upto);
+                    }
                 }
             }
             Target::Queue(feeder) => {
+                self.chunk.truncate(count);
                 let next = feeder.try_empty();
                 let empty = next.is_none();
                 let events = std::mem::replace(&mut self.chunk, next.unwrap_or_default());
@@ -98,6 +122,7 @@ impl<'a> Emitter<'a> {
                 if empty {
                     self.chunk = self.coordinator.wait_credit(upto, || feeder.wait_empty());
                 }
+                self.chunk.resize_with(self.size, blank);
             }
         }
     }

@@ -29,7 +29,7 @@ use variables::ChannelVariables;
 use crate::action::sync::Known;
 use crate::control::{Control, Progress};
 use crate::files::Files;
-use crate::log::event::{Event, FileId, Kind, Stop};
+use crate::log::event::{FileId, Kind, Stop};
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
@@ -102,18 +102,21 @@ impl Kernel<'_> {
         Tag { t: self.clock, micro: self.micro, rank: self.rank }
     }
 
-    /// Adds an event of this block at the clock. Inlined so that the event is built where it stays.
-    #[inline(always)]
+    /// Adds an event of this block at the clock.
+    #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
-        self.emitter.push(Event {
-            t_ns: self.clock,
-            micro: self.micro,
-            dur_ns,
-            channel: self.rank,
-            file: self.file,
-            line: self.line,
-            kind,
-        });
+        self.emit_as(dur_ns, |slot| *slot = kind);
+    }
+
+    /// Adds an event whose kind is written where it stays.
+    #[inline(always)]
+    pub(crate) fn emit_as(&mut self, dur_ns: i64, write: impl FnOnce(&mut Kind)) {
+        let (t_ns, micro) = (self.clock, self.micro);
+        if let Some(event) = self.emitter.slot(t_ns, micro) {
+            (event.t_ns, event.micro, event.dur_ns) = (t_ns, micro, dur_ns);
+            (event.channel, event.file, event.line) = (self.rank, self.file, self.line);
+            write(&mut event.kind);
+        }
     }
 
     /// Moves the clock on.

@@ -90,7 +90,7 @@ impl Kernel<'_> {
             self.coordinator.yield_permit(self.rank);
         }
         let number = self.blocks;
-        self.emit(0, Kind::Block { number });
+        self.emit_as(0, |kind| *kind = Kind::Block { number });
         self.check_limits()
     }
 

@@ -151,6 +151,14 @@ impl Words {
         }
     }
 
+    /// Appends the words, little-endian.
+    #[inline(always)]
+    fn write(&mut self, out: &mut Vec<u8>) {
+        let words = self.words.get_mut(..self.count).unwrap_or_default();
+        words.iter_mut().for_each(|word| *word = word.to_le());
+        out.extend_from_slice(bytemuck::cast_slice(words));
+    }
+
     #[inline(always)]
     fn put_float(&mut self, value: f64) {
         self.put(bits(value));
@@ -241,9 +249,7 @@ impl Form {
         words.words[0] =
             u64::from(number(&event.kind)) | u64::from(flags) << 8 | axes << 16 | u64::from(self.blocks) << 32;
         self.blocks = 0;
-        for word in words.words.iter().take(words.count) {
-            self.out.extend_from_slice(&word.to_le_bytes());
-        }
+        words.write(&mut self.out);
         write_kind(&mut self.out, &event.kind);
     }
 

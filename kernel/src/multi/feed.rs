@@ -34,22 +34,27 @@ impl Feed {
         Self { rank, lane, waiting, spare, floor: 0, events: 0, last: (0, 0) }
     }
 
-    /// Takes the events of a chunk, which is empty afterwards. `floor` tells the time before which no other kernel
-    /// can stop the job. Returns `true` when too much is waiting for other kernels.
-    pub(crate) fn pass(&mut self, chunk: &mut Vec<Event>, floor: impl Fn() -> i64) -> bool {
-        let Some(last) = chunk.last().map(|event| event.t_ns) else { return false };
+    /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
+    /// `floor` tells the time before which no other kernel can stop the job.
+    pub(crate) fn pass(&mut self, events: &[Event], floor: impl Fn() -> i64) -> bool {
         if self.floor == 0 {
             self.floor = floor();
         }
-        if self.floor == i64::MAX {
-            // Nobody else runs, nor ever will.
-            while self.work(&floor) {}
-            self.keep(chunk);
-            chunk.clear();
+        if self.floor < i64::MAX {
             return false;
         }
-        debug_assert!(self.waiting.back().is_none_or(|b| b.last().is_none_or(|e| e.t_ns <= last)));
-        let next = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(chunk.capacity()));
+        while self.work(&floor) {}
+        self.keep(events);
+        true
+    }
+
+    /// Takes a chunk to be worked on later, and gives another one for it, whatever is in it. Returns `true` when too
+    /// much is waiting for other kernels.
+    pub(crate) fn put(&mut self, chunk: &mut Vec<Event>, floor: impl Fn() -> i64) -> bool {
+        if chunk.is_empty() {
+            return false;
+        }
+        let next = self.spare.pop().unwrap_or_default();
         self.waiting.push_back(std::mem::replace(chunk, next));
         while self.waiting.len() > PUT_OFF && self.work(&floor) {}
         self.waiting.len() >= MOST
@@ -67,7 +72,7 @@ impl Feed {
             return false;
         }
         self.keep(&front);
-        self.recycle(front);
+        self.spare.push(front);
         true
     }
 
@@ -87,10 +92,5 @@ impl Feed {
             self.events += events.len() as u64;
             self.lane.feed(events);
         }
-    }
-
-    fn recycle(&mut self, mut chunk: Vec<Event>) {
-        chunk.clear();
-        self.spare.push(chunk);
     }
 }

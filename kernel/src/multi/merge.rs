@@ -48,14 +48,14 @@ pub(crate) struct Feeder {
 }
 
 impl Feeder {
-    /// An empty chunk, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
+    /// A chunk to be overwritten, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
     pub(crate) fn try_empty(&mut self) -> Option<Vec<Event>> {
         if let Ok(chunk) = self.empties.try_recv() {
             return Some(chunk);
         }
         if self.made < CREDIT {
             self.made += 1;
-            return Some(Vec::with_capacity(CHUNK));
+            return Some(Vec::new());
         }
         None
     }
@@ -286,7 +286,6 @@ impl Merger {
     }
 }
 
-fn recycle(stream: &Stream, mut events: Vec<Event>) {
-    events.clear();
+fn recycle(stream: &Stream, events: Vec<Event>) {
     let _ = stream.empties.try_send(events);
 }
