@@ -40,6 +40,6 @@ impl Kernel<'_> {
 
     /// Text of the current block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
-        self.info.block_text(self.file, self.line, 60)
+        self.info.block_text(self.file, self.line, 60).into_owned()
     }
 }

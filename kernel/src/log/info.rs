@@ -3,6 +3,7 @@
 //! Results need it to turn numbers in events into names and text. Invariant: the same job gives the same `Info`,
 //! so results can be made again at any time from the stored log and the stored job.
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use crate::log::event::FileId;
@@ -77,17 +78,19 @@ pub struct File {
 impl Info {
     /// Text of a line without its end of line; empty when the file or line does not exist.
     #[must_use]
-    pub fn line_text(&self, file: FileId, line: u32) -> std::borrow::Cow<'_, str> {
-        self.source(file).map_or(std::borrow::Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
+    pub fn line_text(&self, file: FileId, line: u32) -> Cow<'_, str> {
+        self.source(file).map_or(Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
     }
 
     /// Text of a block as results show it: without blanks around it, at most `most` characters, the rest as `...`.
     #[must_use]
-    pub fn block_text(&self, file: FileId, line: u32, most: usize) -> String {
-        let text = self.line_text(file, line);
-        let text = text.trim();
-        if text.chars().count() <= most {
-            return text.to_owned();
+    pub fn block_text(&self, file: FileId, line: u32, most: usize) -> Cow<'_, str> {
+        let text = match self.line_text(file, line) {
+            Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
+            Cow::Owned(text) => Cow::Owned(text.trim().to_owned()),
+        };
+        if text.len() <= most || text.chars().count() <= most {
+            return text;
         }
         text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
     }

@@ -250,6 +250,6 @@ impl Findings {
         if line == 0 {
             return (String::new(), String::new());
         }
-        (self.info.file_name(file).to_owned(), self.info.block_text(file, line, BLOCK_TEXT))
+        (self.info.file_name(file).to_owned(), self.info.block_text(file, line, BLOCK_TEXT).into_owned())
     }
 }

@@ -4,8 +4,6 @@
 
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
-
 use crate::log::event::{Diagnostic, Event, FileId, Kind, Release, Verdict, Wait};
 use crate::log::info::{BLOCK_TEXT, Info};
 
@@ -33,18 +31,29 @@ pub(crate) enum What {
 /// Name of a file and text of a block in it.
 pub(crate) type Place = (Arc<str>, Arc<str>);
 
-/// The places of a channel's waits, each made once.
+/// The latest places of a channel's waits: loops wait at the same lines again and again.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
-    names: FxHashMap<FileId, Arc<str>>,
-    blocks: FxHashMap<(FileId, u32), Arc<str>>,
+    name: Option<(FileId, Arc<str>)>,
+    /// By the lower bits of the line.
+    blocks: Vec<Option<(FileId, u32, Arc<str>)>>,
 }
 
 impl Places {
+    const LINES: usize = 64;
+
     fn at(&mut self, info: &Info, file: FileId, line: u32) -> Place {
-        let name = self.names.entry(file).or_insert_with(|| info.file_name(file).into()).clone();
-        let block = self.blocks.entry((file, line)).or_insert_with(|| info.block_text(file, line, BLOCK_TEXT).into());
-        (name, block.clone())
+        let name = match &self.name {
+            Some((known, name)) if *known == file => name.clone(),
+            _ => self.name.insert((file, info.file_name(file).into())).1.clone(),
+        };
+        self.blocks.resize(Self::LINES, None);
+        let block = match self.blocks.get_mut(line as usize % Self::LINES) {
+            Some(Some((f, l, block))) if (*f, *l) == (file, line) => block.clone(),
+            Some(slot) => slot.insert((file, line, info.block_text(file, line, BLOCK_TEXT).into())).2.clone(),
+            None => "".into(),
+        };
+        (name, block)
     }
 }
 
