@@ -45,7 +45,7 @@ fn check_finds_everything_in_every_file() {
         [("a.mac", "A=CODE_RAPDI\n$XM=3\nB=UNSET\n"), ("b.mac", "PPRINT/'x'+1\n"), ("good.mac", "A=TWICE(1)\n"), TWICE];
     let folder = folder(&files);
     let (code, out, talk) = counterpoint(folder.path(), &["check", "a.mac", "b.mac", "good.mac", "twice.mac"]);
-    assert_eq!((code, out.as_str()), (1, "4 files: 3 errors, 1 warnings\n"));
+    assert_eq!((code, out.as_str()), (1, "files: 4, errors: 3, warnings: 1\n"));
     let expected = "Error 02910032: there is no identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
                     |   ^^^^^^^^^^\n      = did you mean CODE_RAPID?\n";
     assert!(talk.starts_with(expected), "{talk}");

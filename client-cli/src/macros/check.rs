@@ -24,7 +24,7 @@ pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
         say::data(format!("{document:#}\n").as_bytes())?;
     } else {
         found.iter().flatten().for_each(say_finding);
-        let verdict = format!("{} files: {errors} errors, {warnings} warnings\n", files.len());
+        let verdict = format!("files: {}, errors: {errors}, warnings: {warnings}\n", files.len());
         say::data(verdict.as_bytes())?;
     }
     Ok(u8::from(errors > 0))
