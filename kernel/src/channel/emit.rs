@@ -24,6 +24,8 @@ pub(crate) enum Target<'a> {
         /// Receives it.
         sink: &'a mut dyn Sink,
     },
+    /// Kept as they are: the master's, before the channels start and after they have ended.
+    Kept(&'a mut Vec<Event>),
     /// Into the results of this channel.
     Lane(&'a mut Feed),
 }
@@ -43,7 +45,7 @@ impl<'a> Emitter<'a> {
     pub(crate) fn new(rank: u16, coordinator: &'a Coordinator, mut target: Target<'a>) -> Self {
         let (size, chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
-            Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::with_capacity(NEAR_CHUNK)),
+            Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) => (NEAR_CHUNK, Vec::with_capacity(NEAR_CHUNK)),
         };
         Self { rank, coordinator, target, size, chunk, gone: 0 }
     }
@@ -74,6 +76,7 @@ impl<'a> Emitter<'a> {
                 }
                 self.chunk.clear();
             }
+            Target::Kept(events) => events.append(&mut self.chunk),
             Target::Lane(feed) => {
                 if feed.pass(&mut self.chunk, || self.coordinator.floor(upto.rank)) {
                     self.coordinator.catch_up(upto);

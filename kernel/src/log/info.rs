@@ -74,6 +74,15 @@ pub struct File {
     pub source: OnceLock<Option<Arc<Source>>>,
 }
 
+/// A text without blanks around it, at most `most` characters, the rest as `...`.
+pub(crate) fn cut(text: &str, most: usize) -> String {
+    let text = text.trim();
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
+}
+
 impl Info {
     /// Text of a line without its end of line; empty when the file or line does not exist.
     #[must_use]
@@ -84,12 +93,7 @@ impl Info {
     /// Text of a block as results show it: without blanks around it, at most `most` characters, the rest as `...`.
     #[must_use]
     pub fn block_text(&self, file: FileId, line: u32, most: usize) -> String {
-        let text = self.line_text(file, line);
-        let text = text.trim();
-        if text.chars().count() <= most {
-            return text.to_owned();
-        }
-        text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
+        cut(&self.line_text(file, line), most)
     }
 
     /// The loaded source of a file.
