@@ -88,6 +88,14 @@ impl Work {
         Ok((sink.0.finish(&outcome), outcome))
     }
 
+    /// What is fixed about the job.
+    ///
+    /// # Panics
+    /// When the job cannot be prepared.
+    pub fn info(&self) -> Arc<counterpoint_kernel::log::info::Info> {
+        Arc::clone(self.prepare(None).unwrap_or_else(|error| panic!("{error}")).0.info())
+    }
+
     fn prepare(&self, jitter: Option<fn(u16)>) -> Result<(Job, Control), PrepareError> {
         let spec =
             Spec { machine: self.machine.clone(), programs: self.programs.clone(), options: self.options.clone() };

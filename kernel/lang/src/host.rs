@@ -113,7 +113,8 @@ pub trait Host: Registers {
     }
 
     /// Reports a diagnostic of a running macro.
-    fn report(&mut self, diagnostic: Diagnostic);
+    /// The state is that of the running macro, so that a host may run another one first.
+    fn report(&mut self, state: &mut State, diagnostic: Diagnostic);
 
     /// Severity and text of a diagnostic of the host's tables, for `ERROR/number`.
     fn diagnostic(&self, number: u32) -> Option<(u8, String)> {

@@ -63,6 +63,7 @@ pub struct RunOptions {
 /// goes to the host as it happens, findings of the checker first. Tells whether there was an error.
 pub fn run(files: &[File], host: &mut Test, options: RunOptions) -> bool {
     let mut program = Program::new();
+    let mut state = State::new(options.limits);
     let (mut failed, mut macros) = (false, Vec::new());
     let order = order::order(files).into_iter().filter(|at| at + 1 < files.len());
     for at in order.chain(files.len().checked_sub(1)) {
@@ -71,12 +72,11 @@ pub fn run(files: &[File], host: &mut Test, options: RunOptions) -> bool {
         let added = compile::add(&mut program, host, source(file), how);
         failed |= added.has_errors();
         macros = added.macros;
-        added.diagnostics.into_iter().for_each(|diagnostic| host.report(diagnostic));
+        added.diagnostics.into_iter().for_each(|diagnostic| host.report(&mut state, diagnostic));
     }
     if failed {
         return true;
     }
-    let mut state = State::new(options.limits);
     for index in macros {
         let (end, _) = vm::run(&program, &mut state, host, index, &mut []);
         if end != End::Normal {

@@ -230,5 +230,5 @@ fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut Stat
     diagnostic.severity = severity;
     diagnostic.macro_name = Some(code.name.clone());
     state.failed |= diagnostic.is_error();
-    host.report(diagnostic);
+    host.report(state, diagnostic);
 }

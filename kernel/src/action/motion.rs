@@ -62,7 +62,7 @@ impl Kernel<'_> {
             }
             let shift = self.place.shift.get(index).copied().unwrap_or(0.0);
             let Some(slot) = target.get_mut(index) else { break };
-            *slot = if datum.incremental || relative == Some(true) {
+            *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
             } else if self.block.machine_frame {
                 datum.value - shift
@@ -113,6 +113,45 @@ impl Kernel<'_> {
     /// Carries out a motion: limits, event, clock, position.
     #[inline]
     pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        if self.macros.is_some() {
+            return self.motion_event(seconds, motion);
+        }
+        self.move_to(seconds, motion)
+    }
+
+    /// A straight move that a macro has changed: made again from its start.
+    pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
+        let from = self.place.position;
+        let changes = self.changes(&from, &to);
+        let length = self.tool_path(&changes);
+        let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
+        let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);
+        if rapid {
+            let seconds = self.rapid_seconds(&from, &to);
+            let feed = (0.0, FeedUnit::Rapid);
+            return self.move_to(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, to], feed, length));
+        }
+        let (feed, unit) = match motion.kind {
+            MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
+            _ => self.feed(),
+        };
+        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let path = Path { from: &from, to: &to, length: feed_length, arc: None };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let feed = (feed.unwrap_or(0.0), unit);
+        self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))
+    }
+
+    /// The motion itself.
+    #[inline]
+    pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.before = self.place.position;
+            let rapid = usize::from(motion.kind == MotionKind::Rapid);
+            if let Some(time) = runtime.store.times.get_mut(rapid) {
+                *time += seconds;
+            }
+        }
         self.block.moved = true;
         self.flow.pass.effects = true;
         self.place.position = motion.to;

@@ -4,16 +4,14 @@
 
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{Kind, ToolAction};
+use crate::log::event::ToolAction;
 use crate::machine::ident::data;
 
 /// Preselects a tool.
 pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
     let Some(word) = tool_word(kernel) else { return Ok(()) };
     let (tool, offset) = split(kernel, word);
-    kernel.place.selected = tool;
-    kernel.emit(0, Kind::Tool { action: ToolAction::Select, tool, offset });
-    Ok(())
+    kernel.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
 /// Loads a tool, or changes only its offset when it is the one in use.
@@ -31,12 +29,8 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     let seconds = if changes { change_seconds(kernel, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = Kernel::ns(seconds);
-    if tool != 0 {
-        kernel.place.tool = tool;
-    }
     kernel.flow.pass.effects = true;
-    kernel.emit(ns, Kind::Tool { action, tool: kernel.place.tool, offset });
-    kernel.advance(ns);
+    kernel.tool_event(action, tool, offset, ns)?;
     if kernel.machine.tool.offset_digits > 0 {
         let offsets = &kernel.machine.tool.offsets;
         if offset != 0 && !offsets.is_empty() && !offsets.iter().any(|o| o.number == offset) {

@@ -2,6 +2,8 @@
 //!
 //! Invariant: buffers are reused from block to block; filling a block allocates nothing once they have grown.
 
+use crate::machine::ident::DataId;
+
 /// A word: letter and number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Word {
@@ -54,6 +56,10 @@ pub(crate) struct Block {
     pub(crate) present: u128,
     /// A register is written twice; its first word is never taken.
     doubled: bool,
+    /// Data that macros have put on the block: value without factor and units.
+    pub(crate) added: Vec<(DataId, f64)>,
+    /// Position of the code that acts next, on a kernel with macros.
+    pub(crate) next: usize,
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
     /// A comment or message without its end was met.
@@ -81,6 +87,8 @@ impl Default for Block {
             slots: [0; REGISTERS],
             present: 0,
             doubled: false,
+            added: Vec::new(),
+            next: 0,
             sequence: None,
             open_comment: false,
             too_many_digits: false,
@@ -102,6 +110,8 @@ impl Block {
         self.texts.clear();
         self.present = 0;
         self.doubled = false;
+        self.added.clear();
+        self.next = 0;
         self.sequence = None;
         self.open_comment = false;
         self.too_many_digits = false;
@@ -144,6 +154,17 @@ impl Block {
         let word = self.words.get_mut(usize::from(slot))?;
         word.used = true;
         Some(*word)
+    }
+
+    /// The data word that [`take`](Self::take) would take.
+    pub(crate) fn look(&self, register: u8) -> Option<Word> {
+        let slot = self.slots.get(usize::from(register)).filter(|_| self.has(register))?;
+        self.words.get(usize::from(*slot)).copied()
+    }
+
+    /// Nothing is on the block.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.words.is_empty() && self.texts.is_empty() && !self.has_oddities()
     }
 
     /// A free data word of this register is on the block.

@@ -5,7 +5,7 @@
 use super::block::Firing;
 use super::{Acted, Kernel};
 use crate::diag;
-use crate::machine::ident::{self, CodeId};
+use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 
 use super::state::group;
@@ -13,6 +13,9 @@ use super::state::group;
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, and lets the codes act.
     pub(crate) fn act_block(&mut self) -> Acted {
+        if self.macros.is_some() {
+            return self.made_block();
+        }
         let calls_macro = self.categorise();
         if calls_macro {
             return self.macro_call();
@@ -28,7 +31,7 @@ impl Kernel<'_> {
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
-    fn categorise(&mut self) -> bool {
+    pub(crate) fn categorise(&mut self) -> bool {
         let machine = self.machine;
         let mut conditional = false;
         let mut call = false;
@@ -121,7 +124,7 @@ impl Kernel<'_> {
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
     /// a group that a non-modal code overrode on an earlier block.
-    fn imply(&mut self) {
+    pub(crate) fn imply(&mut self) {
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.queue_modal(group::MOTION);
         }
@@ -140,7 +143,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn queue_modal(&mut self, group: u16) {
+    pub(crate) fn queue_modal(&mut self, group: u16) {
         if let Some(index) = self.modal.row(group)
             && let Some(row) = self.machine.codes.get(usize::from(index))
         {
@@ -152,7 +155,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn group_queued(&self, group: u16) -> bool {
+    pub(crate) fn group_queued(&self, group: u16) -> bool {
         self.block.firings.iter().any(|f| self.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
     }
 
@@ -162,7 +165,7 @@ impl Kernel<'_> {
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
-    fn sort(&mut self) {
+    pub(crate) fn sort(&mut self) {
         let firings = &mut self.block.firings;
         for end in 1..firings.len() {
             let mut at = end;
@@ -174,16 +177,35 @@ impl Kernel<'_> {
     }
 
     /// Lets one code act.
-    fn fire(&mut self, firing: Firing) -> Acted {
+    pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if !row.process {
             return Ok(());
         }
-        self.as_data = match row.form {
-            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
+        self.set_firing(firing);
+        let result = if self.macros.is_some() { self.fire_custom(firing, row.id) } else { self.perform(firing) };
+        self.as_data = None;
+        result
+    }
+
+    /// Value that a code hands over as data.
+    #[inline]
+    pub(crate) fn data_of_firing(&self, firing: Firing) -> Option<(DataId, f64)> {
+        match self.machine.codes.get(usize::from(firing.row)) {
+            Some(CodeRow { form: CodeForm::RegisterAsData { data, .. }, mul, add, .. }) => {
+                Some((*data, firing.value * mul + add))
+            }
             _ => None,
-        };
+        }
+    }
+
+    /// What firing a code means before it acts: its data, its modal group.
+    #[inline]
+    pub(crate) fn set_firing(&mut self, firing: Firing) {
+        let machine = self.machine;
+        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return };
+        self.as_data = self.data_of_firing(firing);
         self.mode_changed = self.modal.code(row.group) != Some(row.id);
         match row.modality {
             Modality::NonModal if row.group != 0 && !firing.implied => self.modal.refire_once(row.group),
@@ -191,6 +213,12 @@ impl Kernel<'_> {
             Modality::Modal => self.modal.activate(row.group, row.id, firing.row),
             Modality::Persistent => self.modal.activate_persistent(row.group, row.id, firing.row),
         }
+    }
+
+    /// The built-in action of a code.
+    pub(crate) fn perform(&mut self, firing: Firing) -> Acted {
+        let machine = self.machine;
+        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => crate::action::act(self, action, row, firing),
             None => {
@@ -201,7 +229,6 @@ impl Kernel<'_> {
         if row.seconds > 0.0 && result.is_ok() {
             self.take_time(row, firing);
         }
-        self.as_data = None;
         result
     }
 

@@ -15,6 +15,8 @@ pub(crate) struct Datum {
     pub(crate) value: f64,
     /// Written with the incremental name.
     pub(crate) incremental: bool,
+    /// Absolute even where the mode says incremental: a macro has said so.
+    pub(crate) absolute: bool,
     /// Written without any fraction or as such: value before the factor.
     pub(crate) raw: f64,
 }
@@ -23,11 +25,14 @@ impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
     pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
+        if self.macros.is_some() {
+            return self.take_custom(id);
+        }
         if let Some((data, value)) = self.as_data
             && data == id
         {
             self.as_data = None;
-            return Some(Datum { value, incremental: false, raw: value });
+            return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
         if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
             return None;
@@ -48,7 +53,7 @@ impl Kernel<'_> {
             if source.modal && !incremental {
                 self.modal.remember(id, value);
             }
-            return Some(Datum { value, incremental, raw });
+            return Some(Datum { value, incremental, absolute: false, raw });
         }
         None
     }
@@ -64,7 +69,7 @@ impl Kernel<'_> {
         }
     }
 
-    fn out_of_range(&mut self, row: u16, value: f64) {
+    pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {
         let Some(row) = self.machine.data.get(usize::from(row)) else { return };
         let name =
             row.register.and_then(|r| self.machine.registers.get(usize::from(r))).map_or("?", |r| r.name.as_str());

@@ -26,6 +26,8 @@ pub(crate) enum Target<'a> {
         /// Receives it.
         sink: &'a mut dyn Sink,
     },
+    /// Kept as they are: the master's, before the channels start and after they have ended.
+    Kept(&'a mut Vec<Event>),
     /// Into the results of this channel.
     Lane(&'a mut Feed),
 }
@@ -53,7 +55,7 @@ impl<'a> Emitter<'a> {
         let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
             Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
-            Target::Direct { .. } | Target::Lane(_) => (NEAR_CHUNK, Vec::new()),
+            Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) => (NEAR_CHUNK, Vec::new()),
         };
         chunk.resize_with(size, blank);
         Self { rank, coordinator, target, chunk, size, count: 0, gone: 0 }
@@ -86,7 +88,7 @@ impl<'a> Emitter<'a> {
     pub(crate) fn work(&mut self) -> bool {
         match &mut self.target {
             Target::Lane(feed) => feed.work(|| self.coordinator.floor(self.rank)),
-            Target::Queue(_) | Target::Direct { .. } => false,
+            Target::Queue(_) | Target::Direct { .. } | Target::Kept(_) => false,
         }
     }
 
@@ -101,6 +103,11 @@ impl<'a> Emitter<'a> {
                 if !merger.pass(self.rank, events, *sink) {
                     self.coordinator.abort();
                 }
+            }
+            Target::Kept(kept) => {
+                self.chunk.truncate(count);
+                kept.append(&mut self.chunk);
+                self.chunk.resize_with(self.size, blank);
             }
             Target::Lane(feed) => {
                 let floor = || self.coordinator.floor(upto.rank);

@@ -25,6 +25,8 @@ pub(crate) struct Frame {
     pub(crate) repeats: u32,
     /// It has variables of its own (a macro call).
     pub(crate) own_variables: bool,
+    /// Program number, 0 for the main program, and its passes in all.
+    pub(crate) called: (u32, u32),
     /// Name for events.
     pub(crate) name: Box<str>,
 }
@@ -100,7 +102,14 @@ impl Kernel<'_> {
                 format!("more than {limit} subprogram levels at the call of {number} in '{}'", self.block_text());
             return Err(self.alarm(&diag::NESTING, text));
         }
-        let Some((file, range)) = self.find_program(number)? else {
+        let mut found = self.find_program(number)?;
+        if self.macros.is_some() {
+            match self.subprogram_startup((number, passes), 0, found)? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
             let text =
                 format!("subprogram {number} is missing, called in '{}'; {}", self.block_text(), self.places(number));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
@@ -120,6 +129,7 @@ impl Kernel<'_> {
             next: range.first,
             repeats: passes.saturating_sub(1),
             own_variables,
+            called: (number, passes),
             name,
         });
         Ok(())
@@ -135,7 +145,7 @@ impl Kernel<'_> {
         {
             frame.repeats -= 1;
             frame.next = frame.range.first;
-            return Ok(());
+            return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
@@ -143,6 +153,9 @@ impl Kernel<'_> {
             }
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
+            if self.macros.is_some() {
+                self.subprogram_shutdown(frame.called, frame.called.1.saturating_sub(1))?;
+            }
         }
         match target {
             Some(number) => self.jump_to_sequence(number),

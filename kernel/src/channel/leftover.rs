@@ -97,17 +97,15 @@ impl Kernel<'_> {
         })
     }
 
-    fn span_text(&self, (start, end): (u32, u32)) -> String {
-        let source = self.info.source(self.file);
-        let line = source.map_or(&[][..], |s| s.line(self.line));
+    pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
+        let line = self.text_bytes();
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
     }
 
     fn unknown_text(&mut self) {
         const MOST: usize = 60;
-        let mut parts: Vec<String> = self.block.unknown.iter().map(|&span| self.span_text(span)).collect();
-        parts.retain(|p| !p.is_empty());
-        let mut text = parts.join(" ");
+        let left = self.left_text();
+        let mut text = left.split_whitespace().collect::<Vec<_>>().join(" ");
         if text.chars().count() > MOST {
             text = text.chars().take(MOST - 3).chain("...".chars()).collect();
         }

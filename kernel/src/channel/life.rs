@@ -18,13 +18,23 @@ impl Kernel<'_> {
         self.progress.set_state(State::Running);
         (self.file, self.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
-        self.flow.frames.push(Frame { file, range, next: range.first, repeats: 0, own_variables: false, name });
+        self.flow.frames.push(Frame {
+            file,
+            range,
+            next: range.first,
+            repeats: 0,
+            own_variables: false,
+            called: (0, 1),
+            name,
+        });
         self.initial_codes();
         self.initial_frame();
-        let halt = match self.load(file) {
+        let loaded = self.load(file);
+        let halt = match loaded.and_then(|()| self.begin_macros()) {
             Ok(()) => self.program(),
             Err(halt) => halt,
         };
+        let halt = self.end_macros(halt);
         self.finish(halt);
         halt
     }

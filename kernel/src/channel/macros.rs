@@ -23,7 +23,9 @@ impl Kernel<'_> {
     /// The compiled form of the current line; kept once the program has jumped back or called.
     fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
-        if let Some(line) = self.flow.compiled.get(&key) {
+        // A text of its own is compiled each time: the line number does not stand for it.
+        let own = self.macros.as_deref().is_some_and(|runtime| runtime.text.is_some());
+        if !own && let Some(line) = self.flow.compiled.get(&key) {
             self.block.clear();
             return Ok(Arc::clone(line));
         }
@@ -35,7 +37,7 @@ impl Kernel<'_> {
         match result {
             Ok(line) => {
                 let line = Arc::new(line);
-                if self.flow.caching {
+                if self.flow.caching && !own {
                     self.flow.compiled.insert(key, Arc::clone(&line));
                 }
                 Ok(line)
@@ -208,9 +210,13 @@ impl Kernel<'_> {
 
     /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
-        let info = self.info;
-        let text = info.source(self.file).map_or(&[][..], |source| source.line(self.line));
-        let line = self.compiled(text)?;
+        let line = if self.macros.is_some() {
+            let text = self.text_bytes().into_owned();
+            self.compiled(&text)?
+        } else {
+            let info = self.info;
+            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)))?
+        };
         let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();
         let (mut program, mut passes) = (None, 1.0);

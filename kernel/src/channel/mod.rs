@@ -6,8 +6,13 @@
 
 pub(crate) mod block;
 pub(crate) mod codes;
+pub(crate) mod custom;
+pub(crate) mod custom_calls;
+pub(crate) mod custom_codes;
+pub(crate) mod custom_life;
 pub(crate) mod data;
 pub(crate) mod emit;
+pub(crate) mod events;
 pub(crate) mod flow;
 pub(crate) mod leftover;
 pub(crate) mod life;
@@ -33,6 +38,7 @@ use crate::log::event::{FileId, Kind, Stop};
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
+use crate::macros::runtime::Runtime;
 use crate::multi::coordinator::{Coordinator, Inner};
 use crate::multi::tag::Tag;
 use crate::options::Options;
@@ -92,6 +98,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) diagnostics: u32,
     /// Waits it has met.
     pub(crate) meetings: Known,
+    /// Macros of the machine, if it has any.
+    pub(crate) macros: Option<Box<Runtime>>,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
 }
@@ -136,9 +144,13 @@ impl Kernel<'_> {
 
     /// Runs an operation on what the channels share, in tag order.
     pub(crate) fn shared<R>(&mut self, operation: impl FnOnce(&mut Inner, &Coordinator) -> R) -> Result<R, Halt> {
+        let coordinator = self.coordinator;
+        if self.rank == 0 {
+            // The master works while no channel does.
+            return Ok(operation(&mut coordinator.lock(), coordinator));
+        }
         self.control.disturb(self.rank);
         let tag = self.tag();
-        let coordinator = self.coordinator;
         let mut guard = match coordinator.try_enter(tag) {
             Some(guard) => guard,
             None => match coordinator.try_park(tag) {

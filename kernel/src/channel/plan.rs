@@ -26,6 +26,8 @@ pub(crate) struct Plan {
     pub(crate) sources: Vec<Vec<Source>>,
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
+    /// First enabled row of each code, for machines with macros.
+    pub(crate) rows_of_code: Vec<Option<u16>>,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
 }
@@ -59,6 +61,22 @@ fn sources(machine: &Machine) -> Vec<Vec<Source>> {
         })
     };
     machine.tables.rows_of_data.iter().map(|rows| rows.iter().filter_map(source).collect()).collect()
+}
+
+/// First enabled row of each code; nothing for machines that never ask.
+fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
+    if machine.macros.is_none() {
+        return Vec::new();
+    }
+    let mut rows = vec![None; crate::machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
+    for (row, at) in machine.codes.iter().zip(0_u16..) {
+        if let Some(slot @ None) = rows.get_mut(usize::from(row.id.0))
+            && row.enable
+        {
+            *slot = Some(at);
+        }
+    }
+    rows
 }
 
 impl Plan {
@@ -100,6 +118,7 @@ impl Plan {
                 })
                 .collect(),
             speed_registers,
+            rows_of_code: rows_of_code(machine),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }
     }

@@ -21,6 +21,11 @@ impl Kernel<'_> {
 
     /// One block.
     fn step(&mut self) -> Acted {
+        if let Some(block) = self.later_block() {
+            self.begin_block()?;
+            self.process_later(block)?;
+            return self.follow();
+        }
         let info = self.info;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
             return Err(Halt::End(None));
@@ -53,6 +58,10 @@ impl Kernel<'_> {
                 );
             }
         }
+        if self.macros.is_some() {
+            self.custom_block(None)?;
+            return self.follow();
+        }
         match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
             LineKind::Words => {
                 self.show_messages(text);
@@ -69,6 +78,7 @@ impl Kernel<'_> {
             let Some(&(start, end)) = self.block.messages.get(index) else { break };
             let text = line.get(start as usize..end as usize).unwrap_or_default();
             let text: Box<str> = String::from_utf8_lossy(text).trim().into();
+            self.show_display(&text);
             self.emit(0, Kind::Message { text });
         }
     }

@@ -22,6 +22,9 @@ impl Kernel<'_> {
     }
 
     fn log_diagnostic(&mut self, facts: &Facts, text: String) {
+        if self.macros.is_some() {
+            return self.issue(facts.number, facts.severity, text);
+        }
         self.emit(
             0,
             Kind::Diagnostic(Box::new(Diagnostic {
@@ -40,6 +43,9 @@ impl Kernel<'_> {
 
     /// Text of the current block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
-        self.info.block_text(self.file, self.line, 60).into_owned()
+        match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
+            Some(text) => crate::log::info::cut(text, 60),
+            None => self.info.block_text(self.file, self.line, 60).into_owned(),
+        }
     }
 }

@@ -91,13 +91,29 @@ impl Scanner {
         self.macros
     }
 
+    /// Active optional-skip levels, bit by level.
+    pub(crate) fn levels(&self) -> u16 {
+        self.levels
+    }
+
+    /// Register of the sequence number.
+    pub(crate) fn sequence(&self) -> Option<u8> {
+        self.sequence
+    }
+
     /// Register of a letter, with its incremental flag.
     pub(crate) fn register(&self, letter: u8) -> Option<(u8, bool)> {
         self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
     }
 
     /// Splits `line` into `block` (which is cleared first).
+    #[inline]
     pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
+        self.scan_as(line, secondary, block, self.macros)
+    }
+
+    /// The same, with or without the pre-processor.
+    pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
         block.clear();
         let mut at = 0;
         while let Some(&byte) = line.get(at) {
@@ -111,10 +127,10 @@ impl Scanner {
                         at = next;
                         continue;
                     }
-                    None if self.macros && opens_macro(line, at) => return Kind::Macro,
+                    None if macros && opens_macro(line, at) => return Kind::Macro,
                     None => {}
                 }
-            } else if self.macros && (byte == b'#' || opens_macro(line, at)) {
+            } else if macros && (byte == b'#' || opens_macro(line, at)) {
                 return Kind::Macro;
             }
             at = self.other(line, at, byte, block);

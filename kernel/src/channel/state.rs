@@ -70,6 +70,24 @@ impl Modal {
         }
     }
 
+    /// Active codes of all groups.
+    pub(crate) fn saved(&self) -> Vec<(u16, CodeId, u16)> {
+        let groups = self.groups.iter().zip(0_u16..);
+        groups.filter_map(|(active, group)| active.map(|(id, row)| (group, id, row))).collect()
+    }
+
+    /// Puts active codes back; groups that had none have none again.
+    pub(crate) fn restore(&mut self, saved: &[(u16, CodeId, u16)]) {
+        self.groups.fill(None);
+        for &(group, id, row) in saved {
+            if let Some(slot) = self.groups.get_mut(usize::from(group)) {
+                *slot = Some((id, row));
+            }
+        }
+        let groups = &self.groups;
+        self.refires.retain(|&(group, _)| groups.get(usize::from(group)).is_some_and(Option::is_some));
+    }
+
     /// Remembered value.
     pub(crate) fn value(&self, id: DataId) -> Option<f64> {
         self.data.get(usize::from(id.0)).copied().flatten()

@@ -62,6 +62,21 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 
 impl Variables for Kernel<'_> {
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
+        if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
+            return self.identified(index);
+        }
+        self.get_known(index)
+    }
+}
+
+impl Kernel<'_> {
+    /// A common variable, of all channels or of this one.
+    pub(crate) fn is_common(&self, index: u32) -> bool {
+        within(&self.machine.variables.shared, index) || within(&self.machine.variables.channel, index)
+    }
+
+    /// Value of a variable that the kernel itself knows.
+    pub(crate) fn get_known(&mut self, index: u32) -> Result<f64, Fault> {
         match index {
             0 => Ok(VACANT),
             1..=33 => Ok(self.variables.local(index)),
@@ -106,6 +121,7 @@ impl Kernel<'_> {
                 self.variables.own.insert(index, value);
                 Ok(())
             }
+            _ if self.identify_write(index, value)? => Ok(()),
             _ if self.system(index).is_some() || index == 0 => Err(Fault::ReadOnly(index)),
             _ => Err(Fault::NoVariable(f64::from(index))),
         }

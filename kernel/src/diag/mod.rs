@@ -72,6 +72,14 @@ diagnostics! {
     MACRO_CALL 2900066 12 true "macro call that cannot be made";
     LIMIT_REACHED 2900070 16 false "limit of the job";
     DEADLOCK 2900071 16 false "channels that can never go on";
+    CODE_NOT_HERE 2900080 8 false "code of a macro that the machine does not have";
+    EXEC_QUEUE 2900081 8 false "too many blocks of EXEC/NEXT waiting";
+    MACRO_RESULT 2900082 8 false "value of a wrong type returned by a macro";
+    MODAL_STACK 2900083 8 false "modal states restored without being saved, or saved too often";
+    EMBEDDED_CODE 2900084 8 false "embedded macro code that cannot be compiled";
+    START_ONLY 2900085 4 false "variable set after Machine Startup";
+    MACRO_FILES 2900086 8 false "too many or too large files written by macros";
+    TOOL_TABLE 2900087 8 false "more tools than the tool table has rows";
 }
 
 #[cfg(test)]

@@ -75,6 +75,15 @@ pub struct File {
     pub source: OnceLock<Option<Arc<Source>>>,
 }
 
+/// A text without blanks around it, at most `most` characters, the rest as `...`.
+pub(crate) fn cut(text: &str, most: usize) -> String {
+    let text = text.trim();
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
+}
+
 impl Info {
     /// Text of a line without its end of line; empty when the file or line does not exist.
     #[must_use]

@@ -56,6 +56,8 @@ pub struct Machine {
     pub tool: Tool,
     /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
     pub work_offsets: Vec<Vec<f64>>,
+    /// Macros, none if the machine has none.
+    pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
 }

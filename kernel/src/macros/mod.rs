@@ -2,9 +2,15 @@
 //!
 //! Invariant: the language knows none of these names; whoever compiles or runs macros hands them over from here.
 
+pub mod condition;
 mod double;
+pub mod environment;
+pub(crate) mod host;
 pub mod identifiers;
+pub mod model;
 mod pattern;
+pub(crate) mod reused;
+pub(crate) mod runtime;
 pub mod system;
 
 pub use double::double;

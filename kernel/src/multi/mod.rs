@@ -5,6 +5,7 @@
 
 pub(crate) mod coordinator;
 pub(crate) mod feed;
+mod master;
 pub(crate) mod merge;
 pub(crate) mod shared;
 pub(crate) mod tag;
@@ -15,6 +16,7 @@ use crossbeam_channel::Sender;
 
 use coordinator::Coordinator;
 use feed::Feed;
+use master::Master;
 use merge::{End, Feeder, Merger, Message};
 use shared::{Shared, Spindle};
 use waits::Waits;
@@ -56,8 +58,9 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
         folds.event(event);
         true
     };
+    let kernel_0 = shop.master_startup(&mut log);
     log(&master(0, Kind::Lifecycle(Phase::MachineStart)));
-    let starting = shop.starting(&mut log);
+    let starting = shop.starting(kernel_0.as_ref(), &mut log);
     let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
     let halts = shop.folded(starting, &mut feeds);
     let stop = coordinator.stop_tag();
@@ -75,7 +78,7 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
         folds.event(event);
         true
     };
-    close(halts.iter().filter(|(channel, _)| !ended.contains(channel)), last, &mut log);
+    close(shop, halts.iter().filter(|(channel, _)| !ended.contains(channel)), kernel_0, last, &mut log);
     Outcome { events: count + events, cancelled: control.cancelled(), sink_failed: false }
 }
 
@@ -90,12 +93,14 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
         seq += 1;
         sink.events(seq, std::slice::from_ref(event))
     };
-    let begun = log(&master(0, Kind::Lifecycle(Phase::MachineStart)));
     let mut refused = false;
-    let starting = shop.starting(&mut |event| {
+    let mut note = |event: &Event| {
         refused |= !log(event);
         !refused
-    });
+    };
+    let kernel_0 = shop.master_startup(&mut note);
+    let begun = note(&master(0, Kind::Lifecycle(Phase::MachineStart)));
+    let starting = shop.starting(kernel_0.as_ref(), &mut note);
     if refused || !begun {
         coordinator.abort();
     }
@@ -111,7 +116,7 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
         !refused
     };
     let ended = merger.ended();
-    close(halts.iter().filter(|(channel, _)| !ended.contains(channel)), merger.last, &mut log);
+    close(shop, halts.iter().filter(|(channel, _)| !ended.contains(channel)), kernel_0, merger.last, &mut log);
     Outcome { events: next - 1, cancelled: control.cancelled(), sink_failed: refused }
 }
 
@@ -125,7 +130,9 @@ fn coordinator(job: &Job, messages: Option<Sender<Message>>) -> Coordinator {
 /// Logs how channels without an end in the log came to a stand, and the end of the master. How far a thread got beyond
 /// a cut of the log is chance; only what is in the log counts.
 fn close<'h>(
+    shop: Shop<'_>,
     halts: impl Iterator<Item = &'h (u16, Halt)>,
+    kernel_0: Option<Master>,
     (t_ns, micro): (i64, u32),
     log: &mut dyn FnMut(&Event) -> bool,
 ) {
@@ -133,6 +140,7 @@ fn close<'h>(
         let phase = if halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
         log(&Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) });
     }
+    shop.master_shutdown(kernel_0, (t_ns, micro), log);
     log(&Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
 }
 
@@ -170,17 +178,20 @@ struct Shop<'a> {
 
 impl<'a> Shop<'a> {
     /// The kernels that have a program; logs those that have none.
-    fn starting(self, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
+    fn starting(self, kernel_0: Option<&Master>, log: &mut dyn FnMut(&Event) -> bool) -> Vec<Start<'a>> {
         let Self { job, coordinator, control, .. } = self;
         let mut starting = Vec::new();
         for (index, channel) in job.spec().machine.channels.iter().enumerate() {
             let progress = control.progress().get(index).unwrap_or(control.spare());
-            match job.info().channel(channel.number).filter(|c| !c.program.is_empty()) {
-                Some(start) => {
-                    let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
-                    let name: Box<str> = start.program.clone().into();
-                    starting.push(Start { channel, progress, at: (start.file, range, name) });
-                }
+            let own = job.info().channel(channel.number).filter(|c| !c.program.is_empty()).map(|start| {
+                let range = Range { number: None, first: start.lines.0, last: start.lines.1 };
+                (start.file, range, start.program.clone().into())
+            });
+            let given =
+                kernel_0.and_then(|master| master.programs.iter().find(|(number, _)| *number == channel.number));
+            let at = given.map_or(own, |(_, at)| at.clone()).filter(|_| kernel_0.is_none_or(|master| master.good));
+            match at {
+                Some(at) => starting.push(Start { channel, progress, at }),
                 None => {
                     progress.set_state(State::NotStarted);
                     log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
@@ -326,7 +337,9 @@ impl<'a> Shop<'a> {
             idle_blocks: 0,
             diagnostics: 0,
             meetings: Known::default(),
+            macros: None,
             stripped: Vec::new(),
         }
+        .with_macros()
     }
 }

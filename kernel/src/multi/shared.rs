@@ -10,6 +10,8 @@ use crate::log::event::Direction;
 pub(crate) struct Shared {
     /// Common variables that have a value.
     pub(crate) variables: FxHashMap<u32, f64>,
+    /// Global variables of macros, by index.
+    pub(crate) globals: Vec<counterpoint_lang::value::Value>,
     /// Spindles by index of the machine's list.
     pub(crate) spindles: Vec<Spindle>,
 }

@@ -428,7 +428,7 @@ impl Host for Test {
         })
     }
 
-    fn report(&mut self, diagnostic: Diagnostic) {
+    fn report(&mut self, _: &mut State, diagnostic: Diagnostic) {
         let Some(diagnostic) = self.changed(diagnostic).filter(|_| !self.unheard) else { return };
         match &mut self.outside {
             Some(outside) => outside.report(&diagnostic),

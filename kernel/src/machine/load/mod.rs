@@ -13,6 +13,7 @@ mod defaults;
 mod format;
 mod head;
 mod initial;
+mod macros;
 mod names;
 mod overlap;
 mod registers;
@@ -47,7 +48,7 @@ pub struct Loaded {
 #[must_use]
 pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
-    let machine = chain::read(files, folder, &check).map(|merged| build::machine(&merged, &check));
+    let machine = chain::read(files, folder, &check).map(|merged| build::machine(&merged, files, &check));
     let findings = check.into_findings();
     let usable = !findings.iter().any(|finding| finding.error);
     Loaded { machine: machine.filter(|_| usable), findings }

@@ -1,0 +1,390 @@
+//! A block on a kernel with macros: embedded code, pre-processor and block macros around what every kernel does.
+//!
+//! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
+//! asks for it; it is split into words again only when somebody has changed it.
+
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+
+use super::block::Block;
+use super::custom_codes::Origin;
+use super::scan::Kind as LineKind;
+use super::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::macros::environment::Surroundings;
+use crate::macros::host::{code_id, data_id};
+use crate::macros::model::Hook;
+use crate::macros::runtime::{Later, Task};
+
+/// Longest piece of embedded code, in bytes; how many different ones are remembered.
+const LONGEST_CODE: usize = 4096;
+const MOST_CODES: usize = 5000;
+
+impl Kernel<'_> {
+    /// A block that EXEC/NEXT left for later.
+    pub(crate) fn later_block(&mut self) -> Option<Later> {
+        self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())
+    }
+
+    /// Processes such a block.
+    pub(crate) fn process_later(&mut self, block: Later) -> Acted {
+        let (Later::Text(_, matching) | Later::Items(_, matching)) = block;
+        let set = |kernel: &mut Self, matching| {
+            if let Some(runtime) = kernel.macros.as_deref_mut() {
+                runtime.matching = matching;
+            }
+        };
+        set(self, matching);
+        let done = match block {
+            Later::Text(text, _) => self.custom_block(Some(text)),
+            Later::Items(items, _) => {
+                self.block.clear();
+                self.item_block(&items)
+            }
+        };
+        set(self, true);
+        done
+    }
+
+    /// Processes a block inside another one, which keeps what is left on it.
+    pub(crate) fn nested_block(&mut self, process: impl FnOnce(&mut Self) -> Acted) -> Acted {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        let mut block = runtime.blocks.pop().unwrap_or_default();
+        block.clear();
+        let block = std::mem::replace(&mut self.block, block);
+        let text = runtime.text.take();
+        let left = runtime.left.take();
+        let code = runtime.store.code.take();
+        let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
+        let done = self.check_limits().and_then(|()| process(self));
+        (self.as_data, self.mode_changed) = (as_data, mode_changed);
+        let nested: Block = std::mem::replace(&mut self.block, block);
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.blocks.push(nested);
+            (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
+        }
+        done
+    }
+
+    /// A block given as identifiers and values: straight to the code loop.
+    pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.text = Some(Arc::default());
+        }
+        let mut items = items.iter();
+        while let Some(item) = items.next() {
+            if let Some(id) = code_id(item) {
+                if !self.add_code(id, 0.0) {
+                    self.no_such_code(id);
+                }
+            } else if let Some(id) = data_id(item) {
+                match items.next().and_then(Value::as_real) {
+                    Some(value) if self.knows_data(id) => self.block.added.push((id, value)),
+                    Some(_) => {
+                        let text = format!("this machine has no word for {}", self.machine.data_name(id));
+                        self.diagnose(&diag::DATA_MISSING, text);
+                    }
+                    None => {
+                        let text = format!("EXEC needs a number behind {}", self.machine.data_name(id));
+                        self.diagnose(&diag::MACRO_RESULT, text);
+                    }
+                }
+            } else {
+                let text = format!("EXEC takes codes, and data with their values, not {}", item.kind_name());
+                self.diagnose(&diag::MACRO_RESULT, text);
+            }
+        }
+        self.act_block_of(Origin::Items)
+    }
+
+    /// Says that EXEC or OUTPUT named a code without a row.
+    pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
+        let name = self.machine.code_name(id).to_owned();
+        self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));
+    }
+
+    /// One block on a kernel with macros; `text` if it is not the line of the file.
+    pub(crate) fn custom_block(&mut self, text: Option<Arc<String>>) -> Acted {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.text = text;
+            runtime.left = None;
+            runtime.store.number = 0;
+        }
+        self.embedded(0)?;
+        let preprocess = self.plan.scanner.has_macros();
+        let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
+        let (info, file, line) = (self.info, self.file, self.line);
+        let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
+        let bytes = match &own {
+            Some(text) => text.as_bytes(),
+            None => info.source(file).map_or(&[][..], |source| source.line(line)),
+        };
+        match self.plan.scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
+            LineKind::Words => {
+                self.show_messages(bytes);
+                if preprocess && self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
+                    self.scan_again();
+                }
+                self.words_block()
+            }
+            LineKind::Macro => self.macro_line(bytes),
+        }
+    }
+
+    /// Words that the pre-processor made, on a kernel with macros.
+    pub(crate) fn made_block(&mut self) -> Acted {
+        let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
+        if wanted || self.has_embedded(1) {
+            self.write_block();
+            self.block_macro(Hook::PreprocessorShutdown)?;
+            self.scan_again();
+        }
+        self.words_block()
+    }
+
+    /// Words as text: what the pre-processor made of its template.
+    fn write_block(&mut self) {
+        let mut text = String::new();
+        if let Some(number) = self.block.sequence {
+            let register = self.plan.scanner.sequence().and_then(|at| self.machine.registers.get(usize::from(at)));
+            let name = register.map_or("N", |register| register.name.as_str());
+            text.push_str(&format!("{name}{number} "));
+        }
+        for word in &self.block.words {
+            let Some(register) = self.machine.registers.get(usize::from(word.register)) else { continue };
+            let name = match &register.second {
+                Some(second) if word.incremental => second,
+                _ => &register.name,
+            };
+            text.push_str(&format!("{name}{}", word.value));
+            if word.value.fract() == 0.0 && register.format.frac > 0 {
+                text.push('.');
+            }
+            text.push(' ');
+        }
+        let line = self.text_bytes();
+        for &(start, end) in &self.block.unknown {
+            let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
+            text.push_str(&String::from_utf8_lossy(part));
+            text.push(' ');
+        }
+        text.truncate(text.trim_end().len());
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.text = Some(Arc::new(text));
+        }
+    }
+
+    /// Splits the text of the block again; the pre-processor has had its turn.
+    fn scan_again(&mut self) {
+        let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
+        if let Some(text) = own {
+            self.plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
+        }
+    }
+
+    /// From the block startup macro on.
+    fn words_block(&mut self) -> Acted {
+        if self.block.is_empty() {
+            return Ok(());
+        }
+        let changed = self.embedded(1)?;
+        match self.block_macro(Hook::BlockStartup)? {
+            Verdict::Drop => return Ok(()),
+            Verdict::Edited => self.scan_again(),
+            Verdict::Go if changed => self.scan_again(),
+            Verdict::Go => {}
+        }
+        if self.block.is_empty() {
+            return Ok(());
+        }
+        self.act_block_of(Origin::Text)
+    }
+
+    /// Runs a macro with the arguments of block macros: flag, text, number of the block.
+    fn block_macro(&mut self, hook: Hook) -> Result<Verdict, Halt> {
+        let Some(runtime) = self.macros.as_deref() else { return Ok(Verdict::Go) };
+        let Some(code) = runtime.ready(hook) else { return Ok(Verdict::Go) };
+        let asks = runtime.uses(code, 2);
+        let text = if asks { self.text_value() } else { Value::Null };
+        let given = if let Value::Text(text) = &text { Some(Arc::clone(text)) } else { None };
+        let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.line))];
+        self.run_macro(code, Task::None, &mut arguments)?;
+        let [flag, text, _] = arguments;
+        if flag.as_real() == Some(0.0) {
+            return Ok(Verdict::Drop);
+        }
+        match (given, text) {
+            (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
+                if let Some(runtime) = self.macros.as_deref_mut() {
+                    runtime.text = Some(text);
+                }
+                Ok(Verdict::Edited)
+            }
+            (Some(_), Value::Text(_)) | (None, _) => Ok(Verdict::Go),
+            (Some(_), other) => {
+                let text =
+                    format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
+                self.diagnose(&diag::MACRO_RESULT, text);
+                Ok(Verdict::Go)
+            }
+        }
+    }
+
+    /// Left-over text after the codes: the block shutdown macro may change it.
+    pub(crate) fn block_shutdown(&mut self) -> Acted {
+        let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
+        let Some(code) = runtime.ready(Hook::BlockShutdown) else { return Ok(()) };
+        let asks = runtime.uses(code, 2);
+        let left = if asks { self.left_text() } else { String::new() };
+        let mut arguments = [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.line))];
+        self.run_macro(code, Task::None, &mut arguments)?;
+        match &arguments[1] {
+            Value::Text(text) if **text != left => self.set_left(text.as_ref().clone()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Text of the block in process.
+    pub(crate) fn text_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
+        match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
+            Some(text) => text.as_bytes().into(),
+            None => self.info.source(self.file).map_or(&[][..], |source| source.line(self.line)).into(),
+        }
+    }
+
+    /// The same for a macro.
+    pub(crate) fn text_value(&mut self) -> Value {
+        let (info, file, line) = (self.info, self.file, self.line);
+        let Some(runtime) = self.macros.as_deref_mut() else { return Value::text("") };
+        if let Some(text) = &runtime.text {
+            return Value::Text(Arc::clone(text));
+        }
+        let bytes = info.source(file).map_or(&[][..], |source| source.line(line));
+        Value::Text(runtime.texts.with(|text| {
+            text.clear();
+            match std::str::from_utf8(bytes) {
+                Ok(line) => text.push_str(line),
+                Err(_) => text.push_str(&String::from_utf8_lossy(bytes)),
+            }
+        }))
+    }
+
+    /// Text that nothing has recognised, or what a macro left in its place.
+    pub(crate) fn left_text(&self) -> String {
+        if let Some(text) = self.macros.as_deref().and_then(|runtime| runtime.left.as_ref()) {
+            return text.as_ref().clone();
+        }
+        let parts: Vec<String> = self.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        parts.join(" ")
+    }
+
+    /// Replaces the left-over text.
+    pub(crate) fn set_left(&mut self, text: String) {
+        self.block.unknown.clear();
+        if !text.trim().is_empty() {
+            // Any span will do: the text comes from here.
+            self.block.unknown.push((0, 0));
+        }
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.left = Some(Arc::new(text));
+        }
+    }
+
+    /// The block may hold embedded code of this kind: 0 before, 1 behind the pre-processor.
+    fn has_embedded(&self, kind: usize) -> bool {
+        let Some(runtime) = self.macros.as_deref() else { return false };
+        let open = runtime.store.embedding.get(kind).map_or("", String::as_str);
+        !open.is_empty() && memchr::memmem::find(&self.text_bytes(), open.as_bytes()).is_some()
+    }
+
+    /// Runs embedded code and puts its values in its place; true if there was any.
+    fn embedded(&mut self, kind: usize) -> Result<bool, Halt> {
+        if !self.has_embedded(kind) {
+            return Ok(false);
+        }
+        let delimiter = |kernel: &Self, at: usize| {
+            let runtime = kernel.macros.as_deref();
+            runtime.and_then(|runtime| runtime.store.embedding.get(at).cloned()).unwrap_or_default()
+        };
+        let (open, close) = (delimiter(self, kind), delimiter(self, 2));
+        if close.is_empty() {
+            return Ok(false);
+        }
+        let text = String::from_utf8_lossy(&self.text_bytes()).into_owned();
+        let mut out = String::new();
+        let mut rest = text.as_str();
+        while let Some((before, after)) = rest.split_once(open.as_str()) {
+            out.push_str(before);
+            let Some((code, behind)) = after.split_once(close.as_str()) else {
+                let text = format!("embedded macro code without '{close}' in '{}'", self.block_text());
+                self.diagnose(&diag::EMBEDDED_CODE, text);
+                rest = "";
+                break;
+            };
+            self.embed(code, &mut out)?;
+            rest = behind;
+        }
+        out.push_str(rest);
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.text = Some(Arc::new(out));
+        }
+        Ok(true)
+    }
+
+    /// One piece of embedded code: its value, formatted, goes to the text.
+    fn embed(&mut self, code: &str, out: &mut String) -> Acted {
+        let Some((index, gives)) = self.compiled_code(code) else { return Ok(()) };
+        if self.macros.as_deref().is_some_and(|runtime| runtime.is_busy(index)) {
+            return Ok(());
+        }
+        let value = self.run_embedded(index)?;
+        if gives && !matches!(value, Value::Unset) {
+            counterpoint_lang::format::any(out, &value, self);
+        }
+        Ok(())
+    }
+
+    /// Compiles embedded code once.
+    fn compiled_code(&mut self, code: &str) -> Option<(u16, bool)> {
+        let machine = self.machine;
+        let runtime = self.macros.as_deref_mut()?;
+        if let Some(known) = runtime.embedded.get(code) {
+            return *known;
+        }
+        if code.len() > LONGEST_CODE || runtime.embedded.len() >= MOST_CODES {
+            let text = format!(
+                "embedded macro code of more than {LONGEST_CODE} bytes, or more than {MOST_CODES} different pieces"
+            );
+            self.diagnose(&diag::EMBEDDED_CODE, text);
+            return None;
+        }
+        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
+        let statements = code.replace(';', "\n");
+        let source = counterpoint_lang::source::Source::new("embedded code", statements);
+        let expression = counterpoint_lang::parse::expression(&source).is_some();
+        let program = Arc::make_mut(&mut runtime.program);
+        let options = counterpoint_lang::compile::Options::default();
+        let added = counterpoint_lang::compile::embedded(program, &mut surroundings, source, options);
+        let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
+        runtime.measure();
+        runtime.embedded.insert(code.to_owned(), index);
+        if let Some(wrong) = added.diagnostics.iter().find(|diagnostic| diagnostic.is_error()) {
+            let text = format!("embedded macro code '{code}': {} {}", wrong.number, wrong.message);
+            self.diagnose(&diag::EMBEDDED_CODE, text);
+        }
+        index
+    }
+}
+
+/// What a block macro decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    /// The block goes on as it is.
+    Go,
+    /// Its text has changed.
+    Edited,
+    /// It is dropped, or the pre-processor skipped.
+    Drop,
+}

@@ -1,0 +1,110 @@
+//! Subprogram startup and shutdown macros: once for each pass.
+//!
+//! Facts: reference control-emulator.md 4.1, 5.7. Decisions: `$P2` is the program number, `$P10` counts lines before the
+//! program, so that 0 is the top of the file; a startup macro can send a call to any file of the job.
+
+use counterpoint_lang::value::Value;
+
+use super::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::FileId;
+use crate::macros::model::Hook;
+use crate::macros::runtime::Task;
+use crate::mcd::program::Range;
+
+/// Where a subprogram is, if anywhere.
+type Found = Option<(FileId, Range)>;
+
+impl Kernel<'_> {
+    /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
+    pub(crate) fn subprogram_startup(
+        &mut self,
+        called: (u32, u32),
+        pass: u32,
+        found: Found,
+    ) -> Result<Option<Found>, Halt> {
+        let Some(code) = self.hook(Hook::SubprogramStartup) else { return Ok(Some(found)) };
+        let mut arguments = self.call_arguments(called, pass, found);
+        let (file, offset) = (arguments[8].clone(), arguments[9].clone());
+        self.run_macro(code, Task::None, &mut arguments)?;
+        match arguments[0].as_real() {
+            Some(0.0) => return Ok(None),
+            Some(-1.0) => return Ok(Some(None)),
+            _ => {}
+        }
+        let same = arguments[8].equals(&file) == Some(true) && arguments[9].equals(&offset) == Some(true);
+        if same {
+            return Ok(Some(found));
+        }
+        let wanted = arguments[8].as_text().unwrap_or("").trim().to_owned();
+        let line = arguments[9].as_real().filter(|offset| (0.0..=f64::from(u32::MAX - 1)).contains(offset));
+        let Some(line) = line.map(|offset| offset as u32 + 1) else { return Ok(Some(None)) };
+        self.place_in_file(&wanted, line).map(Some)
+    }
+
+    /// Runs the shutdown macro of a pass.
+    pub(crate) fn subprogram_shutdown(&mut self, called: (u32, u32), pass: u32) -> Acted {
+        let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
+        let mut arguments = self.call_arguments(called, pass, None);
+        self.run_macro(code, Task::None, &mut arguments).map(|_| ())
+    }
+
+    /// Between two passes of a subprogram.
+    pub(crate) fn next_pass(&mut self) -> Acted {
+        let Some(frame) = self.flow.frames.last() else { return Ok(()) };
+        let (called, here) = (frame.called, (frame.file, frame.range));
+        let pass = called.1.saturating_sub(frame.repeats + 1);
+        self.subprogram_shutdown(called, pass.saturating_sub(1))?;
+        match self.subprogram_startup(called, pass, Some(here))? {
+            Some(Some((file, range))) => {
+                if let Some(frame) = self.flow.frames.last_mut() {
+                    (frame.file, frame.range, frame.next) = (file, range, range.first);
+                }
+                Ok(())
+            }
+            Some(None) => {
+                let text = format!("subprogram {} is missing, as the startup macro says", called.0);
+                Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
+            }
+            // Passed over, and the passes after it with it: a macro asked billions of times would never end.
+            None => {
+                if let Some(frame) = self.flow.frames.last_mut() {
+                    frame.repeats = 0;
+                }
+                self.give_back(None)
+            }
+        }
+    }
+
+    fn call_arguments(&self, (number, passes): (u32, u32), pass: u32, found: Found) -> [Value; 10] {
+        let (file, offset) = match found {
+            Some((file, range)) => (self.info.file_name(file), f64::from(range.first.saturating_sub(1))),
+            None => ("", -1.0),
+        };
+        let level = self.flow.frames.len() as f64;
+        [
+            Value::Real(2.0),
+            Value::text(number.to_string()),
+            Value::Real(0.0),
+            Value::Real(0.0),
+            Value::Real(f64::from(passes.saturating_sub(1))),
+            Value::text(self.block_text()),
+            Value::Real(level),
+            Value::Real(f64::from(pass)),
+            Value::text(file),
+            Value::Real(offset),
+        ]
+    }
+
+    /// The program around a line of a file of the job.
+    fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
+        let Some(file) = self.info.files.iter().position(|file| file.name == name) else { return Ok(None) };
+        let file = file as FileId;
+        self.load(file)?;
+        let info = self.info;
+        let Some(source) = info.source(file).filter(|source| line <= source.lines()) else { return Ok(None) };
+        let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
+        let last = around.map_or(source.lines(), |range| range.last);
+        Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
+    }
+}

@@ -1,0 +1,113 @@
+//! Macros around a whole program, around subprograms, and for what the pre-processor does not know.
+//!
+//! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
+
+use counterpoint_lang::value::Value;
+
+use super::{Acted, Halt, Kernel};
+use crate::dialect::fanuc::{Fault, Statement, compile, number};
+use crate::macros::model::Hook;
+use crate::macros::runtime::Task;
+
+impl Kernel<'_> {
+    /// Declaration and Program Startup.
+    pub(crate) fn begin_macros(&mut self) -> Acted {
+        if self.macros.is_none() {
+            return Ok(());
+        }
+        self.plain_macro(Hook::Declaration)?;
+        self.plain_macro(Hook::ProgramStartup)
+    }
+
+    /// Program Shutdown, when the program has come to its end.
+    pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
+        let Some(runtime) = self.macros.as_deref_mut() else { return halt };
+        if !matches!(halt, Halt::End(_)) {
+            return halt;
+        }
+        runtime.later.clear();
+        runtime.closing = true;
+        runtime.text = None;
+        match self.plain_macro(Hook::ProgramShutdown) {
+            Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
+            _ => halt,
+        }
+    }
+
+    /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.
+    pub(crate) fn identified(&mut self, index: u32) -> Result<f64, Fault> {
+        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return self.get_known(index) };
+        match self.identify(code, index, Value::Null)? {
+            Answer::Own => self.get_known(index),
+            Answer::Drop => Ok(0.0),
+            Answer::Text(text) => self.value_of_text(&text, index),
+        }
+    }
+
+    /// Asks it where to write a variable that the kernel does not know; true if that is settled.
+    pub(crate) fn identify_write(&mut self, index: u32, value: f64) -> Result<bool, Fault> {
+        let Some(code) = self.hook(Hook::Identification).filter(|_| index >= 1000) else { return Ok(false) };
+        match self.identify(code, index, Value::Real(number(value)))? {
+            Answer::Own => Ok(false),
+            Answer::Drop => Ok(true),
+            Answer::Text(text) => {
+                let wanted = text.trim().strip_prefix('#').and_then(|text| text.trim().parse::<u32>().ok());
+                match wanted.filter(|wanted| *wanted != index && (*wanted < 1000 || self.is_common(*wanted))) {
+                    Some(wanted) => self.set_variable(wanted, value).map(|()| true),
+                    None => Err(Fault::NoVariable(f64::from(index))),
+                }
+            }
+        }
+    }
+
+    fn identify(&mut self, code: u16, index: u32, assigned: Value) -> Result<Answer, Fault> {
+        let asked = format!("#{index}");
+        let mut arguments = [Value::Real(0.0), Value::text(asked.as_str()), assigned];
+        if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
+            self.keep_halt(halt);
+            return Err(Fault::Stopped);
+        }
+        let [flag, text, _] = &arguments;
+        let flag = flag.as_real().unwrap_or(0.0);
+        Ok(match text.as_text().filter(|text| text.trim() != asked) {
+            Some(text) if flag == 1.0 => Answer::Text(text.to_owned()),
+            // Evaluating the same text again would ask for ever.
+            _ if flag == 1.0 => return Err(Fault::NoVariable(f64::from(index))),
+            _ if flag == -1.0 || flag == 2.0 => Answer::Drop,
+            _ => Answer::Own,
+        })
+    }
+
+    fn set_identifying(&mut self, on: bool) {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.identifying = on;
+        }
+    }
+
+    /// Value of an expression that a macro gave in place of a variable.
+    fn value_of_text(&mut self, text: &str, index: u32) -> Result<f64, Fault> {
+        let unknown = Fault::NoVariable(f64::from(index));
+        let statement = compile(format!("#1=[{text}]").as_bytes()).map_err(|_| unknown.clone())?.statement;
+        let Statement::Assign(list) = statement else { return Err(unknown) };
+        match list.as_slice() {
+            [(_, value)] => {
+                self.set_identifying(true);
+                let value = value.eval(self);
+                self.set_identifying(false);
+                value
+            }
+            _ => Err(unknown),
+        }
+    }
+}
+
+/// What the identification macro wants.
+enum Answer {
+    /// The kernel's own way.
+    Own,
+    /// Nothing is to happen; the value is 0.
+    Drop,
+    /// This text instead.
+    Text(String),
+}

@@ -1,0 +1,188 @@
+//! A running kernel as the host of its macros.
+//!
+//! Invariant: everything a macro reads or changes is the state of the kernel itself; what belongs to several kernels is
+//! reached through shared operations only. Facts: reference control-emulator.md 4, system-variables.md, functions.md.
+
+mod block;
+mod commands;
+mod diagnostics;
+mod files;
+mod functions;
+mod search;
+pub(crate) mod variables;
+
+use counterpoint_lang::diag::{Diagnostic, Number};
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::format::{Register, Registers};
+use counterpoint_lang::func::Function;
+use counterpoint_lang::host::{Command, Host};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::State;
+
+use super::model::Hook;
+use crate::channel::Kernel;
+use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::multi::shared::Shared;
+
+/// Identifier of a code value, none for `CODE_NONE`.
+pub(crate) fn code_id(value: &Value) -> Option<CodeId> {
+    match value {
+        Value::Code(at) => at.checked_sub(1).and_then(|at| u16::try_from(at).ok()).map(CodeId),
+        _ => None,
+    }
+}
+
+/// Identifier of a data value, none for `REG_NONE`.
+pub(crate) fn data_id(value: &Value) -> Option<DataId> {
+    match value {
+        Value::Register(at) => at.checked_sub(1).and_then(|at| u16::try_from(at).ok()).map(DataId),
+        _ => None,
+    }
+}
+
+/// Value of a code.
+pub(crate) fn code_value(id: Option<CodeId>) -> Value {
+    Value::Code(id.map_or(0, |id| u32::from(id.0) + 1))
+}
+
+/// Value of data.
+pub(crate) fn data_value(id: DataId) -> Value {
+    Value::Register(u32::from(id.0) + 1)
+}
+
+impl Shared {
+    /// A global variable that all kernels share.
+    fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
+        if self.globals.len() <= index {
+            self.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(value) = self.globals.get_mut(index) {
+            access(value);
+        }
+    }
+}
+
+impl Registers for Kernel<'_> {
+    fn code_name(&self, code: u32) -> String {
+        match code_id(&Value::Code(code)) {
+            Some(id) if usize::from(id.0) < codes::TABLE.len() + self.machine.custom_codes.len() => {
+                self.machine.code_name(id).to_owned()
+            }
+            _ => "CODE_NONE".to_owned(),
+        }
+    }
+
+    fn register_name(&self, register: u32) -> String {
+        match data_id(&Value::Register(register)) {
+            Some(id) if usize::from(id.0) < data::TABLE.len() + self.machine.custom_data.len() => {
+                self.machine.data_name(id).to_owned()
+            }
+            _ => "REG_NONE".to_owned(),
+        }
+    }
+
+    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+        self.register_word(register, value, word)
+    }
+}
+
+impl Host for Kernel<'_> {
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+        self.read_variable(index, indices)
+    }
+
+    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+        self.write_variable(index, indices, value)
+    }
+
+    fn global(&mut self, index: u32, access: &mut dyn FnMut(&mut Value)) {
+        let Some(runtime) = self.macros.as_deref_mut() else { return };
+        if runtime.shared_globals.is_some_and(|first| index >= first) {
+            let place = index as usize;
+            if let Err(halt) = self.shared(|inner, _| inner.shared.global(place, access)) {
+                self.keep_halt(halt);
+            }
+            return;
+        }
+        let index = index as usize;
+        if runtime.globals.len() <= index {
+            runtime.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(value) = runtime.globals.get_mut(index) {
+            access(value);
+        }
+    }
+
+    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        self.going_on(state)?;
+        self.macro_command(state, command)
+    }
+
+    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+        self.going_on(state)?;
+        self.macro_function(state, function, arguments)
+    }
+
+    fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
+        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) {
+            return;
+        }
+        let number = diagnostic.number;
+        let plain = number == Number::TERMAC_GENERATED || number == Number::AUTHOR && !diagnostic.is_error();
+        let text = if plain {
+            diagnostic.message
+        } else {
+            format!("{} ({}:{})", diagnostic.message, diagnostic.file, diagnostic.line)
+        };
+        if self.hook(Hook::Diagnostic).is_none() {
+            return self.issue(number.0, diagnostic.severity, text);
+        }
+        // Whatever stops the run here is met again by the next thing the macro asks for.
+        let _ = self.meanwhile(state, |kernel| {
+            kernel.issue(number.0, diagnostic.severity, text);
+            Ok(())
+        });
+    }
+
+    fn diagnostic(&self, number: u32) -> Option<(u8, String)> {
+        self.diagnostic_entry(number)
+    }
+
+    fn trace(&mut self, line: &str) {
+        let _ = line;
+    }
+
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.openable(state, path)
+    }
+
+    fn read_file(&mut self, path: &str) -> Option<String> {
+        self.file_text(path)
+    }
+
+    fn write_file(&mut self, path: &str, text: &str) -> bool {
+        self.keep_file(path, text)
+    }
+}
+
+impl Kernel<'_> {
+    /// Refuses everything once the kernel has to leave its program.
+    fn going_on(&mut self, state: &mut State) -> Outcome<()> {
+        match self.macros.as_deref() {
+            Some(runtime) if !runtime.ending => Ok(()),
+            _ => Err(super::runtime::unwinding(state)),
+        }
+    }
+
+    /// Says that something is not possible in this kind of macro.
+    fn not_here<T>(what: &str) -> Outcome<T> {
+        Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
+    }
+
+    /// The innermost running macro is the one of this hook.
+    fn inside(&self, hook: Hook) -> bool {
+        let code = self.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
+        let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+        code.is_some() && code == running
+    }
+}

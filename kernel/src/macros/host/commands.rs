@@ -1,0 +1,199 @@
+//! Commands of macros: OUTPUT, EXEC, reading ahead, modal states.
+//!
+//! Facts: reference control-emulator.md 4.4, macro-language.md 3.2, 3.3. Decisions: docs/emulation.md.
+
+use std::sync::Arc;
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::host::Command;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::State;
+
+use super::variables::names;
+use crate::channel::Kernel;
+use crate::diag;
+use crate::log::event::Kind;
+use crate::macros::model::Hook;
+use crate::macros::runtime::{Later, MOST_QUEUED, Task};
+
+/// Steps that processing a block costs the macro that asks for it.
+const BLOCK_TICKS: usize = 500;
+
+/// Modal states that may be pushed.
+const MOST_SAVED: usize = 100;
+
+/// A fault with one of the kernel's own numbers.
+pub(super) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
+    Fault::new(Number(facts.number), text)
+}
+
+impl Kernel<'_> {
+    pub(super) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        match command {
+            Command::Match(on) => {
+                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                    call.matching = on;
+                }
+            }
+            Command::Output(arguments) => self.output(state, arguments)?,
+            Command::ExecBlock(now, text) => self.exec_text(state, now, text)?,
+            Command::ExecItems(now, items) => self.exec_items(state, now, items)?,
+            Command::TapeRead => self.tape_read(state)?,
+            Command::TapeWrite => {
+                let text = self.stored_text(names().mcdrd);
+                self.exec_text(state, true, &text)?;
+            }
+            Command::Search(number) => self.search_record(state, number)?,
+            Command::SaveModal => {
+                let groups = self.modal.saved();
+                let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
+                if runtime.saved.len() >= MOST_SAVED {
+                    let text = format!("more than {MOST_SAVED} modal states are saved");
+                    return Err(fault(&diag::MODAL_STACK, text));
+                }
+                runtime.saved.push(groups);
+            }
+            Command::RestoreModal => {
+                let saved = self.macros.as_deref_mut().and_then(|runtime| runtime.saved.pop());
+                let Some(groups) = saved else {
+                    return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
+                };
+                self.modal.restore(&groups);
+                self.secondary = self.modal.code(crate::channel::state::group::UNITS)
+                    == Some(crate::machine::ident::codes::UNITS_SECONDARY);
+            }
+            Command::Listing(_) | Command::Skip(_) => {}
+            Command::Print(text) => self.emit(0, Kind::Message { text: text.into() }),
+            Command::System(_) => {
+                return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
+            }
+        }
+        Ok(0)
+    }
+
+    fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
+        state.spend(BLOCK_TICKS)?;
+        let task = match self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+            Some(call) => {
+                call.outputs += 1;
+                call.task.clone()
+            }
+            None => Task::None,
+        };
+        let argument = |number: u8| arguments.iter().find(|(at, _)| *at == number).map(|(_, value)| value);
+        match task {
+            Task::None => Self::not_here("OUTPUT"),
+            Task::Code(firing, id) => {
+                let wanted = argument(1).cloned();
+                self.meanwhile(state, |kernel| kernel.output_code(firing, id, wanted.as_ref()))
+            }
+            Task::Motion(seconds, motion) => {
+                let (kind, end) = (argument(1).cloned(), argument(2).cloned());
+                self.meanwhile(state, |kernel| kernel.output_motion(seconds, &motion, kind.as_ref(), end.as_ref()))
+            }
+            Task::Tool(action, tool, offset, ns) => {
+                self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
+            }
+            Task::Diagnostic => {
+                let values = [2, 3, 5].map(|at| argument(at).cloned());
+                self.output_diagnostic(&values)
+            }
+        }
+    }
+
+    /// Diagnostics are no place for blocks: they may be raised in the middle of anything.
+    fn may_exec(&self, state: &mut State) -> Outcome<()> {
+        state.spend(BLOCK_TICKS)?;
+        if self.inside(Hook::Diagnostic) { Self::not_here("EXEC") } else { Ok(()) }
+    }
+
+    fn exec_text(&mut self, state: &mut State, now: bool, text: &str) -> Outcome<()> {
+        self.may_exec(state)?;
+        let limit = self.options.limits.block_length;
+        if text.len() > limit {
+            return Err(fault(
+                &diag::BLOCK_TOO_LONG,
+                format!("EXEC of {} bytes, a block may have {limit}", text.len()),
+            ));
+        }
+        let text = Arc::new(text.replace(['\n', '\r'], " "));
+        if now {
+            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.custom_block(Some(text))));
+        }
+        self.leave_for_later(|matching| Later::Text(text, matching))
+    }
+
+    fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {
+        self.may_exec(state)?;
+        if now {
+            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
+        }
+        let items: Arc<[Value]> = items.into();
+        self.leave_for_later(|matching| Later::Items(items, matching))
+    }
+
+    fn leave_for_later(&mut self, block: impl FnOnce(bool) -> Later) -> Outcome<()> {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        if runtime.closing {
+            return Ok(());
+        }
+        if runtime.later.len() >= MOST_QUEUED {
+            let text = format!("more than {MOST_QUEUED} blocks of EXEC/NEXT are waiting");
+            return Err(fault(&diag::EXEC_QUEUE, text));
+        }
+        let matching = runtime.call().is_none_or(|call| call.matching);
+        runtime.later.push_back(block(matching));
+        Ok(())
+    }
+
+    /// TAPERD: the next block that is not blank.
+    fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
+        let info = self.info;
+        let found = self.flow.frames.last_mut().and_then(|frame| {
+            let source = info.source(frame.file)?;
+            let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
+            frame.next = line + 1;
+            Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))
+        });
+        let (number, text) = match found {
+            Some((line, text)) => (line, text),
+            None => {
+                state.warn(Fault::new(Number::PROGRAM_END, "the NC program has no further block"));
+                (0, String::new())
+            }
+        };
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.store.set(names().mcdrd, Value::text(text));
+            if number > 0 {
+                runtime.store.number = number;
+            }
+        }
+        Ok(())
+    }
+
+    /// SEARCH: the next block read is this record of the file; the block still in process is not repeated.
+    fn search_record(&mut self, state: &mut State, number: i64) -> Outcome<()> {
+        let Some((first, last)) = self.frame().map(|frame| (frame.range.first, frame.range.last)) else {
+            return Ok(());
+        };
+        let wanted = u32::try_from(number).ok().filter(|line| (first..=last.saturating_add(1)).contains(line));
+        let Some(line) = wanted else {
+            let text = format!("SEARCH for record {number}, the program has {first} to {last}");
+            return Err(Fault::new(Number::OUT_OF_RANGE, text));
+        };
+        if line > self.line {
+            if let Some(frame) = self.frame() {
+                frame.next = line;
+            }
+            return Ok(());
+        }
+        if line == self.line {
+            if let Some(frame) = self.frame() {
+                frame.next = line + 1;
+            }
+            return Ok(());
+        }
+        self.meanwhile(state, |kernel| kernel.jump_to_line(line))
+    }
+}

@@ -1,0 +1,152 @@
+//! Diagnostics on a kernel with macros: severities, switches, counters, and the diagnostic event macro.
+//!
+//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. Invariant: what the diagnostic macro itself raises goes
+//! straight to the log.
+
+use counterpoint_lang::diag::{Number, TABLE};
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::log::event::{Diagnostic, Kind};
+use crate::macros::model::Hook;
+use crate::macros::runtime::Task;
+
+/// Numbers that `$DIAGLIST` keeps.
+const MOST_LISTED: usize = 10_000;
+
+/// Severity and text of a number in the tables.
+fn entry(number: u32) -> Option<(u8, &'static str)> {
+    let own = diag::ALL.iter().find(|facts| facts.number == number).map(|facts| (facts.severity, facts.title));
+    own.or_else(|| TABLE.iter().find(|(n, ..)| n.0 == number).map(|(_, severity, about)| (*severity, *about)))
+}
+
+fn number(value: Option<&Value>) -> Option<u32> {
+    let number = value?.as_real()?;
+    (number.fract() == 0.0 && (0.0..=99_999_999.0).contains(&number)).then_some(number as u32)
+}
+
+impl Kernel<'_> {
+    pub(super) fn diagnostic_entry(&self, number: u32) -> Option<(u8, String)> {
+        let (severity, text) = entry(number)?;
+        let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number));
+        Some((changed.map_or(severity, |(severity, _)| *severity), text.to_owned()))
+    }
+
+    /// A diagnostic on its way to the log, through everything macros may have changed about it.
+    pub(crate) fn issue(&mut self, number: u32, severity: u8, text: String) {
+        let Some(runtime) = self.macros.as_deref_mut() else { return self.put_diagnostic(number, severity, &text) };
+        if !runtime.store.messages {
+            return;
+        }
+        let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
+        let (severity, on) = match runtime.severities.get(&number) {
+            Some(&(changed, on)) if !own => (changed, on),
+            _ => (severity, true),
+        };
+        let count = runtime.counts.entry(number).or_default();
+        let before = *count;
+        *count = count.saturating_add(1);
+        match runtime.ready(Hook::Diagnostic) {
+            Some(code) => self.diagnostic_macro(code, (number, severity, on, before), text),
+            None if on => self.put_diagnostic(number, severity, &text),
+            None => {}
+        }
+    }
+
+    fn diagnostic_macro(&mut self, code: u16, (number, severity, on, before): (u32, u8, bool, u32), text: String) {
+        let mut arguments = [
+            Value::Real(f64::from(u8::from(on))),
+            Value::Real(f64::from(number)),
+            Value::Real(f64::from(severity)),
+            Value::Real(f64::from(before)),
+            Value::text(text),
+        ];
+        match self.run_macro(code, Task::Diagnostic, &mut arguments) {
+            Err(halt) => self.keep_halt(halt),
+            // OUTPUT has issued it already.
+            Ok(1..) => {}
+            Ok(0) => {
+                let [flag, number, severity, _, text] = &arguments;
+                if flag.as_real() != Some(0.0) {
+                    let values = [Some(number.clone()), Some(severity.clone()), Some(text.clone())];
+                    if let Err(fault) = self.output_diagnostic(&values) {
+                        self.put_diagnostic(fault.number.0, fault.number.severity(), &fault.message);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
+    pub(super) fn output_diagnostic(&mut self, [index, severity, text]: &[Option<Value>; 3]) -> Outcome<()> {
+        let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
+        let index = number(index.as_ref()).ok_or_else(|| wrong("this is no number"))?;
+        let severity = number(severity.as_ref()).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
+        let text = text.as_ref().and_then(Value::as_text).ok_or_else(|| wrong("this is no text"))?;
+        self.put_diagnostic(index, severity as u8, text);
+        Ok(())
+    }
+
+    /// Counts and logs.
+    fn put_diagnostic(&mut self, number: u32, severity: u8, text: &str) {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            let class = match severity {
+                0..=3 => 0,
+                4..=7 => 1,
+                8..=15 => 2,
+                _ => 3,
+            };
+            if let Some(count) = runtime.store.counts.get_mut(class) {
+                *count += 1.0;
+            }
+            if runtime.store.listed.len() < MOST_LISTED {
+                runtime.store.listed.push(number);
+            }
+        }
+        let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into() })));
+    }
+
+    /// `$FERSEV`: severity before the change, −1 for an unknown number.
+    pub(super) fn severity_of(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
+            return Ok(Value::Real(-1.0));
+        };
+        if arguments.len() > 1 {
+            let wanted = number(arguments.get(1)).filter(|severity| *severity < 100);
+            let wanted = wanted.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "a severity is 0 to 99"))?;
+            self.set_state_of(index, (wanted as u8, on));
+        }
+        Ok(Value::Real(f64::from(severity)))
+    }
+
+    /// `$FERSTA`: whether it was on before the change.
+    pub(super) fn switched(&mut self, arguments: &[Value]) -> Value {
+        let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
+            return Value::Logical(false);
+        };
+        if let Some(wanted) = arguments.get(1).and_then(Value::as_logical) {
+            self.set_state_of(index, (severity, wanted));
+        }
+        Value::Logical(on)
+    }
+
+    /// `$FERTXT`.
+    pub(super) fn text_of(arguments: &[Value]) -> Value {
+        Value::text(number(arguments.first()).and_then(entry).map_or("", |(_, text)| text))
+    }
+
+    fn state_of(&self, number: u32) -> Option<(u8, bool)> {
+        let (severity, _) = entry(number)?;
+        let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number).copied());
+        Some(changed.unwrap_or((severity, true)))
+    }
+
+    fn set_state_of(&mut self, number: u32, state: (u8, bool)) {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.severities.insert(number, state);
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! Functions of macros that need the kernel.
+//!
+//! Facts: reference functions.md. Functions of a machine model answer as a control without a model does: nothing, with
+//! one message a run.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
+use counterpoint_lang::func::Function;
+use counterpoint_lang::pattern::STEPS;
+use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::vm::State;
+
+use super::variables::names;
+use crate::channel::Kernel;
+use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::macros::model::{FIRST_HOOK_ID, Hook};
+
+fn text(arguments: &[Value], at: usize) -> &str {
+    arguments.get(at).and_then(Value::as_text).unwrap_or("")
+}
+
+/// What a function answers that has nothing to work on.
+fn nothing(function: &Function) -> Value {
+    function.result.map_or(Value::Null, Kind::initial)
+}
+
+impl Kernel<'_> {
+    pub(super) fn macro_function(
+        &mut self,
+        state: &mut State,
+        function: &'static Function,
+        arguments: &[Value],
+    ) -> Outcome<Value> {
+        Ok(match function.name {
+            "$FEOF" => Value::Logical(self.at_end()),
+            "$FGET" => self.search_program(state, arguments, true)?,
+            "$FGETR" => self.search_program(state, arguments, false)?,
+            "$FERSEV" => self.severity_of(arguments)?,
+            "$FERSTA" => self.switched(arguments),
+            "$FERTXT" => Self::text_of(arguments),
+            "$FMACID" => self.macro_ids(state, arguments)?,
+            "$FMACSTA" => self.macro_states(arguments),
+            "$FREGFMT" => Value::text(self.register_format(arguments)),
+            "$FREGPOS" => {
+                let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
+                at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
+            }
+            "$FCEADD" => self.add_item(arguments)?,
+            "$FCEGET" => self.get_item(arguments, true)?,
+            "$FCESEEK" => self.get_item(arguments, false)?,
+            "$FCEGAC" => self.active_code(arguments, false),
+            "$FCESAC" => self.active_code(arguments, true),
+            "$FCEDAC" => self.data_as_code(arguments),
+            "$FCEGNCV" => self.nc_variable(arguments)?,
+            "$FCESNCV" => self.set_nc_variable(arguments)?,
+            "$FCEPP" => {
+                state.warn(Fault::new(Number::NO_SETTING, "the pre-processor of this machine has no such setting"));
+                Value::Logical(false)
+            }
+            "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            "$FACCESS" => {
+                let wanted = arguments.get(1).and_then(Value::as_real).map_or(0, |n| n.clamp(0.0, 7.0) as u8);
+                state.spend(100)?;
+                Value::Logical(self.file_access(text(arguments, 0), wanted))
+            }
+            "$FSTAT" => {
+                state.spend(100)?;
+                state.status = self.file_status(text(arguments, 0));
+                Value::Real(if state.status == 0 { 0.0 } else { -1.0 })
+            }
+            "$FGETCWD" => Value::text("/"),
+            "$FAPPLY" | "$FCETIMESYNC" | "$FCERST" | "$FSETCWD" | "$FPAUSE" | "$FDOC" | "$FTMPFILE" => {
+                let message = format!("{} does nothing here", function.name);
+                state.warn(Fault::new(Number::NO_MODEL, message));
+                nothing(function)
+            }
+            "$FDIALOG" => {
+                let message = format!("the dialog '{}' has no answers", text(arguments, 0));
+                return Err(Fault::new(Number::NO_DIALOG, message));
+            }
+            "$FDK" | "$FIK" => {
+                let mut numbers: Vec<f64> = self.kinematic_position(arguments)?;
+                let direction = if function.name == "$FDK" { [0.0, 0.0, 1.0] } else { [0.0; 3] };
+                numbers.extend(direction);
+                Value::numbers(&numbers)
+            }
+            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
+            name if name.starts_with("$FMS") => {
+                let message = format!("{name} needs a machine model, and there is none here");
+                state.warn(Fault::new(Number::NO_MODEL, message));
+                nothing(function)
+            }
+            name => {
+                return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control")));
+            }
+        })
+    }
+
+    fn kinematic_position(&self, arguments: &[Value]) -> Outcome<Vec<f64>> {
+        let own = |axis: Option<usize>| axis.and_then(|at| self.place.position.get(at)).copied().unwrap_or(0.0);
+        let [x, y, z, ..] = self.six_axes();
+        let mut numbers = vec![own(x), own(y), own(z)];
+        if let Some(Value::Sequence(given)) = arguments.first() {
+            for (place, value) in numbers.iter_mut().zip(given.iter()) {
+                *place = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.
+    fn macro_ids(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        let Some(macros) = self.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
+        let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
+        let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
+        let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
+        let all = named.chain(hooks);
+        let expression = text(arguments, 0).trim_end();
+        let mut found = Vec::new();
+        if expression.is_empty() {
+            let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+            for (_, id, name) in all.filter(|(code, ..)| Some(*code) == running).take(1) {
+                found.extend([Value::Real(f64::from(id)), Value::text(name)]);
+            }
+            return Ok(Value::sequence(found));
+        }
+        let pattern = state.pattern(expression)?;
+        let mut budget = STEPS;
+        for (_, id, name) in all {
+            state.spend(1 + name.len())?;
+            if pattern.find(name, 0, &mut budget)?.is_some() {
+                found.extend([Value::Real(f64::from(id)), Value::text(name)]);
+            }
+        }
+        Ok(Value::sequence(found))
+    }
+
+    /// `$FMACSTA`: states before the change.
+    fn macro_states(&mut self, arguments: &[Value]) -> Value {
+        let single;
+        let ids = match arguments.first() {
+            Some(Value::Sequence(all)) => all.as_slice(),
+            Some(one) => {
+                single = [one.clone()];
+                &single
+            }
+            None => &[],
+        };
+        let on = arguments.get(1).and_then(Value::as_logical);
+        let mut states = Vec::new();
+        for id in ids.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
+            if let Some(before) = self.switch_macro(id, on) {
+                states.extend([Value::Real(id), Value::Logical(before)]);
+            }
+        }
+        Value::sequence(states)
+    }
+
+    /// State of a macro before it was switched.
+    fn switch_macro(&mut self, id: f64, on: Option<bool>) -> Option<bool> {
+        let macros = self.machine.macros.as_deref()?;
+        let runtime = self.macros.as_deref_mut()?;
+        let is = |other: u32| f64::from(other) == id;
+        let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.codes_on.get_mut(at));
+        let data = macros.data.iter().position(|one| is(one.id)).and_then(|at| runtime.data_on.get_mut(at));
+        if let Some(slot) = code.or(data) {
+            return Some(std::mem::replace(slot, on.unwrap_or(*slot)));
+        }
+        let (hook, _) = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..).find(|(_, number)| is(*number))?;
+        let code = macros.hook(hook)?;
+        let slot = runtime.hooks.get_mut(hook as usize)?;
+        let before = slot.is_some();
+        *slot = on.unwrap_or(before).then_some(code);
+        if let Some(switch) = runtime.store.switches.get_mut(hook as usize) {
+            *switch = on.unwrap_or(before);
+        }
+        Some(before)
+    }
+
+    /// Register by its number in the list, or by the start of its descriptor.
+    fn register_at(&self, value: Option<&Value>) -> Option<usize> {
+        let registers = &self.machine.registers;
+        match value? {
+            Value::Real(index) => registers.iter().position(|register| f64::from(register.index) == *index),
+            Value::Text(text) => {
+                let text = text.trim();
+                let exact = registers.iter().position(|register| register.name == text);
+                exact.or_else(|| registers.iter().position(|r| !text.is_empty() && r.name.starts_with(text)))
+            }
+            _ => None,
+        }
+    }
+
+    fn register_format(&self, arguments: &[Value]) -> String {
+        match self.register_at(arguments.first()).and_then(|at| self.machine.registers.get(at)) {
+            Some(register) => descriptor(if self.secondary { &register.secondary } else { &register.format }),
+            None => String::new(),
+        }
+    }
+
+    /// A register as text: `!(@n)`, `!(@X)` and their kind.
+    pub(super) fn register_word(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+        let at = match register {
+            Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
+            Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
+        }?;
+        let register = self.machine.registers.get(at)?;
+        let value = match value {
+            Some(value) => value,
+            None => {
+                let rows = self.machine.tables.data_of(u8::try_from(at).ok()?);
+                let ids = rows.iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
+                let mut known = ids.filter_map(|row| self.modal.value(row.id));
+                known.next().unwrap_or(0.0)
+            }
+        };
+        let format = if self.secondary { &register.secondary } else { &register.format };
+        let mut out = if word { register.name.clone() } else { String::new() };
+        numeric(format).write(&mut out, value);
+        Some(out)
+    }
+
+    /// `$FCEGNCV`
+    fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        use crate::dialect::fanuc::is_vacant;
+        let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
+        if !self.plan.scanner.has_macros() {
+            return Ok(Value::Null);
+        }
+        Ok(match self.get_known(index) {
+            Ok(value) if !is_vacant(value) => Value::Real(value),
+            Err(crate::dialect::fanuc::Fault::Stopped) => {
+                self.keep_halt(crate::channel::Halt::Stopped);
+                Value::Null
+            }
+            _ => Value::Null,
+        })
+    }
+
+    /// `$FCESNCV`
+    fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        let value = arguments.get(1).and_then(Value::as_real);
+        let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_macros()) else {
+            return Ok(Value::Logical(false));
+        };
+        match self.set_variable(index, value) {
+            Err(crate::dialect::fanuc::Fault::Stopped) => {
+                self.keep_halt(crate::channel::Halt::Stopped);
+                Ok(Value::Logical(false))
+            }
+            done => Ok(Value::Logical(done.is_ok())),
+        }
+    }
+
+    /// Text of the last message to the operator.
+    pub(crate) fn show_display(&mut self, text: &str) {
+        self.store(names().display, || Value::text(text));
+    }
+}
+
+/// Number of a variable of the pre-processor: `#100`, or `#` with an index apart.
+fn nc_index(arguments: &[Value], from: usize) -> Option<u32> {
+    let name = text(arguments, 0).trim().strip_prefix('#')?.trim().trim_start_matches('[').trim_end_matches(']');
+    match arguments.get(from).and_then(Value::as_real) {
+        Some(index) if name.is_empty() => {
+            (index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&index)).then_some(index as u32)
+        }
+        _ => name.parse().ok(),
+    }
+}
+
+/// A register's format as a format of the language.
+fn numeric(format: &NumberFormat) -> Numeric {
+    let fill = |zeros: Zeros| match zeros {
+        Zeros::Keep => Fill::Shown,
+        Zeros::One => Fill::KeepOne,
+        Zeros::Omit => Fill::Dropped,
+    };
+    Numeric {
+        style: Style::Variable,
+        plus: format.plus,
+        lead: fill(format.lead),
+        whole: format.whole,
+        groups: Vec::new(),
+        point: match format.point {
+            Point::Keep if format.frac > 0 => Dot::Always,
+            Point::Keep | Point::Omit => Dot::Implied,
+            Point::Fractional => Dot::WithFraction,
+        },
+        fraction: format.frac,
+        trail: fill(format.trail),
+    }
+}
+
+/// The same as format text for `$FSWRIT`.
+fn descriptor(format: &NumberFormat) -> String {
+    let zeros = |zeros: Zeros| match zeros {
+        Zeros::Keep => "",
+        Zeros::One => "e",
+        Zeros::Omit => "s",
+    };
+    let point = match format.point {
+        Point::Keep if format.frac > 0 => ".",
+        Point::Fractional => "f",
+        _ => "",
+    };
+    let plus = if format.plus { "+" } else { "" };
+    let (whole, frac) = (wildcard_text(f64::from(format.whole)), wildcard_text(f64::from(format.frac)));
+    format!("!({plus}{}{whole}{point}{frac}{})", zeros(format.lead), zeros(format.trail))
+}

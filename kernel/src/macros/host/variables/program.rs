@@ -1,0 +1,179 @@
+//! Variables of the program, the subprograms, diagnostics and the definition.
+
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::value::Value;
+
+use super::{Read, Store, Write};
+use crate::channel::Kernel;
+use crate::log::info::Unit;
+use crate::machine::model::Preprocessor;
+use crate::macros::host::code_value;
+
+fn number(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+fn kept<R>(kernel: &Kernel<'_>, read: impl FnOnce(&Store) -> R) -> Option<R> {
+    kernel.macros.as_deref().map(|runtime| read(&runtime.store))
+}
+
+fn keep(kernel: &mut Kernel<'_>, write: impl FnOnce(&mut Store)) -> Outcome<()> {
+    if let Some(runtime) = kernel.macros.as_deref_mut() {
+        write(&mut runtime.store);
+    }
+    Ok(())
+}
+
+/// Counter of a class of severity.
+fn count<const CLASS: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    Value::Real(kept(kernel, |store| store.counts.get(CLASS).copied()).flatten().unwrap_or(0.0))
+}
+
+fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let value = value.as_real().unwrap_or(0.0);
+    keep(kernel, |store| {
+        if let Some(count) = store.counts.get_mut(CLASS) {
+            *count = value;
+        }
+    })
+}
+
+/// The first block from a line on that is not blank.
+fn block_from(kernel: &Kernel<'_>, forward: bool) -> Value {
+    let Some(frame) = kernel.flow.frames.last() else { return Value::text("") };
+    let Some(source) = kernel.info.source(frame.file) else { return Value::text("") };
+    let is_block = |line: &u32| !source.line(*line).trim_ascii().is_empty();
+    let found = if forward {
+        (frame.next..=frame.range.last).find(is_block)
+    } else {
+        (frame.range.first..kernel.line).rev().find(is_block)
+    };
+    Value::text(found.map_or_else(String::new, |line| String::from_utf8_lossy(source.line(line)).into_owned()))
+}
+
+fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    Value::text(kernel.machine.description.as_str())
+}
+
+fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
+    let inch = (kernel.machine.unit == Unit::Inch) != secondary;
+    Value::Real(if inch { 1.0 } else { 25.4 })
+}
+
+fn levels(kernel: &Kernel<'_>) -> u16 {
+    kernel.plan.scanner.levels()
+}
+
+/// How a variable is read and written.
+pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$CECODE" => (|k, _| code_value(kept(k, |store| store.code).flatten()), None),
+        "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.text_bytes())), None),
+        "$LMCD" => (|k, _| block_from(k, false), None),
+        "$NMCD" => (|k, _| block_from(k, true), None),
+        "$MCDNO" => (|k, _| number(kept(k, |store| store.number).filter(|number| *number > 0).unwrap_or(k.line)), None),
+        "$SEQNO" => (
+            |k, _| number(k.block.sequence.unwrap_or(0)),
+            Some(|k, _, value| {
+                let number = value.as_real().filter(|n| (0.0..=f64::from(u32::MAX)).contains(n));
+                k.block.sequence = number.map(|n| n as u32);
+                Ok(())
+            }),
+        ),
+        "$TAPEN" => (|k, _| Value::text(k.flow.frames.first().map_or("", |f| k.info.file_name(f.file))), None),
+        "$XMCD" => (
+            |k, _| Value::text(k.left_text()),
+            Some(|k, _, value| {
+                let text = value.as_text().unwrap_or("").to_owned();
+                k.set_left(text);
+                Ok(())
+            }),
+        ),
+        "$OPSKIP" => (|k, _| number(levels(k).count_ones()), None),
+        "$OPSKIPL" => (
+            |k, at| Value::Logical(at.first().is_some_and(|&level| levels(k) & 1u16.wrapping_shl(level as u32) != 0)),
+            None,
+        ),
+        "$EMBMAC" => (
+            |k, at| {
+                let at = at.first().map_or(0, |&at| at as usize - 1);
+                Value::text(kept(k, |store| store.embedding.get(at).cloned()).flatten().unwrap_or_default())
+            },
+            Some(|k, at, value| {
+                let at = at.first().map_or(0, |&at| at as usize - 1);
+                let text = value.as_text().unwrap_or("").trim().to_owned();
+                keep(k, |store| {
+                    if let Some(slot) = store.embedding.get_mut(at) {
+                        *slot = text;
+                    }
+                })
+            }),
+        ),
+        "$ERRMSG" => (
+            |k, _| Value::Logical(kept(k, |store| store.messages).unwrap_or(true)),
+            Some(|k, _, value| {
+                let on = value.as_logical().unwrap_or(true);
+                keep(k, |store| store.messages = on)
+            }),
+        ),
+        "$DIAGLIST" => (
+            |k, _| {
+                let list = |store: &Store| store.listed.iter().map(|&n| number(n)).collect();
+                Value::sequence(kept(k, list).unwrap_or_default())
+            },
+            Some(|k, _, value| {
+                let list = value.as_sequence().unwrap_or(&[]).iter().filter_map(Value::as_real);
+                let list: Vec<u32> = list.map(|n| n.max(0.0) as u32).collect();
+                keep(k, |store| store.listed = list)
+            }),
+        ),
+        "$MSG00" => (count::<0>, Some(set_count::<0>)),
+        "$WRN04" => (count::<1>, Some(set_count::<1>)),
+        "$ERR08" => (count::<2>, Some(set_count::<2>)),
+        "$FTL16" => (count::<3>, Some(set_count::<3>)),
+        "$AUTHOR" => (|k, _| Value::text(k.machine.author.as_str()), None),
+        "$MACHIN" => (|k, _| Value::text(k.machine.name.as_str()), None),
+        "$MCHNUM" => (|k, _| number(k.machine.number), None),
+        "$MCHDSC" => (machine_text, None),
+        "$PREPROC" => (
+            |k, _| {
+                Value::text(match k.machine.preprocessor {
+                    Preprocessor::None => "",
+                    Preprocessor::Fanuc => "FANUC",
+                })
+            },
+            None,
+        ),
+        "$UNIPRI" => (|k, _| unit(k, false), None),
+        "$UNISEC" => (|k, _| unit(k, true), None),
+        "$UNITS" | "$UNIMCH" => (|k, _| unit(k, k.secondary), None),
+        "$SUBLVL" => (|k, _| number(k.flow.frames.len().saturating_sub(1) as u32), None),
+        "$SUBNAM" => (
+            |k, _| {
+                let name = k.flow.frames.iter().skip(1).next_back().map_or("", |frame| &*frame.name);
+                Value::text(name)
+            },
+            None,
+        ),
+        "$SUBNO" | "$SUBSTK" => (
+            |k, _| {
+                let names = k.flow.frames.iter().skip(1).map(|frame| Value::text(&*frame.name));
+                Value::sequence(names.collect())
+            },
+            None,
+        ),
+        "$MCECNT" => (|k, _| number(k.machine.channels.len() as u32), None),
+        "$MFICNT" => (|k, _| number(k.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None),
+        "$MFINAM" => (
+            |k, at| {
+                let mut programs = k.info.channels.iter().filter(|c| !c.program.is_empty());
+                let channel = at.first().and_then(|&at| programs.nth(at as usize - 1));
+                Value::text(channel.map_or("", |channel| k.info.file_name(channel.file)))
+            },
+            None,
+        ),
+        "$VMCHN" => (|k, _| number(k.rank), None),
+        _ => return None,
+    };
+    Some(row)
+}

@@ -1,0 +1,172 @@
+//! Variables of feeds, spindles, modes, tools and times.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write};
+use crate::channel::Kernel;
+use crate::channel::state::{feed_of, group};
+use crate::log::event::{Direction, FeedUnit};
+use crate::log::info::Unit;
+use crate::machine::ident::{CodeId, codes};
+
+fn number(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+/// Number of the active code of a group in a list; `none` without one.
+fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) -> Value {
+    let active = kernel.modal.code(group);
+    let found = list.iter().find(|(code, _)| Some(*code) == active);
+    Value::Real(found.map_or(none, |(_, number)| *number))
+}
+
+const PLANES: [(CodeId, f64); 3] = [(codes::PLANE_XY, 1.0), (codes::PLANE_ZX, 2.0), (codes::PLANE_YZ, 3.0)];
+const POSITIONING: [(CodeId, f64); 2] = [(codes::POSITION_ABSOLUTE, 0.0), (codes::POSITION_RELATIVE, 1.0)];
+
+/// Makes the code of a number active.
+fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> Outcome<()> {
+    let wanted = value.as_real();
+    match list.iter().find(|(_, number)| Some(*number) == wanted) {
+        Some((code, _)) => {
+            kernel.activate_code(*code);
+            Ok(())
+        }
+        None => Err(Fault::new(Number::BAD_VALUE, "there is no mode of this number")),
+    }
+}
+
+fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let (id, _) = feed_of(kernel.modal.code(group::FEED));
+    number(kernel.modal.value(id).unwrap_or(0.0))
+}
+
+fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let (id, _) = feed_of(kernel.modal.code(group::FEED));
+    kernel.modal.remember(id, value.as_real().unwrap_or(0.0));
+    Ok(())
+}
+
+fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let command = &kernel.spindle.command;
+    let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+    number(match (turning, command.css) {
+        (false, _) => 0.0,
+        (true, false) => command.rpm,
+        (true, true) => command.surface,
+    })
+}
+
+fn spindle_mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let command = &kernel.spindle.command;
+    let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
+    number(match (turning, command.css, kernel.machine.unit) {
+        (false, ..) => 0.0,
+        (true, false, _) => 2.0,
+        (true, true, Unit::Inch) => 1.0,
+        (true, true, Unit::Mm) => 3.0,
+    })
+}
+
+fn time<const AT: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    number(kernel.macros.as_deref().and_then(|runtime| runtime.store.times.get(AT).copied()).unwrap_or(0.0))
+}
+
+fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let slot = kernel.macros.as_deref_mut().and_then(|runtime| runtime.store.times.get_mut(AT));
+    if let Some(slot) = slot {
+        *slot = value.as_real().unwrap_or(0.0);
+    }
+    Ok(())
+}
+
+fn whole(value: &Value) -> u32 {
+    value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
+}
+
+/// How a variable is read and written.
+pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$F" => (feed, Some(set_feed)),
+        "$FMODE" => (
+            |k, _| {
+                let mode = k.modal.code(group::FEED);
+                number(match (mode, feed_of(mode).1) {
+                    (None, _) => -1.0,
+                    (_, FeedUnit::PerRevolution) => 1.0,
+                    (_, FeedUnit::InverseTime) => 2.0,
+                    _ => 0.0,
+                })
+            },
+            None,
+        ),
+        "$S" => (speed, None),
+        "$SR" => (|k, _| number(k.spindle.command.rpm), None),
+        "$SS" => (|k, _| number(k.spindle.command.surface), None),
+        "$SMODE" => (spindle_mode, None),
+        "$SDIR" => (
+            |k, _| {
+                number(match k.spindle.command.direction {
+                    Direction::Clockwise => 1.0,
+                    Direction::CounterClockwise => 2.0,
+                    _ => 0.0,
+                })
+            },
+            None,
+        ),
+        "$MAXRPM" => (
+            |k, _| {
+                let machine = k.spindle.index.and_then(|at| k.machine.spindles.get(at)).map_or(0.0, |s| s.max);
+                number(k.spindle.command.limit.min(machine))
+            },
+            None,
+        ),
+        "$TCF" | "$TCFM" => (|k, _| number(k.place.work_offset), None),
+        "$TCL" | "$TCLM" => (
+            |k, _| {
+                let lathe = k.machine.tool.offset_digits > 0;
+                number(if lathe { k.place.tool_offset } else { k.place.length_number })
+            },
+            None,
+        ),
+        "$XDIAM" => (
+            |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
+            None,
+        ),
+        "$AXES" => (|k, _| Value::text(k.axes_text()), None),
+        "$RAPID" => (
+            |k, _| Value::Logical(k.modal.code(group::MOTION) == Some(codes::RAPID)),
+            Some(|k, _, value| {
+                let rapid = value.as_logical() == Some(true);
+                k.activate_code(if rapid { codes::RAPID } else { codes::INTERP_LINEAR });
+                Ok(())
+            }),
+        ),
+        "$PLMODE" => (|k, _| of_group(k, group::PLANE, &PLANES, 0.0), Some(|k, _, value| set_group(k, &PLANES, value))),
+        "$PNMODE" => (
+            |k, _| of_group(k, group::POSITION, &POSITIONING, -1.0),
+            Some(|k, _, value| set_group(k, &POSITIONING, value)),
+        ),
+        "$T" => (
+            |k, _| number(k.place.tool),
+            Some(|k, _, value| {
+                k.place.tool = whole(value);
+                Ok(())
+            }),
+        ),
+        "$TP" => (|k, _| number(k.place.tool), None),
+        "$NT" | "$TS" => (
+            |k, _| number(k.place.selected),
+            Some(|k, _, value| {
+                k.place.selected = whole(value);
+                Ok(())
+            }),
+        ),
+        "$FEDTIM" => (time::<0>, Some(set_time::<0>)),
+        "$RAPTIM" => (time::<1>, Some(set_time::<1>)),
+        "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),
+        _ => return None,
+    };
+    Some(row)
+}

@@ -1,0 +1,358 @@
+//! The macros of one running kernel: what is switched on, what is running, what they left for later.
+//!
+//! Invariants: a macro that runs is no candidate again until it has ended; while a macro runs, its state lies with the
+//! machine that runs it, and whoever calls back into the kernel puts it here first; a kernel without macros has no
+//! runtime at all. Facts: reference control-emulator.md 4, macro-language.md 3.2, 3.3, 7.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use counterpoint_lang::compile::Program;
+use counterpoint_lang::fault::Fault;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, End, Limits, State};
+use rustc_hash::FxHashMap;
+
+use super::host::variables::Store;
+use super::model::{HOOKS, Hook, Macros};
+use super::reused::Reused;
+use crate::channel::block::{Block, Firing};
+use crate::channel::{Halt, Kernel};
+use crate::log::event::{Motion, ToolAction};
+use crate::machine::ident::{CodeId, DataId};
+
+/// Steps that one call of a macro may take, with everything it calls.
+pub(crate) const TICKS: u64 = 5_000_000;
+
+/// Macros active at once.
+const DEPTH: u32 = 64;
+
+/// Blocks that EXEC/NEXT may leave waiting.
+pub(crate) const MOST_QUEUED: usize = 10_000;
+
+/// What OUTPUT does in a running macro.
+#[derive(Debug, Clone)]
+pub(crate) enum Task {
+    /// Nothing: startup, shutdown, data and identification macros.
+    None,
+    /// The action of a code.
+    Code(Firing, CodeId),
+    /// A motion, with its duration in seconds.
+    Motion(f64, Box<Motion>),
+    /// A tool is selected or loaded: action, tool, offset, ns.
+    Tool(ToolAction, u32, u32, i64),
+    /// A diagnostic is issued.
+    Diagnostic,
+}
+
+/// A running macro.
+#[derive(Debug)]
+pub(crate) struct Call {
+    /// Its index in the program.
+    pub(crate) code: u16,
+    /// What OUTPUT does.
+    pub(crate) task: Task,
+    /// MATCH is on.
+    pub(crate) matching: bool,
+    /// OUTPUT commands so far.
+    pub(crate) outputs: u32,
+}
+
+/// A block that EXEC/NEXT left for later.
+#[derive(Debug, Clone)]
+pub(crate) enum Later {
+    /// Text, and whether macros match.
+    Text(Arc<String>, bool),
+    /// Identifiers with values.
+    Items(Arc<[Value]>, bool),
+}
+
+/// Macros of one kernel.
+#[derive(Debug)]
+pub(crate) struct Runtime {
+    /// The machine's program, or a longer copy with the embedded code met so far.
+    pub(crate) program: Arc<Program>,
+    state: Option<Box<State>>,
+    #[allow(clippy::vec_box, reason = "boxes change places with the state of a running macro")]
+    spares: Vec<Box<State>>,
+    /// Running macros, innermost last.
+    pub(crate) calls: Vec<Call>,
+    /// Running macros by index.
+    pub(crate) busy: Vec<bool>,
+    /// Arguments that each macro uses, bit by number.
+    uses: Vec<u128>,
+    /// Why the kernel leaves its program, found while a macro was running.
+    pub(crate) halt: Option<Halt>,
+    /// Running macros are being ended because of that.
+    pub(crate) ending: bool,
+    /// Macro of each hook that is switched on.
+    pub(crate) hooks: [Option<u16>; HOOKS],
+    /// Code macros that are on.
+    pub(crate) codes_on: Vec<bool>,
+    /// Data macros that are on.
+    pub(crate) data_on: Vec<bool>,
+    /// What is processed now may match code and data macros.
+    pub(crate) matching: bool,
+    /// Blocks left for later.
+    pub(crate) later: VecDeque<Later>,
+    /// Blocks for nested processing.
+    pub(crate) blocks: Vec<Block>,
+    /// Text of the block in process if it is not the line of the file.
+    pub(crate) text: Option<Arc<String>>,
+    /// Left-over text of the block if a macro has set it.
+    pub(crate) left: Option<Arc<String>>,
+    /// Pushed modal states.
+    pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
+    /// Data that fire a modal group.
+    pub(crate) data_codes: Vec<(DataId, u16)>,
+    /// Compiled embedded code by text; none where it has errors.
+    pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
+    /// Global variables that this kernel has for itself.
+    pub(crate) globals: Vec<Value>,
+    /// From this index on, global variables belong to all kernels; none if there is no master.
+    pub(crate) shared_globals: Option<u32>,
+    /// System variables that are kept here.
+    pub(crate) store: Store,
+    /// Changed severities and switches of diagnostics by number.
+    pub(crate) severities: FxHashMap<u32, (u8, bool)>,
+    /// How often each diagnostic came.
+    pub(crate) counts: FxHashMap<u32, u32>,
+    /// Files that macros wrote, by path.
+    pub(crate) files: std::collections::BTreeMap<String, String>,
+    /// Bytes in them.
+    pub(crate) written: usize,
+    /// Texts handed to block macros.
+    pub(crate) texts: Reused<String>,
+    /// Positions handed to event macros.
+    pub(crate) positions: Reused<Vec<Value>>,
+    /// Flags handed to event macros.
+    pub(crate) flags: Reused<Vec<Value>>,
+    /// Channel axis of each of the six elements of `$AXES`.
+    pub(crate) slots: [Option<usize>; 6],
+    /// Tools loaded so far; the first row of the tool table is the dummy tool.
+    pub(crate) tools: Vec<u32>,
+    /// Start of the last motion.
+    pub(crate) before: crate::log::event::Position,
+    /// What the identification macro gave is being evaluated; it is not asked again.
+    pub(crate) identifying: bool,
+    /// The kernel's program macros are over: NEXT is dropped.
+    pub(crate) closing: bool,
+}
+
+fn limits() -> Limits {
+    Limits { ticks: TICKS, depth: DEPTH, ..Limits::default() }
+}
+
+impl Runtime {
+    /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
+    pub(crate) fn new(macros: &Macros, rank: u16, kernels: usize) -> Self {
+        let mut state = State::new(limits());
+        state.channel = u32::from(rank).max(1);
+        state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
+        let mut runtime = Self {
+            program: Arc::new(macros.program.clone()),
+            state: Some(Box::new(state)),
+            spares: Vec::new(),
+            calls: Vec::new(),
+            busy: Vec::new(),
+            uses: Vec::new(),
+            halt: None,
+            ending: false,
+            hooks: macros.hooks,
+            codes_on: macros.codes.iter().map(|one| one.enabled).collect(),
+            data_on: macros.data.iter().map(|one| one.enabled).collect(),
+            matching: true,
+            later: VecDeque::new(),
+            blocks: Vec::new(),
+            text: None,
+            left: None,
+            saved: Vec::new(),
+            data_codes: Vec::new(),
+            embedded: FxHashMap::default(),
+            globals: Vec::new(),
+            shared_globals: (kernels > 1).then_some(100),
+            store: Store::new(),
+            severities: FxHashMap::default(),
+            counts: FxHashMap::default(),
+            files: std::collections::BTreeMap::new(),
+            written: 0,
+            texts: Reused::default(),
+            positions: Reused::default(),
+            flags: Reused::default(),
+            slots: [None; 6],
+            tools: Vec::new(),
+            before: [0.0; crate::log::event::MAX_AXES],
+            identifying: false,
+            closing: false,
+        };
+        runtime.measure();
+        runtime
+    }
+
+    /// Follows the program after it has grown.
+    pub(crate) fn measure(&mut self) {
+        self.busy.resize(self.program.macros.len(), false);
+        for code in self.program.macros.iter().skip(self.uses.len()) {
+            let bits = code.arguments.iter().filter(|(number, _)| *number < 128);
+            self.uses.push(bits.fold(0, |bits, (number, _)| bits | 1 << number));
+        }
+    }
+
+    /// A macro uses an argument.
+    pub(crate) fn uses(&self, code: u16, argument: u8) -> bool {
+        self.uses.get(usize::from(code)).is_some_and(|bits| bits & 1 << argument != 0)
+    }
+
+    /// A macro is running.
+    pub(crate) fn is_busy(&self, code: u16) -> bool {
+        self.busy.get(usize::from(code)).copied().unwrap_or(true)
+    }
+
+    /// The macro of a hook, if it may run now.
+    #[inline]
+    pub(crate) fn ready(&self, hook: Hook) -> Option<u16> {
+        self.hooks.get(hook as usize).copied().flatten().filter(|&code| !self.is_busy(code))
+    }
+
+    fn set_busy(&mut self, code: u16, busy: bool) {
+        if let Some(slot) = self.busy.get_mut(usize::from(code)) {
+            *slot = busy;
+        }
+    }
+
+    /// The innermost running macro.
+    pub(crate) fn call(&mut self) -> Option<&mut Call> {
+        self.calls.last_mut()
+    }
+}
+
+/// The fault that unwinds all running macros.
+pub(crate) fn unwinding(state: &mut State) -> Fault {
+    state.ticks = 0;
+    Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
+}
+
+impl Kernel<'_> {
+    /// Gives the kernel the macros of its machine.
+    pub(crate) fn with_macros(mut self) -> Self {
+        self.macros = self.machine.macros.as_deref().map(|macros| {
+            let mut runtime = Runtime::new(macros, self.rank, self.machine.channels.len());
+            runtime.slots = self.six_axes();
+            Box::new(runtime)
+        });
+        self
+    }
+
+    /// The macro of a hook that may run now.
+    #[inline]
+    pub(crate) fn hook(&self, hook: Hook) -> Option<u16> {
+        self.macros.as_deref().and_then(|runtime| runtime.ready(hook))
+    }
+
+    /// Runs a macro; `arguments` hold its `$P` before and after.
+    ///
+    /// # Errors
+    /// Something inside made the kernel leave its program at once.
+    pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
+        let Some(mut state) = runtime.state.take() else { return Ok(0) };
+        let program = Arc::clone(&runtime.program);
+        runtime.calls.push(Call { code, task, matching: true, outputs: 0 });
+        runtime.set_busy(code, true);
+        let matching = std::mem::replace(&mut runtime.matching, true);
+        let (end, _) = vm::run(&program, &mut state, self, code, arguments);
+        self.macro_ended(state, code, matching, end)
+    }
+
+    /// Runs embedded code for its value.
+    ///
+    /// # Errors
+    /// As [`run_macro`](Self::run_macro).
+    pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::Null) };
+        let Some(mut state) = runtime.state.take() else { return Ok(Value::Null) };
+        let program = Arc::clone(&runtime.program);
+        runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0 });
+        runtime.set_busy(code, true);
+        let matching = std::mem::replace(&mut runtime.matching, true);
+        let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
+        self.macro_ended(state, code, matching, end)?;
+        Ok(value)
+    }
+
+    fn macro_ended(&mut self, state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
+        runtime.state = Some(state);
+        runtime.set_busy(code, false);
+        runtime.matching = matching;
+        let outputs = runtime.calls.pop().map_or(0, |call| call.outputs);
+        if runtime.ending {
+            let halt = runtime.halt.unwrap_or(Halt::Stopped);
+            if runtime.calls.is_empty() {
+                runtime.ending = false;
+                runtime.halt = None;
+            }
+            return Err(halt);
+        }
+        if end == End::Budget {
+            // Reported with its place; a control whose macros run for ever stands still.
+            runtime.ending = !runtime.calls.is_empty();
+            if runtime.ending {
+                runtime.halt = Some(Halt::Alarm);
+            }
+            return Err(Halt::Alarm);
+        }
+        match runtime.halt {
+            Some(halt) if runtime.calls.is_empty() => {
+                runtime.halt = None;
+                Err(halt)
+            }
+            _ => Ok(outputs),
+        }
+    }
+
+    /// Keeps a reason to leave the program until whoever runs the block can act on it.
+    pub(crate) fn keep_halt(&mut self, halt: Halt) {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.halt = Some(halt);
+            runtime.ending = !runtime.calls.is_empty() && !matches!(halt, Halt::End(_));
+        }
+    }
+
+    /// Lets the kernel work while a macro is running: its state lies here meanwhile.
+    ///
+    /// # Errors
+    /// The work made the kernel leave its program: all running macros end, except at an end code.
+    pub(crate) fn meanwhile(
+        &mut self,
+        state: &mut State,
+        work: impl FnOnce(&mut Self) -> crate::channel::Acted,
+    ) -> Result<(), Fault> {
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits())));
+        std::mem::swap(&mut *spare, state);
+        runtime.state = Some(spare);
+        let outer = runtime.matching;
+        runtime.matching = runtime.call().is_none_or(|call| call.matching);
+        let done = work(self);
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        runtime.matching = outer;
+        if let Some(mut spare) = runtime.state.take() {
+            std::mem::swap(&mut *spare, state);
+            runtime.spares.push(spare);
+        }
+        match done {
+            Ok(()) => Ok(()),
+            // The rest of the macros still runs after an end code; then the program ends.
+            Err(Halt::End(stop)) => {
+                runtime.halt = Some(Halt::End(stop));
+                Ok(())
+            }
+            Err(halt) => {
+                runtime.halt = Some(halt);
+                runtime.ending = true;
+                Err(unwinding(state))
+            }
+        }
+    }
+}

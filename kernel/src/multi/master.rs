@@ -1,0 +1,121 @@
+//! The master kernel's macros: Declaration and Machine Startup before the channels, Machine Shutdown after them.
+//!
+//! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
+//! what it does to shared variables needs no order. A machine with one channel has no master.
+
+use counterpoint_lang::value::Value;
+
+use super::Shop;
+use crate::channel::Halt;
+use crate::channel::emit::Target;
+use crate::diag;
+use crate::log::event::{Event, FileId};
+use crate::machine::model::Channel;
+use crate::macros::host::variables::names;
+use crate::macros::model::Hook;
+use crate::macros::runtime::Runtime;
+use crate::mcd::program::Range;
+
+/// Where a kernel starts.
+pub(super) type At = (FileId, Range, Box<str>);
+
+/// What the master has left for later.
+pub(super) struct Master {
+    channel: Channel,
+    runtime: Option<Box<Runtime>>,
+    /// Programs that Machine Startup gave to kernels instead of their own; none to start none.
+    pub(super) programs: Vec<(u16, Option<At>)>,
+    /// The channels may start.
+    pub(super) good: bool,
+}
+
+impl<'a> Shop<'a> {
+    /// Runs Declaration and Machine Startup; none if the machine has no master's macros.
+    pub(super) fn master_startup(self, log: &mut dyn FnMut(&Event) -> bool) -> Option<Master> {
+        let machine = &self.job.spec().machine;
+        if machine.macros.is_none() || machine.channels.len() < 2 {
+            return None;
+        }
+        let channel = Channel { number: 0, name: "MASTER".to_owned(), axes: Vec::new(), spindle: None };
+        let mut kept = Vec::new();
+        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept));
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
+            let file = program.map_or("", |info| self.job.info().file_name(info.file)).to_owned();
+            if let Some(runtime) = kernel.macros.as_deref_mut() {
+                let (names, store) = (names(), &mut runtime.store);
+                store.starting = true;
+                store.set_element(names.kernel_program, (at, 0), Value::text(file));
+                store.set_element(names.kernel_name, (at, 0), Value::text(number.name.as_str()));
+                store.set_element(names.kernel_channel, (at, 0), Value::Real(f64::from(number.number)));
+            }
+        }
+        let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
+        let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
+        let mut programs = Vec::new();
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let wanted = kernel.macros.as_deref().and_then(|runtime| {
+                runtime.store.element(names().kernel_program, (at, 0)).and_then(Value::as_text).map(str::to_owned)
+            });
+            let wanted = wanted.unwrap_or_default();
+            let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
+            if program.map_or("", |info| self.job.info().file_name(info.file)) == wanted.trim() {
+                continue;
+            }
+            if wanted.trim().is_empty() {
+                programs.push((number.number, None));
+                continue;
+            }
+            let file = self.job.info().files.iter().position(|file| file.name == wanted.trim());
+            let start = file.and_then(|file| {
+                let file = file as FileId;
+                kernel.load(file).ok()?;
+                let source = self.job.info().source(file)?;
+                let whole = Range { number: None, first: 1, last: source.lines() };
+                Some((file, source.programs().first().copied().unwrap_or(whole), wanted.trim().into()))
+            });
+            if start.is_none() {
+                let text = format!("kernel {at} gets the program '{}', which is not in the job", wanted.trim());
+                kernel.diagnose(&diag::FILE_UNREADABLE, text);
+            }
+            programs.push((number.number, start));
+        }
+        if let Some(runtime) = kernel.macros.as_deref_mut() {
+            runtime.store.starting = false;
+        }
+        let tag = kernel.tag();
+        kernel.emitter.flush(tag);
+        let runtime = kernel.macros.take();
+        drop(kernel);
+        kept.iter().for_each(|event| {
+            log(event);
+        });
+        Some(Master { channel, runtime, programs, good })
+    }
+
+    /// Runs Machine Shutdown at the end of the log.
+    pub(super) fn master_shutdown(
+        self,
+        master: Option<Master>,
+        (t, micro): (i64, u32),
+        log: &mut dyn FnMut(&Event) -> bool,
+    ) {
+        let Some(Master { channel, runtime: Some(mut runtime), .. }) = master else { return };
+        runtime.closing = true;
+        runtime.later.clear();
+        let mut kept = Vec::new();
+        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept));
+        (kernel.clock, kernel.micro) = (t, micro);
+        kernel.macros = Some(runtime);
+        let _ = kernel.plain_macro(Hook::MachineShutdown);
+        let tag = kernel.tag();
+        kernel.emitter.flush(tag);
+        drop(kernel);
+        // What the macro may have let pass does not take the log beyond its end.
+        kept.iter_mut().for_each(|event| {
+            event.dur_ns = 0;
+            (event.t_ns, event.micro) = (t, micro);
+            log(event);
+        });
+    }
+}
