@@ -121,12 +121,24 @@ pub struct Register {
     pub name: String,
     /// Second name: incremental form.
     pub second: Option<String>,
+    /// Text before the number; the name itself for a regular register.
+    pub before: String,
+    /// Text after the number, empty for a regular register.
+    pub after: String,
     /// Number format in primary units.
     pub format: NumberFormat,
     /// Number format in secondary units.
     pub secondary: NumberFormat,
     /// Values may be negative.
     pub signed: bool,
+}
+
+impl Register {
+    /// One capital letter and nothing after the number; everything else is a special register.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        self.after.is_empty() && matches!(self.before.as_bytes(), [letter] if letter.is_ascii_uppercase())
+    }
 }
 
 /// Format of a register's number.
