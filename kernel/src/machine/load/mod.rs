@@ -15,6 +15,8 @@ mod head;
 mod initial;
 mod names;
 mod overlap;
+mod questionnaire;
+mod questions;
 mod registers;
 mod spindles;
 mod subprograms;
@@ -47,7 +49,10 @@ pub struct Loaded {
 #[must_use]
 pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
-    let machine = chain::read(files, folder, &check).map(|merged| build::machine(&merged, &check));
+    let machine = chain::read(files, folder, &check).map(|mut merged| {
+        questionnaire::expand(&mut merged.table, &check);
+        build::machine(&merged, &check)
+    });
     let findings = check.into_findings();
     let usable = !findings.iter().any(|finding| finding.error);
     Loaded { machine: machine.filter(|_| usable), findings }

@@ -4,6 +4,7 @@ mod chains;
 mod mistakes;
 mod mistakes_in_rows;
 mod nonsense;
+mod questionnaire;
 mod shipped;
 
 use super::*;
