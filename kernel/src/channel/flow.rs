@@ -21,6 +21,8 @@ pub(crate) struct Frame {
     pub(crate) range: Range,
     /// Next line to read.
     pub(crate) next: u32,
+    /// Byte in that line where the next block begins; above 0 after a character that ends blocks.
+    pub(crate) offset: u32,
     /// Further passes after this one.
     pub(crate) repeats: u32,
     /// It has variables of its own (a macro call).
@@ -118,6 +120,7 @@ impl Kernel<'_> {
             file,
             range,
             next: range.first,
+            offset: 0,
             repeats: passes.saturating_sub(1),
             own_variables,
             name,
@@ -134,7 +137,7 @@ impl Kernel<'_> {
             && frame.repeats > 0
         {
             frame.repeats -= 1;
-            frame.next = frame.range.first;
+            (frame.next, frame.offset) = (frame.range.first, 0);
             return Ok(());
         }
         if let Some(frame) = self.flow.frames.pop() {
@@ -190,7 +193,7 @@ impl Kernel<'_> {
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
         let from = self.line;
         if let Some(frame) = self.frame() {
-            frame.next = line;
+            (frame.next, frame.offset) = (line, 0);
         }
         if line <= from { self.end_pass(line, from) } else { Ok(()) }
     }

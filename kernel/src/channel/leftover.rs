@@ -98,8 +98,7 @@ impl Kernel<'_> {
     }
 
     fn span_text(&self, (start, end): (u32, u32)) -> String {
-        let source = self.info.source(self.file);
-        let line = source.map_or(&[][..], |s| s.line(self.line));
+        let line = self.current_text();
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
     }
 

@@ -18,7 +18,15 @@ impl Kernel<'_> {
         self.progress.set_state(State::Running);
         (self.file, self.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
-        self.flow.frames.push(Frame { file, range, next: range.first, repeats: 0, own_variables: false, name });
+        self.flow.frames.push(Frame {
+            file,
+            range,
+            next: range.first,
+            offset: 0,
+            repeats: 0,
+            own_variables: false,
+            name,
+        });
         self.initial_codes();
         self.initial_frame();
         let halt = match self.load(file) {

@@ -23,7 +23,8 @@ impl Kernel<'_> {
     /// The compiled form of the current line; kept once the program has jumped back or called.
     fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
-        if let Some(line) = self.flow.compiled.get(&key) {
+        let as_read = self.edited.is_none();
+        if as_read && let Some(line) = self.flow.compiled.get(&key) {
             self.block.clear();
             return Ok(Arc::clone(line));
         }
@@ -35,7 +36,7 @@ impl Kernel<'_> {
         match result {
             Ok(line) => {
                 let line = Arc::new(line);
-                if self.flow.caching {
+                if self.flow.caching && as_read {
                     self.flow.compiled.insert(key, Arc::clone(&line));
                 }
                 Ok(line)
@@ -208,8 +209,9 @@ impl Kernel<'_> {
 
     /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
-        let info = self.info;
-        let text = info.source(self.file).map_or(&[][..], |source| source.line(self.line));
+        let (info, held) = (self.info, self.edited.clone());
+        let as_read = || info.source(self.file).map_or(&[][..], |source| source.line(self.line));
+        let text = held.as_deref().unwrap_or_else(as_read);
         let line = self.compiled(text)?;
         let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();

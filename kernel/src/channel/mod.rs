@@ -18,7 +18,11 @@ pub(crate) mod report;
 pub(crate) mod scan;
 mod special;
 pub(crate) mod state;
+pub(crate) mod tape;
+mod text;
 pub(crate) mod variables;
+
+use std::sync::Arc;
 
 use block::Block;
 use emit::Emitter;
@@ -95,6 +99,10 @@ pub(crate) struct Kernel<'a> {
     pub(crate) meetings: Known,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
+    /// Text of the block, when it is not the line as it stands in the file.
+    pub(crate) edited: Option<Arc<[u8]>>,
+    /// Rules of the tape editor that are on, and the memory of their searches.
+    pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }
 
 impl Kernel<'_> {

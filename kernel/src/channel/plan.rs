@@ -1,6 +1,7 @@
 //! What is compiled once per job and shared by its kernels.
 
 use super::scan::Scanner;
+use super::tape::Tape;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::data;
@@ -26,6 +27,10 @@ pub(crate) struct Plan {
     pub(crate) sources: Vec<Vec<Source>>,
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
+    /// Rules of the tape editor.
+    pub(crate) tape: Option<Tape>,
+    /// A block may be something else than its line: a tape editor, or a character that ends blocks.
+    pub(crate) reshapes: bool,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
@@ -36,7 +41,7 @@ pub(crate) struct Plan {
 
 /// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
 fn recall(machine: &Machine) -> Option<Vec<bool>> {
-    let own = ["REG_AXIS_", "REG_SPINDLE_", "REG_FEED_", "REG_RAPID_FEED", "REG_TOOL"];
+    let own = ["REG_AXIS_", "REG_SPINDLE_", "REG_FEED_", "REG_RAPID_FEED", "REG_TOOL", "REG_INTERP_THREAD_PITCH"];
     let of = |rows: &Vec<u16>| {
         let mut rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
         rows.any(|row| row.modal && row.process && !own.iter().any(|p| machine.data_name(row.id).starts_with(p)))
@@ -125,6 +130,8 @@ impl Plan {
                 })
                 .collect(),
             speed_registers,
+            tape: Tape::new(&machine.tape_editor),
+            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
             recall: recall(machine),
             refused: refused(machine),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),

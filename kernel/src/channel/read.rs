@@ -41,6 +41,17 @@ impl Kernel<'_> {
         if text.len() > self.options.limits.block_length {
             return Err(self.too_long(text.len()));
         }
+        let held;
+        let text = if self.plan.reshapes {
+            held = self.reshape(text, line);
+            match held.as_deref() {
+                Some(text) if text.trim_ascii().is_empty() => return Ok(()),
+                Some(text) => text,
+                None => text,
+            }
+        } else {
+            text
+        };
         if self.is_rewind_stop(text) {
             return self.rewind_stop(source, line);
         }

@@ -243,6 +243,18 @@ impl Scanner {
         end
     }
 
+    /// Place of the first character that ends a block, outside comments and messages.
+    pub(super) fn block_end(&self, line: &[u8]) -> Option<usize> {
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            if Some(byte) == self.eob {
+                return Some(at);
+            }
+            at = self.comment_end(line, at).unwrap_or(at + 1);
+        }
+        None
+    }
+
     /// Position after the comment or message that begins at `at`: a mark inside is none.
     fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
         let rest = line.get(at..)?;

@@ -56,8 +56,25 @@ pub struct Machine {
     pub tool: Tool,
     /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
     pub work_offsets: Vec<Vec<f64>>,
+    /// Rules that change the text of every block before anything else, in order.
+    pub tape_editor: Vec<TapeRule>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
+}
+
+/// A rule of the tape editor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TapeRule {
+    /// Expression in the dialect of `ed`; it is correct.
+    pub find: String,
+    /// What takes the place of its first match, `\1` to `\9` are groups.
+    pub replace: String,
+    /// Switched on at program start.
+    pub on: bool,
+    /// Line in `file`.
+    pub line: u32,
+    /// File where it is defined.
+    pub file: String,
 }
 
 /// Kind of machine.

@@ -11,6 +11,7 @@ pub(crate) mod tag;
 pub(crate) mod verdict;
 pub(crate) mod waits;
 
+use counterpoint_lang::pattern::Memory;
 use crossbeam_channel::Sender;
 
 use coordinator::Coordinator;
@@ -327,6 +328,8 @@ impl<'a> Shop<'a> {
             diagnostics: 0,
             meetings: Known::default(),
             stripped: Vec::new(),
+            edited: None,
+            tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
     }
 }

@@ -5,7 +5,7 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{axes, channels, codes, data, format, head, initial, overlap, registers, spindles};
-use super::{subprograms, sync, time, tool, variables};
+use super::{subprograms, sync, tape, time, tool, variables};
 use crate::machine::model::Machine;
 use crate::machine::tables::Tables;
 use crate::machine::toml::check::Check;
@@ -37,6 +37,7 @@ pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
     let variables = variables::read(&mut top, check);
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
+    let tape_editor = tape::read(&mut top);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -64,6 +65,7 @@ pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
         variables,
         tool,
         work_offsets,
+        tape_editor,
         tables,
     }
 }

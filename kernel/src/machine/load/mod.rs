@@ -21,6 +21,7 @@ mod registers;
 mod spindles;
 mod subprograms;
 mod sync;
+mod tape;
 mod time;
 mod tool;
 mod values;
