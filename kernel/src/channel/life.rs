@@ -24,6 +24,7 @@ impl Kernel<'_> {
             next: range.first,
             offset: 0,
             repeats: 0,
+            closes: false,
             own_variables: false,
             name,
         });

@@ -16,6 +16,7 @@ pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod report;
 pub(crate) mod scan;
+mod search;
 mod special;
 pub(crate) mod state;
 pub(crate) mod tape;

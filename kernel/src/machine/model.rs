@@ -58,8 +58,19 @@ pub struct Machine {
     pub work_offsets: Vec<Vec<f64>>,
     /// Rules that change the text of every block before anything else, in order.
     pub tape_editor: Vec<TapeRule>,
+    /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
+    pub storage: Vec<StoredFile>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
+}
+
+/// A file stored with the machine; it is never written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredFile {
+    /// Path below `//ICAMFS/`.
+    pub path: String,
+    /// Content.
+    pub content: crate::files::Bytes,
 }
 
 /// A rule of the tape editor.

@@ -5,14 +5,15 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{axes, channels, codes, data, format, head, initial, overlap, registers, spindles};
-use super::{subprograms, sync, tape, time, tool, variables};
+use super::{storage, subprograms, sync, tape, time, tool, variables};
+use crate::files::Files;
 use crate::machine::model::Machine;
 use crate::machine::tables::Tables;
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
 
 /// Builds the machine; whether it is any good is for the findings to say.
-pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
+pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Machine {
     let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
     top.text("extends");
     if top.flag("abstract") == Some(true) {
@@ -38,6 +39,7 @@ pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let tape_editor = tape::read(&mut top);
+    let storage = storage::read(&mut top, files);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -66,6 +68,7 @@ pub(super) fn machine(merged: &Merged, check: &Check) -> Machine {
         tool,
         work_offsets,
         tape_editor,
+        storage,
         tables,
     }
 }

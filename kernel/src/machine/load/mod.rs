@@ -19,6 +19,7 @@ mod questionnaire;
 mod questions;
 mod registers;
 mod spindles;
+mod storage;
 mod subprograms;
 mod sync;
 mod tape;
@@ -52,7 +53,7 @@ pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
     let machine = chain::read(files, folder, &check).map(|mut merged| {
         questionnaire::expand(&mut merged.table, &check);
-        build::machine(&merged, &check)
+        build::machine(&merged, files, &check)
     });
     let findings = check.into_findings();
     let usable = !findings.iter().any(|finding| finding.error);
