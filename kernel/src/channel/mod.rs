@@ -7,6 +7,7 @@
 pub(crate) mod block;
 pub(crate) mod codes;
 pub(crate) mod data;
+mod diagnostics;
 pub(crate) mod emit;
 pub(crate) mod flow;
 pub(crate) mod leftover;
@@ -100,6 +101,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) meetings: Known,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
+    /// How often numbers with a repeat count were raised.
+    pub(crate) raised: rustc_hash::FxHashMap<u32, u32>,
     /// Text of the block, when it is not the line as it stands in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Rules of the tape editor that are on, and the memory of their searches.

@@ -22,14 +22,8 @@ impl Kernel<'_> {
     }
 
     fn log_diagnostic(&mut self, facts: &Facts, text: String) {
-        self.emit(
-            0,
-            Kind::Diagnostic(Box::new(Diagnostic {
-                number: facts.number,
-                severity: facts.severity,
-                text: text.into(),
-            })),
-        );
+        let Some((severity, text)) = self.customised(facts.number, (facts.severity, facts.alarm), text) else { return };
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number: facts.number, severity, text: text.into() })));
     }
 
     /// Logs an alarm of the control and returns what stops the channel.

@@ -58,10 +58,36 @@ pub struct Machine {
     pub work_offsets: Vec<Vec<f64>>,
     /// Rules that change the text of every block before anything else, in order.
     pub tape_editor: Vec<TapeRule>,
+    /// What the machine changes about diagnostics.
+    pub diagnostics: Diagnostics,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
+}
+
+/// What a machine changes about diagnostics.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Diagnostics {
+    /// Rules, ascending by number.
+    pub rules: Vec<DiagnosticRule>,
+    /// Diagnostics below this severity are not logged.
+    pub min_severity: u8,
+}
+
+/// What a machine changes about one number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DiagnosticRule {
+    /// The number; one of the kernel, or one of the machine's own.
+    pub number: u32,
+    /// Severity 0–99 instead of the built-in one.
+    pub severity: Option<u8>,
+    /// Text instead of the built-in one; `!(*)` in it is the built-in text.
+    pub text: Option<String>,
+    /// `false` = never shown.
+    pub enable: bool,
+    /// How often a channel shows it.
+    pub repeat: Option<u32>,
 }
 
 /// A file stored with the machine; it is never written.

@@ -10,6 +10,7 @@ mod channels;
 mod codes;
 mod data;
 mod defaults;
+mod diagnostics;
 mod format;
 mod head;
 mod initial;
