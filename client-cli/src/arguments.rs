@@ -240,6 +240,8 @@ pub(crate) enum Part {
     All,
     Codes,
     Data,
+    Groups,
+    Macros,
     Axes,
     Channels,
 }

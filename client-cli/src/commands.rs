@@ -261,6 +261,8 @@ async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Re
         Part::Data => v1::MachineSection::Data,
         Part::Axes => v1::MachineSection::Axes,
         Part::Channels => v1::MachineSection::Channels,
+        Part::Groups => v1::MachineSection::Groups,
+        Part::Macros => v1::MachineSection::Macros,
     };
     let request = v1::GetMachineRequest { name, section: section.into(), json };
     let text = client.machines().get_machine(request).await?.into_inner().text;

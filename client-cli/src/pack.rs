@@ -160,18 +160,39 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
         if files.0.contains_key(&format!("{name}/machine.toml")) || !definition.is_file() {
             break;
         }
-        for path in files_of(&folder)? {
-            let file = file_name(&path)?;
-            if !file.starts_with('.') {
-                files.add(format!("{name}/{file}"), &path)?;
-            }
-        }
+        whole_folder(&mut files, &folder, &name, 0)?;
         let text = fs::read_to_string(&definition).map_err(Error::file(&definition))?;
         let parent = toml::from_str::<toml::Table>(&text).ok();
         let parent = parent.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
         next = parent.and_then(|parent| Some((parent.clone(), folder.parent()?.join(parent))));
     }
     Ok((name, files))
+}
+
+/// Folders in folders that are packed: a machine's file storage may have some.
+const DEPTH: u32 = 8;
+
+/// Adds all files of a folder and the folders in it, those with a leading dot left out.
+fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: u32) -> Result<(), Error> {
+    for path in files_of(folder)? {
+        let file = file_name(&path)?;
+        if !file.starts_with('.') {
+            files.add(format!("{name}/{file}"), &path)?;
+        }
+    }
+    if depth >= DEPTH {
+        return Ok(());
+    }
+    let entries = fs::read_dir(folder).map_err(Error::file(folder))?;
+    let mut folders: Vec<_> = entries.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_dir()).collect();
+    folders.sort();
+    for inner in folders {
+        let part = file_name(&inner)?;
+        if !part.starts_with('.') {
+            whole_folder(files, &inner, &format!("{name}/{part}"), depth + 1)?;
+        }
+    }
+    Ok(())
 }
 
 /// Channels that the programs are written for: one each, but a single file with waiting codes has one per program.

@@ -80,9 +80,9 @@ fn strong_declaration_is_asked_for() {
     let code = |arguments: &[&str]| counterpoint(folder.path(), arguments).0;
     assert_eq!(code(&["check", "m.mac"]), 0);
     let (_, out, talk) = counterpoint(folder.path(), &["check", "--strong", "partial", "m.mac"]);
-    assert!(out.contains("1 errors") && talk.contains("02910026") && talk.contains("m.mac:1:1"), "{out}{talk}");
+    assert!(out.contains("errors: 1,") && talk.contains("02910026") && talk.contains("m.mac:1:1"), "{out}{talk}");
     let (_, out, _) = counterpoint(folder.path(), &["check", "--strong", "full", "m.mac"]);
-    assert!(out.contains("2 errors"), "{out}");
+    assert!(out.contains("errors: 2,"), "{out}");
     assert_eq!(code(&["check", "--strong", "partial", "m.mac", "use.mac"]), 0, "files before the last declare");
     assert_eq!(code(&["run", "--strong", "partial", "m.mac"]), 1);
     assert_eq!(code(&["check", "--strong", "some", "m.mac"]), 2);

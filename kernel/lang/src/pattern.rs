@@ -7,6 +7,7 @@
 
 mod compile;
 mod edit;
+mod literal;
 mod matcher;
 
 use crate::fault::Outcome;
@@ -77,6 +78,10 @@ enum Step {
     Done,
 }
 
+/// Memory of searches.
+#[derive(Debug, Default)]
+pub struct Memory(matcher::Memory);
+
 /// A compiled expression.
 #[derive(Clone, Debug)]
 pub struct Pattern {
@@ -112,6 +117,28 @@ impl Pattern {
     /// A malformed or oversized expression.
     pub fn new(text: &str) -> Outcome<Pattern> {
         compile::compile(text)
+    }
+
+    /// The longest text that every match contains, empty when there is none.
+    #[must_use]
+    pub fn required(&self) -> String {
+        literal::required(self)
+    }
+
+    /// As [`find`](Self::find), with memory that is used again.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn find_with(&self, text: &str, budget: &mut u64, memory: &mut Memory) -> Outcome<Option<Match>> {
+        matcher::find_with(self, text, budget, memory)
+    }
+
+    /// `template` with the groups of a match filled in.
+    #[must_use]
+    pub fn filled(template: &str, text: &str, found: &Match) -> String {
+        let mut out = String::with_capacity(template.len() + 16);
+        edit::fill(&mut out, template, text, found);
+        out
     }
 
     /// Finds the leftmost match that begins at byte `from` or later.

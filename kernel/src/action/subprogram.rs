@@ -23,20 +23,35 @@ pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
         CallForm::RepeatAndNumber if repeat.is_none() && id > 9999 => (id % 10_000, id / 10_000),
         _ => (id, 1),
     };
-    let passes = match repeat {
-        None => packed,
-        Some(count) if count < 0.0 || count.fract() != 0.0 => {
-            let text = format!("a repeat count is a whole number from 0 in '{}'", kernel.block_text());
-            kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
-            1
-        }
-        Some(count) => {
-            let count = count.min(f64::from(u32::MAX - 1)) as u32;
-            if kernel.machine.subprograms.repeat_is_executions { count } else { count + 1 }
-        }
-    };
+    let passes = repeat.map_or(packed, |count| passes(kernel, count));
     kernel.flow.pending = Some(Pending::Call { number, passes: passes.max(1), arguments: None });
     Ok(())
+}
+
+/// Call of the blocks from one sequence number to another in the current file.
+pub(super) fn call_range(kernel: &mut Kernel<'_>) -> Acted {
+    let first = kernel.take(data::CALSUB_BLOCK_START).map(|d| d.value);
+    let last = kernel.take(data::CALSUB_BLOCK_END).map(|d| d.value);
+    let repeat = kernel.take(data::RANGE_REPEAT).map(|d| d.value);
+    let number = |v: f64| (v >= 0.0 && v <= f64::from(u32::MAX) && v.fract() == 0.0).then_some(v as u32);
+    let (Some(first), Some(last)) = (first.and_then(number), last.and_then(number)) else {
+        let text = format!("a range call needs its first and last sequence number in '{}'", kernel.block_text());
+        return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
+    };
+    let passes = repeat.map_or(1, |count| passes(kernel, count));
+    kernel.flow.pending = Some(Pending::CallRange { first, last, passes: passes.max(1) });
+    Ok(())
+}
+
+/// Passes of a repeat word.
+fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
+    if count < 0.0 || count.fract() != 0.0 {
+        let text = format!("a repeat count is a whole number from 0 in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+        return 1;
+    }
+    let count = count.min(f64::from(u32::MAX - 1)) as u32;
+    if kernel.machine.subprograms.repeat_is_executions { count } else { count + 1 }
 }
 
 /// Return, optionally to a sequence number of the caller.

@@ -250,7 +250,7 @@ impl Kernel<'_> {
     pub(crate) fn text_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
         match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
             Some(text) => text.as_bytes().into(),
-            None => self.info.source(self.file).map_or(&[][..], |source| source.line(self.line)).into(),
+            None => self.current_text().into(),
         }
     }
 
@@ -261,7 +261,8 @@ impl Kernel<'_> {
         if let Some(text) = &runtime.text {
             return Value::Text(Arc::clone(text));
         }
-        let bytes = info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let bytes = self.edited.as_deref().unwrap_or_else(as_read);
         Value::Text(runtime.texts.with(|text| {
             text.clear();
             match std::str::from_utf8(bytes) {

@@ -35,7 +35,7 @@ impl Kernel<'_> {
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
         if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
-            return None;
+            return if self.plan.recall.is_some() { self.recall(id) } else { None };
         }
         self.take_word(id)
     }
@@ -55,7 +55,28 @@ impl Kernel<'_> {
             }
             return Some(Datum { value, incremental, absolute: false, raw });
         }
+        self.refuse(id);
         None
+    }
+
+    /// The last value of modal data (reference control-emulator.md 1.3).
+    fn recall(&self, id: DataId) -> Option<Datum> {
+        let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
+        let value = self.modal.value(id).filter(|_| modal)?;
+        Some(Datum { value, incremental: false, absolute: false, raw: value })
+    }
+
+    /// A word is there, but its row says that nothing may take it.
+    fn refuse(&mut self, id: DataId) {
+        let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
+        if self.block.present & refused != 0 {
+            let text = format!(
+                "{} is asked for in '{}', but its row is not processed",
+                self.machine.data_name(id),
+                self.block_text()
+            );
+            self.diagnose(&diag::DATA_REFUSED, text);
+        }
     }
 
     /// Factor from program units to machine units.

@@ -11,7 +11,7 @@ use crate::diag;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::log::event::{FileId, Kind};
-use crate::machine::model::{MainReturn, Placement};
+use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
 
 /// One running program text.
@@ -21,8 +21,12 @@ pub(crate) struct Frame {
     pub(crate) range: Range,
     /// Next line to read.
     pub(crate) next: u32,
+    /// Byte in that line where the next block begins; above 0 after a character that ends blocks.
+    pub(crate) offset: u32,
     /// Further passes after this one.
     pub(crate) repeats: u32,
+    /// The end of its text is its return (a range call).
+    pub(crate) closes: bool,
     /// It has variables of its own (a macro call).
     pub(crate) own_variables: bool,
     /// Program number, 0 for the main program, and its passes in all.
@@ -42,6 +46,15 @@ pub(crate) enum Pending {
         passes: u32,
         /// Arguments of a macro call by variable number.
         arguments: Option<Vec<(u8, f64)>>,
+    },
+    /// Call the blocks from one sequence number to another.
+    CallRange {
+        /// Sequence number of the first block.
+        first: u32,
+        /// Sequence number of the last block.
+        last: u32,
+        /// Passes, at least 1.
+        passes: u32,
     },
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
@@ -91,17 +104,13 @@ impl Kernel<'_> {
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),
+            Some(Pending::CallRange { first, last, passes }) => self.call_range(first, last, passes),
             Some(Pending::Return(target)) => self.give_back(target),
         }
     }
 
     fn call(&mut self, number: u32, passes: u32, arguments: Option<Vec<(u8, f64)>>) -> Acted {
-        let limit = usize::from(self.options.limits.nesting);
-        if self.flow.frames.len() > limit {
-            let text =
-                format!("more than {limit} subprogram levels at the call of {number} in '{}'", self.block_text());
-            return Err(self.alarm(&diag::NESTING, text));
-        }
+        self.check_nesting(|| format!("{number}"))?;
         let mut found = self.find_program(number)?;
         if self.macros.is_some() {
             match self.subprogram_startup((number, passes), 0, found)? {
@@ -114,25 +123,74 @@ impl Kernel<'_> {
                 format!("subprogram {number} is missing, called in '{}'; {}", self.block_text(), self.places(number));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let level = self.flow.frames.len() as u16;
-        let name: Box<str> = format!("O{number:04}").into();
-        self.emit(0, Kind::Call { program: name.clone(), level });
-        self.flow.caching = true;
-        self.flow.pass.effects = true;
         let own_variables = arguments.is_some();
         if let Some(arguments) = arguments {
             self.variables.enter(&arguments);
         }
-        self.flow.frames.push(Frame {
+        let name = format!("O{number:04}").into();
+        let next = range.first;
+        let repeats = passes.saturating_sub(1);
+        self.enter(Frame {
             file,
             range,
-            next: range.first,
-            repeats: passes.saturating_sub(1),
+            next,
+            offset: 0,
+            repeats,
+            closes: false,
             own_variables,
             called: (number, passes),
             name,
         });
         Ok(())
+    }
+
+    /// Blocks from the first one with a sequence number to the next one with another, both included, in the current
+    /// file (reference control-emulator.md 5.7).
+    fn call_range(&mut self, first: u32, last: u32, passes: u32) -> Acted {
+        self.check_nesting(|| format!("N{first} to N{last}"))?;
+        let info = self.info;
+        let lines = |number| info.source(self.file).map_or(&[][..], |source| source.sequence_lines(number));
+        let start = lines(first).first().copied();
+        let end = start.and_then(|start| lines(last).iter().copied().find(|&line| line >= start));
+        let (Some(first_line), Some(last_line)) = (start, end) else {
+            let text =
+                format!("there are no blocks N{first} to N{last} in the file, called in '{}'", self.block_text());
+            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        let range = Range { number: None, first: first_line, last: last_line };
+        let name = format!("N{first}-N{last}").into();
+        let (file, repeats) = (self.file, passes.saturating_sub(1));
+        let frame = Frame {
+            file,
+            range,
+            next: first_line,
+            offset: 0,
+            repeats,
+            closes: true,
+            own_variables: false,
+            called: (0, repeats + 1),
+            name,
+        };
+        self.enter(frame);
+        Ok(())
+    }
+
+    fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
+        let limit = usize::from(self.options.limits.nesting);
+        if self.flow.frames.len() <= limit {
+            return Ok(());
+        }
+        let text =
+            format!("more than {limit} subprogram levels at the call of {} in '{}'", called(), self.block_text());
+        Err(self.alarm(&diag::NESTING, text))
+    }
+
+    fn enter(&mut self, frame: Frame) {
+        let level = self.flow.frames.len() as u16;
+        self.emit(0, Kind::Call { program: frame.name.clone(), level });
+        self.flow.caching = true;
+        self.flow.pass.effects = true;
+        self.flow.frames.push(frame);
     }
 
     /// Return of a subprogram, or of the main program.
@@ -144,7 +202,7 @@ impl Kernel<'_> {
             && frame.repeats > 0
         {
             frame.repeats -= 1;
-            frame.next = frame.range.first;
+            (frame.next, frame.offset) = (frame.range.first, 0);
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
@@ -203,7 +261,7 @@ impl Kernel<'_> {
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
         let from = self.line;
         if let Some(frame) = self.frame() {
-            frame.next = line;
+            (frame.next, frame.offset) = (line, 0);
         }
         if line <= from { self.end_pass(line, from) } else { Ok(()) }
     }
@@ -230,64 +288,5 @@ impl Kernel<'_> {
         }
         self.flow.pass = Pass { key, count, clock: self.clock, effects: false, polled: false, alone };
         Ok(())
-    }
-
-    /// Looks a program up: the current file, then subprogram files, then files named after the number.
-    fn find_program(&mut self, number: u32) -> Result<Option<(FileId, Range)>, Halt> {
-        let main = self.flow.frames.first().map(|f| f.file);
-        let current = self.flow.frames.last().map(|f| f.file);
-        for file in [current, main].into_iter().flatten() {
-            if let Some(range) = self.in_file(file, number) {
-                return Ok(Some((file, range)));
-            }
-        }
-        for name in self.candidates(number) {
-            let Some(file) = self.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(&name)) else { continue };
-            let file = file as FileId;
-            self.load(file)?;
-            if let Some(range) = self.in_file(file, number) {
-                return Ok(Some((file, range)));
-            }
-            if let Some(&range) = self.info.source(file).and_then(|s| s.programs().first())
-                && range.number.is_none()
-            {
-                return Ok(Some((file, range)));
-            }
-        }
-        Ok(None)
-    }
-
-    fn in_file(&self, file: FileId, number: u32) -> Option<Range> {
-        self.info.source(file)?.programs().iter().find(|r| r.number == Some(number)).copied()
-    }
-
-    /// Names of files that may hold a subprogram, in search order.
-    fn candidates(&self, number: u32) -> Vec<String> {
-        let main = self.flow.frames.first().map_or("", |f| self.info.file_name(f.file));
-        let (folder, name) = main.rsplit_once('/').map_or(("", main), |(f, n)| (f, n));
-        let stem = name.rsplit_once('.').map_or(name, |(s, _)| s);
-        let prefix = if folder.is_empty() { String::new() } else { format!("{folder}/") };
-        let extension = &self.machine.subprograms.extension;
-        let each = format!("{prefix}{stem}_{number}.{extension}");
-        let one = format!("{prefix}{stem}.{extension}");
-        let mut out = match self.machine.subprograms.placement {
-            Placement::FileEach => vec![each, one],
-            Placement::SameFile | Placement::OneFile => vec![one, each],
-        };
-        let wanted = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), number.to_string()];
-        for file in &self.info.files {
-            let Some(rest) = file.name.strip_prefix(&prefix) else { continue };
-            let stem = rest.rsplit_once('.').map_or(rest, |(s, _)| s);
-            if wanted.iter().any(|w| w.eq_ignore_ascii_case(stem)) {
-                out.push(file.name.clone());
-            }
-        }
-        out
-    }
-
-    fn places(&self, number: u32) -> String {
-        let mut names = self.candidates(number);
-        names.truncate(2);
-        format!("looked in the program's file, {} and files named O{number:04}", names.join(", "))
     }
 }

@@ -22,7 +22,9 @@ impl Kernel<'_> {
             file,
             range,
             next: range.first,
+            offset: 0,
             repeats: 0,
+            closes: false,
             own_variables: false,
             called: (0, 1),
             name,
@@ -88,7 +90,9 @@ impl Kernel<'_> {
             _ => &diag::DEADLOCK,
         };
         let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
-        let diagnostic = Diagnostic { number: facts.number, severity: facts.severity, text: verdict.text.clone() };
+        let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
+        let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into() };
         for kind in [
             (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
             Some(Kind::Verdict(Box::new(verdict))),

@@ -24,8 +24,8 @@ impl Kernel<'_> {
     fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
         // A text of its own is compiled each time: the line number does not stand for it.
-        let own = self.macros.as_deref().is_some_and(|runtime| runtime.text.is_some());
-        if !own && let Some(line) = self.flow.compiled.get(&key) {
+        let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        if as_read && let Some(line) = self.flow.compiled.get(&key) {
             self.block.clear();
             return Ok(Arc::clone(line));
         }
@@ -37,7 +37,7 @@ impl Kernel<'_> {
         match result {
             Ok(line) => {
                 let line = Arc::new(line);
-                if self.flow.caching && !own {
+                if self.flow.caching && as_read {
                     self.flow.compiled.insert(key, Arc::clone(&line));
                 }
                 Ok(line)
@@ -210,7 +210,7 @@ impl Kernel<'_> {
 
     /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
-        let line = if self.macros.is_some() {
+        let line = if self.macros.is_some() || self.edited.is_some() {
             let text = self.text_bytes().into_owned();
             self.compiled(&text)?
         } else {

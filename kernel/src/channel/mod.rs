@@ -11,6 +11,7 @@ pub(crate) mod custom_calls;
 pub(crate) mod custom_codes;
 pub(crate) mod custom_life;
 pub(crate) mod data;
+mod diagnostics;
 pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
@@ -21,8 +22,14 @@ pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod report;
 pub(crate) mod scan;
+mod search;
+mod special;
 pub(crate) mod state;
+pub(crate) mod tape;
+mod text;
 pub(crate) mod variables;
+
+use std::sync::Arc;
 
 use block::Block;
 use emit::Emitter;
@@ -102,6 +109,12 @@ pub(crate) struct Kernel<'a> {
     pub(crate) macros: Option<Box<Runtime>>,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
+    /// How often numbers with a repeat count were raised.
+    pub(crate) raised: rustc_hash::FxHashMap<u32, u32>,
+    /// Text of the block, when it is not the line as it stands in the file.
+    pub(crate) edited: Option<Arc<[u8]>>,
+    /// Rules of the tape editor that are on, and the memory of their searches.
+    pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }
 
 impl Kernel<'_> {

@@ -1,6 +1,7 @@
 //! What is compiled once per job and shared by its kernels.
 
 use super::scan::Scanner;
+use super::tape::Tape;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::data;
@@ -28,8 +29,37 @@ pub(crate) struct Plan {
     pub(crate) speed_registers: u128,
     /// First enabled row of each code, for machines with macros.
     pub(crate) rows_of_code: Vec<Option<u16>>,
+    /// Rules of the tape editor.
+    pub(crate) tape: Option<Tape>,
+    /// A block may be something else than its line: a tape editor, or a character that ends blocks.
+    pub(crate) reshapes: bool,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
+    /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
+    pub(crate) recall: Option<Vec<bool>>,
+    /// Registers whose word an identifier must not take (`process = false`), bit by register.
+    pub(crate) refused: Vec<u128>,
+}
+
+/// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
+fn recall(machine: &Machine) -> Option<Vec<bool>> {
+    let own = ["REG_AXIS_", "REG_SPINDLE_", "REG_FEED_", "REG_RAPID_FEED", "REG_TOOL", "REG_INTERP_THREAD_PITCH"];
+    let of = |rows: &Vec<u16>| {
+        let mut rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+        rows.any(|row| row.modal && row.process && !own.iter().any(|p| machine.data_name(row.id).starts_with(p)))
+    };
+    let recall: Vec<bool> = machine.tables.rows_of_data.iter().map(of).collect();
+    recall.contains(&true).then_some(recall)
+}
+
+/// Registers of rows that are recognised but not processed.
+fn refused(machine: &Machine) -> Vec<u128> {
+    let of = |rows: &Vec<u16>| {
+        let rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
+        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 128);
+        registers.fold(0, |bits, r| bits | 1 << r)
+    };
+    machine.tables.rows_of_data.iter().map(of).collect()
 }
 
 /// A data row, cut down to what taking a value needs.
@@ -119,6 +149,10 @@ impl Plan {
                 .collect(),
             speed_registers,
             rows_of_code: rows_of_code(machine),
+            tape: Tape::new(&machine.tape_editor),
+            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
+            recall: recall(machine),
+            refused: refused(machine),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }
     }

@@ -46,6 +46,17 @@ impl Kernel<'_> {
         if text.len() > self.options.limits.block_length {
             return Err(self.too_long(text.len()));
         }
+        let held;
+        let text = if self.plan.reshapes {
+            held = self.reshape(text, line);
+            match held.as_deref() {
+                Some(text) if text.trim_ascii().is_empty() => return Ok(()),
+                Some(text) => text,
+                None => text,
+            }
+        } else {
+            text
+        };
         if self.is_rewind_stop(text) {
             return self.rewind_stop(source, line);
         }
@@ -126,6 +137,9 @@ impl Kernel<'_> {
 
     /// The text of a program ends without an end or return code.
     fn text_ends(&mut self) -> Acted {
+        if self.flow.frames.last().is_some_and(|frame| frame.closes) {
+            return self.give_back(None);
+        }
         let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
         self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
         if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Halt::End(None)) }

@@ -22,17 +22,11 @@ impl Kernel<'_> {
     }
 
     fn log_diagnostic(&mut self, facts: &Facts, text: String) {
+        let Some((severity, text)) = self.customised(facts.number, (facts.severity, facts.alarm), text) else { return };
         if self.macros.is_some() {
-            return self.issue(facts.number, facts.severity, text);
+            return self.issue(facts.number, severity, text);
         }
-        self.emit(
-            0,
-            Kind::Diagnostic(Box::new(Diagnostic {
-                number: facts.number,
-                severity: facts.severity,
-                text: text.into(),
-            })),
-        );
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number: facts.number, severity, text: text.into() })));
     }
 
     /// Logs an alarm of the control and returns what stops the channel.

@@ -4,6 +4,7 @@
 //! pass over the line, nothing copied; whatever is not a word of a register is kept as unknown text.
 
 use super::block::{Block, Word};
+use super::special::{self, Early};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 
@@ -33,6 +34,8 @@ pub(crate) struct Scanner {
     levels: u16,
     sequence: Option<u8>,
     letters: [(u8, bool); 128],
+    /// Special registers, and texts that would be read as words; `None` on most machines.
+    early: Option<Box<Early>>,
 }
 
 /// No register.
@@ -83,6 +86,7 @@ impl Scanner {
             levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
             sequence,
             letters,
+            early: Early::new(machine),
         }
     }
 
@@ -121,8 +125,14 @@ impl Scanner {
                 at += 1;
                 continue;
             }
+            if let Some(early) = &self.early
+                && let Some(next) = self.early(early, line, at, secondary, block)
+            {
+                at = next;
+                continue;
+            }
             if let Some((register, incremental)) = self.register(byte) {
-                match self.word(line, at, register, incremental, secondary, block) {
+                match self.word(line, at + 1, (at, register, incremental), secondary, block) {
                     Some(next) => {
                         at = next;
                         continue;
@@ -200,6 +210,10 @@ impl Scanner {
     fn next_inactive_mark(&self, line: &[u8], from: usize) -> usize {
         let mut at = from;
         while let Some(&byte) = line.get(at) {
+            if let Some(end) = self.comment_end(line, at) {
+                at = end;
+                continue;
+            }
             if Some(byte) == self.opskip {
                 let level = match line.get(at + 1) {
                     Some(digit @ b'1'..=b'9') => digit - b'0',
@@ -220,7 +234,7 @@ impl Scanner {
             return next;
         }
         for (text, row) in &self.texts {
-            if line.get(at..).is_some_and(|rest| rest.starts_with(text)) {
+            if special::stands(text, line, at) {
                 block.texts.push(*row);
                 return at + text.len().max(1);
             }
@@ -245,6 +259,56 @@ impl Scanner {
         end
     }
 
+    /// Place of the first character that ends a block, outside comments and messages.
+    pub(super) fn block_end(&self, line: &[u8]) -> Option<usize> {
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            if Some(byte) == self.eob {
+                return Some(at);
+            }
+            at = self.comment_end(line, at).unwrap_or(at + 1);
+        }
+        None
+    }
+
+    /// Position after the comment or message that begins at `at`: a mark inside is none.
+    fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
+        let rest = line.get(at..)?;
+        let starts = |(start, _): &&(Vec<u8>, Vec<u8>)| !start.is_empty() && rest.starts_with(start);
+        let (start, end) = [&self.comment, &self.message].into_iter().flatten().find(starts)?;
+        let close = if end.is_empty() { None } else { find(line, at + start.len(), end) };
+        Some(close.map_or(line.len(), |close| close + end.len()))
+    }
+
+    /// A special register or an early text at `at`: where to go on.
+    fn early(&self, early: &Early, line: &[u8], at: usize, secondary: bool, block: &mut Block) -> Option<usize> {
+        if !early.may_start(*line.get(at)?) {
+            return None;
+        }
+        for (text, row) in &early.texts {
+            if special::stands(text, line, at) {
+                block.texts.push(*row);
+                return Some(at + text.len());
+            }
+        }
+        for special in &early.registers {
+            if !line.get(at..)?.starts_with(&special.before) {
+                continue;
+            }
+            let (words, sequence) = (block.words.len(), block.sequence);
+            let from = at + special.before.len();
+            let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
+                continue;
+            };
+            if line.get(end..).is_some_and(|rest| rest.starts_with(&special.after)) {
+                return Some(end + special.after.len());
+            }
+            block.words.truncate(words);
+            block.sequence = sequence;
+        }
+        None
+    }
+
     fn starts_comment(&self, line: &[u8], at: usize) -> bool {
         [&self.comment, &self.message]
             .into_iter()
@@ -252,18 +316,17 @@ impl Scanner {
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
 
-    /// A word at `at`, if a number follows its letter.
+    /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
     #[inline(always)]
     fn word(
         &self,
         line: &[u8],
-        at: usize,
-        register: u8,
-        incremental: bool,
+        from: usize,
+        (at, register, incremental): (usize, u8, bool),
         secondary: bool,
         block: &mut Block,
     ) -> Option<usize> {
-        let mut cursor = at + 1;
+        let mut cursor = from;
         while matches!(line.get(cursor), Some(b' ' | b'\t')) {
             cursor += 1;
         }

@@ -38,6 +38,8 @@ diagnostics! {
     DATA_OUT_OF_RANGE 2900004 8 false "value outside the range of its table row";
     DATA_MISSING 2900005 8 false "code without a value it needs";
     TOO_MANY_DIGITS 2900006 4 false "more digits than the register's format";
+    DATA_REFUSED 2900007 8 false "word that an action asks for and whose row is not processed";
+    TAPE_RULE 2900008 8 false "rule of the tape editor that needs too many steps on a block";
     COMMENT_OPEN 2900010 4 false "comment or message without its end";
     NO_REWIND_STOP 2900012 0 false "program without the expected rewind-stop";
     REWIND_STOP_INSIDE 2900013 4 false "rewind-stop inside the program";

@@ -8,6 +8,7 @@ pub mod finding;
 pub mod ident;
 mod load;
 pub mod model;
+pub mod number;
 pub mod package;
 pub mod show;
 pub mod tables;

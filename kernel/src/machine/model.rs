@@ -58,8 +58,62 @@ pub struct Machine {
     pub work_offsets: Vec<Vec<f64>>,
     /// Macros, none if the machine has none.
     pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
+    /// Rules that change the text of every block before anything else, in order.
+    pub tape_editor: Vec<TapeRule>,
+    /// What the machine changes about diagnostics.
+    pub diagnostics: Diagnostics,
+    /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
+    pub storage: Vec<StoredFile>,
     /// Dense lookups compiled from the rows.
     pub tables: Tables,
+}
+
+/// What a machine changes about diagnostics.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Diagnostics {
+    /// Rules, ascending by number.
+    pub rules: Vec<DiagnosticRule>,
+    /// Diagnostics below this severity are not logged.
+    pub min_severity: u8,
+}
+
+/// What a machine changes about one number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DiagnosticRule {
+    /// The number; one of the kernel, or one of the machine's own.
+    pub number: u32,
+    /// Severity 0–99 instead of the built-in one.
+    pub severity: Option<u8>,
+    /// Text instead of the built-in one; `!(*)` in it is the built-in text.
+    pub text: Option<String>,
+    /// `false` = never shown.
+    pub enable: bool,
+    /// How often a channel shows it.
+    pub repeat: Option<u32>,
+}
+
+/// A file stored with the machine; it is never written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredFile {
+    /// Path below `//ICAMFS/`.
+    pub path: String,
+    /// Content.
+    pub content: crate::files::Bytes,
+}
+
+/// A rule of the tape editor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TapeRule {
+    /// Expression in the dialect of `ed`; it is correct.
+    pub find: String,
+    /// What takes the place of its first match, `\1` to `\9` are groups.
+    pub replace: String,
+    /// Switched on at program start.
+    pub on: bool,
+    /// Line in `file`.
+    pub line: u32,
+    /// File where it is defined.
+    pub file: String,
 }
 
 /// Kind of machine.
@@ -123,12 +177,24 @@ pub struct Register {
     pub name: String,
     /// Second name: incremental form.
     pub second: Option<String>,
+    /// Text before the number; the name itself for a regular register.
+    pub before: String,
+    /// Text after the number, empty for a regular register.
+    pub after: String,
     /// Number format in primary units.
     pub format: NumberFormat,
     /// Number format in secondary units.
     pub secondary: NumberFormat,
     /// Values may be negative.
     pub signed: bool,
+}
+
+impl Register {
+    /// One capital letter and nothing after the number; everything else is a special register.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        self.after.is_empty() && matches!(self.before.as_bytes(), [letter] if letter.is_ascii_uppercase())
+    }
 }
 
 /// Format of a register's number.

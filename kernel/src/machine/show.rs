@@ -3,10 +3,11 @@
 //! Invariant: both are made from the checked machine alone, so they show what the control will do, families and
 //! defaults included.
 
+mod groups;
 mod json;
 mod text;
 
-pub use json::json;
+pub use json::{json, part as json_part};
 
 use super::model::Machine;
 
@@ -27,6 +28,10 @@ pub enum Show {
     Axes,
     /// Channels and spindles.
     Channels,
+    /// Modal groups with their codes.
+    Groups,
+    /// Macros the machine declares.
+    Macros,
 }
 
 /// The machine, or a part of it, as aligned tables.
@@ -34,7 +39,8 @@ pub enum Show {
 pub fn show(machine: &Machine, what: Show) -> String {
     match what {
         Show::All => {
-            let parts = [Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Data];
+            let parts =
+                [Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Groups, Show::Data];
             parts.map(|part| show(machine, part)).join("\n")
         }
         Show::Summary => text::summary(machine),
@@ -43,7 +49,41 @@ pub fn show(machine: &Machine, what: Show) -> String {
         Show::Data => text::data(machine),
         Show::Axes => text::axes(machine),
         Show::Channels => text::channels(machine),
+        Show::Groups => groups::text(machine),
+        Show::Macros => text::macros(machine),
     }
+}
+
+/// Code rows as the emulated control lists them: by register, then by value, texts after them, at last the rows
+/// without a written form.
+fn sorted_codes(machine: &Machine) -> Vec<&super::model::CodeRow> {
+    use super::model::CodeForm;
+    let place = |form: &CodeForm| match form {
+        CodeForm::Register { register, min, max } | CodeForm::RegisterAsData { register, min, max, .. } => {
+            (0, *register, *min, *max)
+        }
+        CodeForm::Text(_) => (1, 0, 0.0, 0.0),
+        CodeForm::NotApplicable => (2, 0, 0.0, 0.0),
+    };
+    let mut rows: Vec<_> = machine.codes.iter().collect();
+    rows.sort_by(|a, b| {
+        let (a_place, b_place) = (place(&a.form), place(&b.form));
+        let texts = |row: &super::model::CodeRow| match &row.form {
+            CodeForm::Text(text) => text.clone(),
+            _ => String::new(),
+        };
+        a_place
+            .partial_cmp(&b_place)
+            .unwrap_or(std::cmp::Ordering::Equal)
+            .then_with(|| texts(a).cmp(&texts(b)))
+            .then(a.order.cmp(&b.order))
+    });
+    rows
+}
+
+/// A row is a second form of its identifier: an earlier row of the file has it too.
+fn is_alias(machine: &Machine, row: &super::model::CodeRow) -> bool {
+    machine.codes.iter().take_while(|other| !std::ptr::eq(*other, row)).any(|other| other.id == row.id)
 }
 
 /// Name of a register by index.
@@ -117,6 +157,39 @@ Z2    Z       REG_AXIS_Z   Z       -         24000  -             500   -
         assert!(line("CODE_SYNC_REG").contains("M100-M199"));
         assert!(line("CODE_SYNC_REG").contains("fanuc-2path-lathe/machine.toml:"));
         assert!(line("CODE_COMP_WORKP_ON").contains("REG_COMP_WORKP"));
+    }
+
+    #[test]
+    fn codes_stand_by_register_and_value() {
+        let codes = show(&lathe(), Show::Codes);
+        let words: Vec<&str> = codes.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
+        assert_eq!(words.first(), Some(&"G0"));
+        let place = |word: &str| words.iter().position(|w| *w == word).unwrap();
+        assert!(place("G9") < place("G17") && place("G54-G59") < place("G96") && place("G99") < place("M0"));
+    }
+
+    #[test]
+    fn groups_have_a_heading_and_their_start_code() {
+        let groups = show(&lathe(), Show::Groups);
+        let lines: Vec<&str> = groups.lines().collect();
+        assert!(lines.first().is_some_and(|line| line.starts_with("group  word")), "{groups}");
+        assert!(
+            lines.iter().any(|line| line.starts_with("1      G0") && line.ends_with("active at start")),
+            "{groups}"
+        );
+        assert!(lines.iter().any(|line| line.starts_with("motion") || line.contains("  motion")), "{groups}");
+        assert!(!groups.contains("CODE_DELAY"), "group 0 is no group");
+    }
+
+    #[test]
+    fn a_part_as_json_has_only_that_part() {
+        let value = json_part(&lathe(), Show::Groups);
+        assert_eq!(value["groups"][0]["group"], 1);
+        assert_eq!(value["groups"][0]["start"], "CODE_RAPID");
+        assert_eq!(value["groups"][0]["codes"][0]["word"], "G0");
+        assert_eq!(value.as_object().map(serde_json::Map::len), Some(1));
+        assert_eq!(json_part(&lathe(), Show::Codes)["codes"][0]["word"], "G0");
+        assert!(json_part(&lathe(), Show::Macros)["macros"].is_array());
     }
 
     #[test]

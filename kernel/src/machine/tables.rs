@@ -247,7 +247,8 @@ fn letters(registers: &[Register]) -> [LetterEntry; 128] {
     let mut letters = [None; 128];
     for (register, incremental) in [(registers, true), (registers, false)] {
         for (index, definition) in (0u8..).zip(register) {
-            let name = if incremental { definition.second.as_deref() } else { Some(definition.name.as_str()) };
+            let name = if incremental { definition.second.as_deref() } else { Some(definition.before.as_str()) };
+            let name = name.filter(|_| definition.after.is_empty());
             if let Some(slot) = name.and_then(single_capital).and_then(|byte| letters.get_mut(usize::from(byte))) {
                 *slot = Some((index, incremental));
             }
@@ -312,7 +313,8 @@ mod tests {
         let format =
             NumberFormat { whole: 4, frac: 3, point: Point::Keep, lead: Zeros::Omit, trail: Zeros::Omit, plus: false };
         let second = second.map(str::to_owned);
-        Register { index: 1, name: name.into(), second, format, secondary: format, signed: true }
+        let (before, after) = (name.into(), String::new());
+        Register { index: 1, name: name.into(), second, before, after, format, secondary: format, signed: true }
     }
 
     fn code(register: u8, min: f64, max: f64, order: u16) -> CodeRow {

@@ -14,6 +14,7 @@ use crate::job::{Program, Spec};
 use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
+use crate::machine::model::{Format, RewindStop, StoredFile};
 
 /// Assigns the programs of a job.
 pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
@@ -92,13 +93,18 @@ fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Ve
         table.push(File { name: program.file.clone(), source: OnceLock::from(source) });
     }
     for name in files.list() {
-        if table.len() >= usize::from(u16::MAX) {
+        if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
             findings.push(Finding::error("job", 0, 0, "a job can have 65534 files at most"));
             break;
         }
         if !table.iter().any(|f| f.name == name) {
             table.push(File { name, source: OnceLock::new() });
         }
+    }
+    for stored in &spec.machine.storage {
+        let name = format!("{}{}", StoredFile::ROOT, stored.path);
+        let source = Some(Arc::new(Source::new(name.clone(), stored.content.clone())));
+        table.push(File { name, source: OnceLock::from(source) });
     }
     table
 }
@@ -142,7 +148,11 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        candidates.extend(ranges.into_iter().map(|range| Candidate { wish, file, range: opening(source, range) }));
+        candidates.extend(ranges.into_iter().map(|range| Candidate {
+            wish,
+            file,
+            range: opening(source, range, &spec.machine.format),
+        }));
     }
     candidates
 }
@@ -205,15 +215,19 @@ fn mains(source: &Source) -> Vec<Range> {
     mains
 }
 
-/// The first program of a file begins at the rewind-stop before it, so that the listing shows that line.
-fn opening(source: &Source, range: Range) -> Range {
-    let is_stop = |n: &u32| source.line(*n).trim_ascii() == b"%";
+/// The first program of a file begins at the rewind-stop before it, so that the listing shows that line. Where a
+/// rewind-stop is expected before the program, one that stands only at the end leaves nothing to do (reference
+/// control-emulator.md 5.1).
+pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
+    let rws = format.rws.as_bytes();
+    let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
+    let expected = format.rws_at == RewindStop::Start;
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
     let stop = if range.number.is_none() {
         // A text without definition word begins at its first rewind-stop, if that is not its end.
         (range.first..=range.last)
             .find(is_stop)
-            .filter(|line| (line + 1..=range.last).any(|n| !source.line(n).trim_ascii().is_empty()))
+            .filter(|line| expected || (line + 1..=range.last).any(|n| !source.line(n).trim_ascii().is_empty()))
     } else if first_program {
         (1..range.first).rev().find(is_stop)
     } else {

@@ -12,6 +12,7 @@ pub(crate) mod tag;
 pub(crate) mod verdict;
 pub(crate) mod waits;
 
+use counterpoint_lang::pattern::Memory;
 use crossbeam_channel::Sender;
 
 use coordinator::Coordinator;
@@ -339,6 +340,9 @@ impl<'a> Shop<'a> {
             meetings: Known::default(),
             macros: None,
             stripped: Vec::new(),
+            raised: rustc_hash::FxHashMap::default(),
+            edited: None,
+            tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros()
     }

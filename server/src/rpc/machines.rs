@@ -129,20 +129,15 @@ fn summary(definition: &Definition, checked: &Checked) -> v1::MachineSummary {
 }
 
 fn shown(machine: &Machine, section: v1::MachineSection, json: bool) -> String {
-    let (part, keys): (Show, &[&str]) = match section {
+    let part = match section {
         v1::MachineSection::Unspecified => return String::new(),
-        v1::MachineSection::All => (Show::All, &[]),
-        v1::MachineSection::Codes => (Show::Codes, &["codes"]),
-        v1::MachineSection::Data => (Show::Data, &["data"]),
-        v1::MachineSection::Axes => (Show::Axes, &["axes"]),
-        v1::MachineSection::Channels => (Show::Channels, &["channels", "spindles"]),
+        v1::MachineSection::All => Show::All,
+        v1::MachineSection::Codes => Show::Codes,
+        v1::MachineSection::Data => Show::Data,
+        v1::MachineSection::Axes => Show::Axes,
+        v1::MachineSection::Channels => Show::Channels,
+        v1::MachineSection::Groups => Show::Groups,
+        v1::MachineSection::Macros => Show::Macros,
     };
-    if !json {
-        return show::show(machine, part);
-    }
-    let mut value = show::json(machine);
-    if let (false, Some(object)) = (keys.is_empty(), value.as_object_mut()) {
-        object.retain(|key, _| keys.contains(&key.as_str()));
-    }
-    format!("{value:#}\n")
+    if json { format!("{:#}\n", show::json_part(machine, part)) } else { show::show(machine, part) }
 }

@@ -28,7 +28,7 @@ fn matches(pattern: &Pattern, text: &str, mut each: impl FnMut(&Match) -> bool) 
 }
 
 /// Appends `template` with `\1` to `\9` filled in.
-fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
+pub(super) fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
     let mut rest = template;
     while let Some((plain, escaped)) = rest.split_once('\\') {
         out.push_str(plain);

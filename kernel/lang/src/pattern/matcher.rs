@@ -8,6 +8,7 @@ use crate::fault::{Fault, Outcome};
 
 const NONE: usize = usize::MAX;
 
+#[derive(Debug)]
 enum Back {
     /// Go on with a step at a place.
     Branch(usize, usize),
@@ -52,6 +53,29 @@ impl<'a> Search<'a> {
         }
         Ok(None)
     }
+}
+
+/// Slots and stack of a search, kept for the next one.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    slots: Vec<usize>,
+    stack: Vec<Back>,
+}
+
+/// Finds the leftmost match; allocates nothing once the memory has grown.
+pub(super) fn find_with(
+    pattern: &Pattern,
+    text: &str,
+    budget: &mut u64,
+    memory: &mut super::Memory,
+) -> Outcome<Option<Match>> {
+    let Memory { mut slots, stack } = std::mem::take(&mut memory.0);
+    slots.clear();
+    slots.resize(pattern.slots, NONE);
+    let mut search = Search { pattern, text, slots, stack };
+    let found = search.find(0, budget);
+    memory.0 = Memory { slots: search.slots, stack: search.stack };
+    found
 }
 
 /// Place of the next character of a class.

@@ -70,3 +70,37 @@ fn malformed_and_hostile_expressions_are_refused() {
     assert!(Pattern::new("\\(a\\{255\\}b\\)\\{255\\}").is_ok());
     assert!(Pattern::new("\\(\\(\\(\\(ab\\)\\{200\\}\\)\\{200\\}\\)\\{200\\}\\)").is_err());
 }
+
+#[test]
+fn every_match_contains_the_required_text() {
+    let cases = [
+        ("^%$", "%"),
+        ("G71", "G71"),
+        ("G7*1", "G"),
+        ("M0*8", "M"),
+        ("\\(AB\\)*C", "C"),
+        ("\\(AB\\)\\{1,2\\}CD", "AB"),
+        ("X[0-9]*YZ", "YZ"),
+        ("[0-9]*", ""),
+        ("AB.CDE", "CDE"),
+    ];
+    for (pattern, literal) in cases {
+        let required = Pattern::new(pattern).unwrap().required();
+        assert!(required == literal || literal.contains(&required) && !required.is_empty(), "{pattern}: {required}");
+    }
+    assert_eq!(Pattern::new("[0-9]*").unwrap().required(), "");
+}
+
+#[test]
+fn memory_can_be_used_again() {
+    let mut memory = Memory::default();
+    let pattern = Pattern::new("\\(G\\)\\([0-9]*\\)").unwrap();
+    for text in ["N1 G54", "N2", "G1"] {
+        let mut budget = STEPS;
+        let again = pattern.find_with(text, &mut budget, &mut memory).unwrap();
+        assert_eq!(again, pattern.find(text, 0, &mut STEPS.clone()).unwrap(), "{text}");
+        if let Some(found) = again {
+            assert!(Pattern::filled("<\\2>", text, &found).starts_with('<'));
+        }
+    }
+}

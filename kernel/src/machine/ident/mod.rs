@@ -86,6 +86,43 @@ pub fn data_facts(id: DataId) -> Option<&'static DataFacts> {
 mod tests {
     use super::*;
 
+    /// The annex as it is printed: one line an identifier, tabs between, a heading.
+    #[test]
+    fn the_tables_are_the_documented_annex() {
+        let yes = |flag: bool| if flag { "yes" } else { "no" };
+        let mut annex = String::from("identifier\tgroup\torder\tbuilt_in\n");
+        for f in codes::TABLE.iter().filter(|f| !f.own) {
+            annex += &format!("{}\t{}\t{}\t{}\n", f.name, f.group, f.order, yes(f.built_in));
+        }
+        assert_eq!(annex.lines().count(), 438);
+        assert_eq!(
+            blake3::hash(annex.as_bytes()).to_hex().as_str(),
+            "f1443202b17c98c3bc98b7f25fed9616307694a1775e0930e7f1dbeca667b501"
+        );
+        let mut annex = String::from("identifier\tbuilt_in\n");
+        for f in data::TABLE.iter().filter(|f| !f.own) {
+            annex += &format!("{}\t{}\n", f.name, yes(f.built_in));
+        }
+        assert_eq!(annex.lines().count(), 212);
+        assert_eq!(
+            blake3::hash(annex.as_bytes()).to_hex().as_str(),
+            "625893ab05509500d24b6208bb50038a7ba51b64fdad5dcc02c8f99cc4e63908"
+        );
+    }
+
+    #[test]
+    fn orders_follow_the_documented_bands() {
+        for f in codes::TABLE {
+            assert!((1..=999).contains(&f.order) && f.group <= 999, "{}", f.name);
+        }
+        let of = |name: &str| code(name).and_then(code_facts).map(|f| (f.group, f.order)).unwrap();
+        assert_eq!(of("CODE_GOHOME").1, 450);
+        assert_eq!(of("CODE_INTERP_DEF_CLW").1, 600);
+        assert_eq!((of("CODE_SPINDLE_CLW"), of("CODE_SPINDLE_OFF")), ((64, 300), (64, 700)));
+        assert_eq!((of("CODE_STOP").1, of("CODE_REWIND").1, of("CODE_END").1), (900, 900, 900));
+        assert_eq!((of("CODE_PLANE_XY").0, of("CODE_UNITS_PRIMARY").0, of("CODE_CYCLE_DRILL").0), (2, 6, 9));
+    }
+
     #[test]
     fn constants_stand_where_their_names_stand() {
         assert_eq!(code("CODE_RAPID"), Some(codes::RAPID));

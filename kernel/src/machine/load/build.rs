@@ -4,8 +4,8 @@
 
 use super::chain::Merged;
 use super::names::Names;
-use super::{axes, channels, codes, data, format, head, initial, macros, overlap, registers, spindles};
-use super::{subprograms, sync, time, tool, variables};
+use super::{axes, channels, codes, data, diagnostics, format, head, initial, macros, overlap, registers, spindles};
+use super::{storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
 use crate::machine::model::Machine;
 use crate::machine::tables::Tables;
@@ -39,6 +39,9 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let macros = macros::read(&mut top, &names, &codes, files);
+    let tape_editor = tape::read(&mut top);
+    let diagnostics = diagnostics::read(&mut top, files);
+    let storage = storage::read(&mut top, files);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -67,6 +70,9 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tool,
         work_offsets,
         macros,
+        tape_editor,
+        diagnostics,
+        storage,
         tables,
     }
 }

@@ -10,16 +10,21 @@ mod channels;
 mod codes;
 mod data;
 mod defaults;
+mod diagnostics;
 mod format;
 mod head;
 mod initial;
 mod macros;
 mod names;
 mod overlap;
+mod questionnaire;
+mod questions;
 mod registers;
 mod spindles;
+mod storage;
 mod subprograms;
 mod sync;
+mod tape;
 mod time;
 mod tool;
 mod values;
@@ -48,7 +53,10 @@ pub struct Loaded {
 #[must_use]
 pub fn load(files: &dyn Files, folder: &str) -> Loaded {
     let check = Check::default();
-    let machine = chain::read(files, folder, &check).map(|merged| build::machine(&merged, files, &check));
+    let machine = chain::read(files, folder, &check).map(|mut merged| {
+        questionnaire::expand(&mut merged.table, &check);
+        build::machine(&merged, files, &check)
+    });
     let findings = check.into_findings();
     let usable = !findings.iter().any(|finding| finding.error);
     Loaded { machine: machine.filter(|_| usable), findings }

@@ -41,11 +41,46 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     if let Some(other) = known.iter().find(|other| other.index == index) {
         row.error("index", format!("index {index} already belongs to register {}", other.name));
     }
+    let before = special_text(&mut row, "before").or_else(|| name.as_deref().map(characters));
+    let after = special_text(&mut row, "after").unwrap_or_default();
+    let second = second.as_deref().map(characters);
     let format = number_format(&mut row);
     let secondary = secondary_format(&mut row, format);
     let signed = row.flag("signed").unwrap_or(false);
     row.finish();
-    Some(Register { index, name: name?, second, format, secondary, signed })
+    Some(Register { index, name: name?, second, before: before?, after, format, secondary, signed })
+}
+
+/// Text around the number of a special register; the empty text is one.
+fn special_text(row: &mut Section<'_>, key: &'static str) -> Option<String> {
+    let text = characters(row.text(key)?);
+    if text.len() > 16 || text.ends_with(|c: char| key == "before" && (c.is_ascii_digit() || c == '.')) {
+        row.error(key, format!("`{key}` must be up to 16 characters, and not end in a digit before the number"));
+        return None;
+    }
+    Some(text)
+}
+
+/// `^nnn` is the character with this number.
+fn characters(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((plain, code)) = rest.split_once('^') {
+        out.push_str(plain);
+        let number = code.get(..3).filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()));
+        match number.and_then(|digits| digits.parse::<u8>().ok()) {
+            Some(number) => {
+                out.push(char::from(number));
+                rest = code.get(3..).unwrap_or_default();
+            }
+            None => {
+                out.push('^');
+                rest = code;
+            }
+        }
+    }
+    out.push_str(rest);
+    out
 }
 
 fn register_name(row: &mut Section<'_>, key: &'static str) -> Option<String> {

@@ -1,9 +1,11 @@
 //! Tests of loading: what is reported, where, and what the shipped machines come out as.
 
 mod chains;
+mod diagnostics;
 mod mistakes;
 mod mistakes_in_rows;
 mod nonsense;
+mod questionnaire;
 mod shipped;
 
 use super::*;

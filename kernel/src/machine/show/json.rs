@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use super::{axis, register, word, written};
+use super::{Show, axis, register, sorted_codes, word, written};
 use crate::machine::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Machine, NumberFormat, Register};
 
 /// The whole machine.
@@ -21,7 +21,9 @@ pub fn json(machine: &Machine) -> Value {
         "preprocessor": word(machine.preprocessor),
         "format": format(machine),
         "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
-        "codes": machine.codes.iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
+        "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
+        "groups": super::groups::json(machine),
+        "macros": Vec::<Value>::new(),
         "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
         "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
         "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
@@ -34,6 +36,27 @@ pub fn json(machine: &Machine) -> Value {
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })
+}
+
+/// One part of the machine, under its key.
+#[must_use]
+pub fn part(machine: &Machine, what: Show) -> Value {
+    let keys: &[&str] = match what {
+        Show::All => return json(machine),
+        Show::Summary => &["name", "number", "revision", "description", "units", "type", "format", "sync", "time"],
+        Show::Registers => &["registers"],
+        Show::Codes => &["codes"],
+        Show::Data => &["data"],
+        Show::Axes => &["axes"],
+        Show::Channels => &["channels", "spindles"],
+        Show::Groups => &["groups"],
+        Show::Macros => &["macros"],
+    };
+    let mut value = json(machine);
+    if let Some(object) = value.as_object_mut() {
+        object.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    value
 }
 
 fn format(machine: &Machine) -> Value {
@@ -64,6 +87,8 @@ fn register_json(register: &Register) -> Value {
         "index": register.index,
         "name": register.name,
         "second": register.second,
+        "before": register.before,
+        "after": register.after,
         "format": number_format(&register.format),
         "secondary": number_format(&register.secondary),
         "signed": register.signed,

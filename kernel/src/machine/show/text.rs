@@ -6,18 +6,18 @@ use super::{axis, register, word, written};
 use crate::machine::model::{CodeForm, Machine, NumberFormat};
 
 /// Rows of cells with a heading, aligned to the left.
-struct Grid(Vec<Vec<String>>);
+pub(super) struct Grid(Vec<Vec<String>>);
 
 impl Grid {
-    fn new(heading: &[&str]) -> Self {
+    pub(super) fn new(heading: &[&str]) -> Self {
         Self(vec![heading.iter().map(|cell| (*cell).to_owned()).collect()])
     }
 
-    fn row<const N: usize>(&mut self, cells: [String; N]) {
+    pub(super) fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.0.push(cells.into());
     }
 
-    fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let columns = self.0.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
             self.0.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
@@ -123,7 +123,7 @@ pub(super) fn codes(machine: &Machine) -> String {
     let heading =
         ["word", "code", "order", "group", "modality", "as data", "scaling", "if", "seconds", "notes", "defined"];
     let mut grid = Grid::new(&heading);
-    for (index, row) in machine.codes.iter().enumerate() {
+    for row in super::sorted_codes(machine) {
         let data = match &row.form {
             CodeForm::RegisterAsData { data, .. } => machine.data_name(*data).to_owned(),
             _ => String::new(),
@@ -136,8 +136,7 @@ pub(super) fn codes(machine: &Machine) -> String {
         if !row.without.is_empty() {
             conditions.push(format!("without {}", names(&row.without)));
         }
-        let again = machine.codes.iter().take(index).any(|other| other.id == row.id);
-        let notes = [(again, "alias"), (!row.enable, "off"), (!row.process, "swallowed")];
+        let notes = [(super::is_alias(machine, row), "alias"), (!row.enable, "off"), (!row.process, "swallowed")];
         let notes: Vec<&str> = notes.iter().filter(|(on, _)| *on).map(|(_, note)| *note).collect();
         grid.row([
             written(machine, &row.form),
@@ -159,7 +158,9 @@ pub(super) fn codes(machine: &Machine) -> String {
 pub(super) fn data(machine: &Machine) -> String {
     let heading = ["register", "data", "modal", "min", "max", "scaling", "dimension", "notes", "defined"];
     let mut grid = Grid::new(&heading);
-    for row in &machine.data {
+    let mut rows: Vec<_> = machine.data.iter().collect();
+    rows.sort_by_key(|row| row.register.unwrap_or(u8::MAX));
+    for row in rows {
         let notes = [(!row.enable, "off"), (!row.process, "swallowed")];
         let notes: Vec<&str> = notes.iter().filter(|(on, _)| *on).map(|(_, note)| *note).collect();
         grid.row([
@@ -218,4 +219,10 @@ pub(super) fn channels(machine: &Machine) -> String {
         ]);
     }
     format!("{}\n{}", grid.text(), spindles.text())
+}
+
+/// What `[macros]` declares. The model holds no macros yet; whoever adds them lists one row each here and one object
+/// each in [`super::json_part`].
+pub(super) fn macros(_machine: &Machine) -> String {
+    Grid::new(&["macro", "name", "on", "codes", "file"]).text()
 }

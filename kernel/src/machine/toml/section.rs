@@ -53,6 +53,11 @@ impl<'a> Section<'a> {
         self.check.error(self.place_of(key), text);
     }
 
+    /// An error at another place, for files that a key names.
+    pub(in crate::machine) fn error_at(&self, place: &Place, text: impl Into<String>) {
+        self.check.error(place, text);
+    }
+
     /// Text.
     pub(in crate::machine) fn text(&mut self, key: &'static str) -> Option<&'a str> {
         let node = self.node(key)?;

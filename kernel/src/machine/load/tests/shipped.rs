@@ -57,15 +57,21 @@ G21 CODE_UNITS_PRIMARY 100 6
 G28 CODE_GOHOME 450 0
 G29 CODE_GOHOME_RETURN 450 0
 G30 CODE_GOHOME_NTH 450 0
+G32 CODE_INTERP_THREAD 500 1
 G40 CODE_COMP_DIAM_OFF 100 7
 G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
+G50 CODE_SPINDLE_MAXRPM 100 0
+G50 CODE_POSITION_PRESET 450 0
 G53 CODE_POSITION_MACHINE 100 0
 G54-G59 CODE_COMP_WORKP_ON 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
 G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
+G98 CODE_FEED_UPM 100 5
+G99 CODE_FEED_UPR 100 5
+T0-T99999999 CODE_TOOL_LOAD 700 0
 M0 CODE_STOP 900 0
 M1 CODE_OPSTOP 900 0
 M2 CODE_END 900 0
@@ -78,12 +84,6 @@ M19 CODE_SPINDLE_ORIENT 700 64
 M30 CODE_REWIND 900 0
 M98 CODE_CALSUB_ID 300 0
 M99 CODE_CALSUB_RETURN 300 0
-G32 CODE_INTERP_THREAD 500 1
-G50 CODE_SPINDLE_MAXRPM 100 0
-G50 CODE_POSITION_PRESET 450 0
-G98 CODE_FEED_UPM 100 5
-G99 CODE_FEED_UPR 100 5
-T0-T99999999 CODE_TOOL_LOAD 700 0
 M100-M199 CODE_SYNC_REG 100 0
 ";
     let table = show(&lathe, Show::Codes);
@@ -110,6 +110,7 @@ fn the_two_path_lathe_has_these_data() {
         "O REG_DEFSUB_ID - - none",
         "N REG_SEQNO - - none",
         "X REG_AXIS_X yes - length",
+        "X REG_DELAY - - time",
         "Y REG_AXIS_Y yes - length",
         "Z REG_AXIS_Z yes - length",
         "C REG_AXIS_CT yes - angle",
@@ -117,19 +118,18 @@ fn the_two_path_lathe_has_these_data() {
         "J REG_ARC_CENTER_Y - - length",
         "K REG_ARC_CENTER_Z - - length",
         "R REG_ARC_RADIUS - - length",
-        "F REG_FEED_UPM yes - feed",
-        "F REG_FEED_UPR yes - feed",
-        "S REG_SPINDLE_RPM yes - none",
-        "S REG_SPINDLE_CSS yes - surface-speed",
-        "X REG_DELAY - - time",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
-        "L REG_CALSUB_REPEAT - - none",
-        "S REG_SPINDLE_RPM_MAX yes - none",
-        "F REG_INTERP_THREAD_PITCH yes - length",
-        "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
         "P REG_SYNC_PATHS - - none",
+        "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
+        "L REG_CALSUB_REPEAT - - none",
+        "F REG_FEED_UPM yes - feed",
+        "F REG_FEED_UPR yes - feed",
+        "F REG_INTERP_THREAD_PITCH yes - length",
+        "S REG_SPINDLE_RPM yes - none",
+        "S REG_SPINDLE_CSS yes - surface-speed",
+        "S REG_SPINDLE_RPM_MAX yes - none",
     ];
     assert_eq!(rows, expected);
 }

@@ -1,0 +1,101 @@
+//! What the machine makes of a diagnostic before it is logged.
+//!
+//! Facts: reference control-emulator.md 7.5. Invariant: whether a diagnostic stops the channel does not depend on it.
+
+use super::Kernel;
+use crate::machine::model::{DiagnosticRule, Diagnostics};
+
+/// The machine's own text for what the kernel says.
+const ORIGINAL: &str = "!(*)";
+
+impl Diagnostics {
+    /// Nothing is changed.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.rules.is_empty() && self.min_severity == 0
+    }
+
+    /// Rule of a number.
+    #[must_use]
+    pub fn rule(&self, number: u32) -> Option<&DiagnosticRule> {
+        let index = self.rules.binary_search_by_key(&number, |rule| rule.number).ok()?;
+        self.rules.get(index)
+    }
+
+    /// Severity and text of a diagnostic on this machine, `None` when it is switched off or below the floor. `before`
+    /// counts how often the number was raised before; the last one that is shown says so.
+    #[must_use]
+    pub fn custom(&self, number: u32, severity: u8, text: String, before: u32) -> Option<(u8, String)> {
+        let rule = self.rule(number);
+        let severity = rule.and_then(|rule| rule.severity).unwrap_or(severity);
+        if severity < self.min_severity {
+            return None;
+        }
+        let Some(rule) = rule else { return Some((severity, text)) };
+        if !rule.enable || rule.repeat.is_some_and(|most| before >= most) {
+            return None;
+        }
+        let mut text = match &rule.text {
+            Some(own) => own.replace(ORIGINAL, &text),
+            None => text,
+        };
+        if rule.repeat == Some(before.saturating_add(1)) {
+            text.push_str(" (further ones are not shown)");
+        }
+        Some((severity, text))
+    }
+}
+
+impl Kernel<'_> {
+    /// Severity and text of a diagnostic on this machine; an alarm is never lost.
+    pub(super) fn customised(
+        &mut self,
+        number: u32,
+        (severity, alarm): (u8, bool),
+        text: String,
+    ) -> Option<(u8, String)> {
+        let table = &self.machine.diagnostics;
+        if table.is_plain() {
+            return Some((severity, text));
+        }
+        let before = if table.rule(number).is_some_and(|rule| rule.repeat.is_some()) {
+            let count = self.raised.entry(number).or_insert(0);
+            *count = count.saturating_add(1);
+            count.saturating_sub(1)
+        } else {
+            0
+        };
+        let kept = alarm.then(|| (severity, text.clone()));
+        table.custom(number, severity, text, before).or(kept)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(rule: DiagnosticRule, min_severity: u8) -> Diagnostics {
+        Diagnostics { rules: vec![rule], min_severity }
+    }
+
+    fn rule() -> DiagnosticRule {
+        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None }
+    }
+
+    #[test]
+    fn severity_text_and_floor() {
+        let own = table(DiagnosticRule { severity: Some(9), text: Some("see: !(*)".into()), ..rule() }, 4);
+        assert_eq!(own.custom(7, 4, "x".into(), 0), Some((9, "see: x".into())));
+        assert_eq!(own.custom(8, 4, "y".into(), 0), Some((4, "y".into())));
+        assert_eq!(own.custom(8, 3, "y".into(), 0), None);
+        assert_eq!(table(DiagnosticRule { enable: false, ..rule() }, 0).custom(7, 15, "x".into(), 0), None);
+    }
+
+    #[test]
+    fn the_last_one_of_a_repeat_count_says_so() {
+        let two = table(DiagnosticRule { repeat: Some(2), ..rule() }, 0);
+        assert_eq!(two.custom(7, 4, "x".into(), 0), Some((4, "x".into())));
+        assert_eq!(two.custom(7, 4, "x".into(), 1), Some((4, "x (further ones are not shown)".into())));
+        assert_eq!(two.custom(7, 4, "x".into(), 2), None);
+    }
+}

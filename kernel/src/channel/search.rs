@@ -1,0 +1,163 @@
+//! Where a called program is looked for.
+//!
+//! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
+//! machine, then (this project's choice) the other places and files beside the program that are named after the number.
+
+use super::{Halt, Kernel};
+use crate::log::event::FileId;
+use crate::machine::model::{Placement, StoredFile};
+use crate::machine::number::written;
+use crate::mcd::layout::opening;
+use crate::mcd::program::Range;
+
+/// A place to look in.
+enum Look {
+    /// A file that is loaded: by definition word.
+    Definition(FileId),
+    /// A file by name: by definition word, else a file without definitions as a whole.
+    Named(String),
+    /// A file by name, from its top.
+    Top(String),
+}
+
+impl Kernel<'_> {
+    /// Looks a program up.
+    pub(super) fn find_program(&mut self, number: u32) -> Result<Option<(FileId, Range)>, Halt> {
+        for look in self.looks(number) {
+            let found = match look {
+                Look::Definition(file) => self.in_file(file, number).map(|range| (file, range)),
+                Look::Named(name) => self.named(&name, number, false)?,
+                Look::Top(name) => self.named(&name, number, true)?,
+            };
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        Ok(None)
+    }
+
+    fn looks(&self, number: u32) -> Vec<Look> {
+        let (each, one) = self.subprogram_files(number);
+        let main = self.flow.frames.first().map(|f| f.file);
+        let current = self.flow.frames.last().map(|f| f.file);
+        let same = || [current, main].into_iter().flatten().map(Look::Definition);
+        let stored = || self.stored(number).into_iter().map(Look::Top);
+        let mut looks: Vec<Look> = Vec::new();
+        match self.machine.subprograms.placement {
+            Placement::SameFile => {
+                looks.extend(same());
+                looks.extend(stored());
+                looks.extend([Look::Named(one), Look::Named(each)]);
+            }
+            Placement::OneFile => {
+                looks.push(Look::Named(one));
+                looks.extend(stored());
+                looks.extend(same());
+                looks.push(Look::Named(each));
+            }
+            Placement::FileEach => {
+                looks.push(Look::Top(each));
+                looks.extend(stored());
+                looks.extend(same());
+                looks.push(Look::Named(one));
+            }
+        }
+        looks.extend(self.beside(number).into_iter().map(Look::Named));
+        looks
+    }
+
+    /// A program of a file by name; `whole` takes the file from its top whatever it defines.
+    fn named(&mut self, name: &str, number: u32, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
+        let Some(file) = self.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
+            return Ok(None);
+        };
+        let file = file as FileId;
+        self.load(file)?;
+        if let Some(range) = self.in_file(file, number) {
+            return Ok(Some((file, range)));
+        }
+        let info = self.info;
+        let Some(source) = info.source(file).filter(|s| s.lines() > 0) else { return Ok(None) };
+        if !whole && source.programs().first().is_none_or(|range| range.number.is_some()) {
+            return Ok(None);
+        }
+        let all = Range { number: None, first: 1, last: source.lines() };
+        let mut range = opening(source, all, &self.machine.format);
+        let rws = self.machine.format.rws.as_bytes();
+        if !rws.is_empty() && source.line(range.first).trim_ascii() == rws {
+            range.first += 1;
+        }
+        Ok(Some((file, range)))
+    }
+
+    fn in_file(&self, file: FileId, number: u32) -> Option<Range> {
+        self.info.source(file)?.programs().iter().find(|r| r.number == Some(number)).copied()
+    }
+
+    /// Folder of the main program with its slash, and its name without extension.
+    fn main_program(&self) -> (String, String) {
+        let main = self.flow.frames.first().map_or("", |f| self.info.file_name(f.file));
+        let (folder, name) = main.rsplit_once('/').map_or(("", main), |(f, n)| (f, n));
+        let stem = name.rsplit_once('.').map_or(name, |(s, _)| s);
+        let folder = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+        (folder, stem.to_owned())
+    }
+
+    /// The file of this subprogram alone, and the file of all of them.
+    fn subprogram_files(&self, number: u32) -> (String, String) {
+        let (folder, stem) = self.main_program();
+        let extension = &self.machine.subprograms.extension;
+        (format!("{folder}{stem}_{number}.{extension}"), format!("{folder}{stem}.{extension}"))
+    }
+
+    /// Files stored with the machine that are named after the number: the definition word, four digits or more.
+    fn stored(&self, number: u32) -> Vec<String> {
+        if self.machine.storage.is_empty() {
+            return Vec::new();
+        }
+        let definition = self.plan.definition.and_then(|r| self.machine.registers.get(usize::from(r)));
+        let mut wanted = names(number).to_vec();
+        if let Some(register) = definition {
+            wanted.insert(
+                0,
+                format!("{}{}{}", register.before, written(f64::from(number), &register.format), register.after),
+            );
+        }
+        let is_root = |path: &str| !path.contains('/');
+        let stem = |path: &str| path.rsplit_once('.').map_or(path, |(stem, _)| stem).to_owned();
+        let fits =
+            |path: &str| wanted.iter().any(|w| w.eq_ignore_ascii_case(path) || w.eq_ignore_ascii_case(&stem(path)));
+        let files = self.machine.storage.iter().filter(|file| is_root(&file.path) && fits(&file.path));
+        files.map(|file| format!("{}{}", StoredFile::ROOT, file.path)).collect()
+    }
+
+    /// Files beside the main program that are named after the number.
+    fn beside(&self, number: u32) -> Vec<String> {
+        let (folder, _) = self.main_program();
+        let wanted = names(number);
+        let mut out = Vec::new();
+        for file in &self.info.files {
+            let Some(rest) = file.name.strip_prefix(&folder) else { continue };
+            let stem = rest.rsplit_once('.').map_or(rest, |(s, _)| s);
+            if wanted.iter().any(|w| w.eq_ignore_ascii_case(stem)) {
+                out.push(file.name.clone());
+            }
+        }
+        out
+    }
+
+    /// Where a missing program was looked for.
+    pub(super) fn places(&self, number: u32) -> String {
+        let (each, one) = self.subprogram_files(number);
+        let first = match self.machine.subprograms.placement {
+            Placement::FileEach => format!("{each}, {one}"),
+            Placement::SameFile | Placement::OneFile => format!("{one}, {each}"),
+        };
+        let stored = if self.machine.storage.is_empty() { "" } else { ", the files stored with the machine" };
+        format!("looked in the program's file, {first}{stored} and files named O{number:04}")
+    }
+}
+
+fn names(number: u32) -> [String; 4] {
+    [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), number.to_string()]
+}

@@ -1,0 +1,86 @@
+//! What the scanner looks for before it reads a word by its letter: special registers and texts that look like words.
+//!
+//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: longer texts are tried
+//! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
+
+use crate::machine::Machine;
+use crate::machine::model::CodeForm;
+
+/// Special registers and texts, prepared once.
+#[derive(Debug)]
+pub(super) struct Early {
+    /// Literal texts that a register would read as a word, with their rows.
+    pub(super) texts: Vec<(Vec<u8>, u16)>,
+    /// Special registers.
+    pub(super) registers: Vec<Special>,
+    /// Bytes that any of them begins with.
+    first: [u64; 4],
+}
+
+/// A register with text around its number.
+#[derive(Debug)]
+pub(super) struct Special {
+    pub(super) before: Vec<u8>,
+    pub(super) after: Vec<u8>,
+    pub(super) register: u8,
+    pub(super) incremental: bool,
+}
+
+impl Early {
+    /// What a machine has of them.
+    pub(super) fn new(machine: &Machine) -> Option<Box<Self>> {
+        let mut registers = Vec::new();
+        for (register, definition) in (0u8..).zip(&machine.registers).filter(|(_, r)| !r.is_regular()) {
+            let after = definition.after.clone().into_bytes();
+            let first = Some((&definition.before, false));
+            let second = definition.second.as_ref().map(|second| (second, true));
+            for (before, incremental) in [first, second].into_iter().flatten() {
+                let before = before.clone().into_bytes();
+                registers.push(Special { before, after: after.clone(), register, incremental });
+            }
+        }
+        registers.sort_by_key(|special| usize::MAX - special.before.len());
+        let mut texts = Vec::new();
+        for &row in &machine.tables.texts {
+            if let Some(CodeForm::Text(text)) = machine.codes.get(usize::from(row)).map(|code| &code.form)
+                && looks_like_word(text.as_bytes())
+            {
+                texts.push((text.clone().into_bytes(), row));
+            }
+        }
+        if registers.is_empty() && texts.is_empty() {
+            return None;
+        }
+        let mut first = [0u64; 4];
+        let mut mark = |byte: u8| {
+            if let Some(bits) = first.get_mut(usize::from(byte >> 6)) {
+                *bits |= 1 << (byte & 63);
+            }
+        };
+        texts.iter().filter_map(|(text, _)| text.first()).for_each(|&byte| mark(byte));
+        for special in &registers {
+            match special.before.first() {
+                Some(&byte) => mark(byte),
+                None => b"0123456789.+-".iter().for_each(|&byte| mark(byte)),
+            }
+        }
+        Some(Box::new(Self { texts, registers, first }))
+    }
+
+    /// One of them may begin with this byte.
+    pub(super) fn may_start(&self, byte: u8) -> bool {
+        self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
+    }
+}
+
+/// A letter and a digit, a sign or a point.
+fn looks_like_word(text: &[u8]) -> bool {
+    matches!(text, [letter, next, ..] if letter.is_ascii_alphabetic() && !next.is_ascii_alphabetic())
+}
+
+/// A literal text stands at a place: one that ends in a digit is not the beginning of a longer number.
+pub(super) fn stands(text: &[u8], line: &[u8], at: usize) -> bool {
+    let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(text)) else { return false };
+    let digit_ends = text.last().is_some_and(u8::is_ascii_digit);
+    !(digit_ends && matches!(rest.first(), Some(b'0'..=b'9' | b'.')))
+}

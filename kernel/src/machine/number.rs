@@ -1,0 +1,99 @@
+//! A number in the written form of a register.
+//!
+//! Invariant: what is written here is read back by the scanner as the same value, to the digits of the format. Facts:
+//! reference control-emulator.md 1.4.
+
+use super::model::{NumberFormat, Point, Zeros};
+
+/// `value` as a register of this format writes it: `12.`, `.2`, `-4.`, `0125`.
+#[must_use]
+pub fn written(value: f64, format: &NumberFormat) -> String {
+    let places = usize::from(format.frac);
+    let plain = format!("{:.places$}", value.abs());
+    let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
+    let implied = format.point == Point::Omit && format.frac > 0;
+    // An implied point has one end where all digits stand, otherwise nobody could tell where it is.
+    let left_justified = implied && format.trail == Zeros::Omit && format.lead != Zeros::Omit;
+    let whole = if left_justified {
+        format!("{whole:0>width$}", width = usize::from(format.whole))
+    } else {
+        lead(whole, format)
+    };
+    let fraction = if implied && !left_justified { fraction.to_owned() } else { trail(fraction, format) };
+    let point = match format.point {
+        Point::Keep => format.frac > 0,
+        Point::Fractional => !fraction.is_empty(),
+        Point::Omit => false,
+    };
+    let mut digits = format!("{whole}{}{fraction}", if point { "." } else { "" });
+    if implied && !left_justified && format.lead == Zeros::Omit {
+        digits = digits.trim_start_matches('0').to_owned();
+    }
+    if !digits.bytes().any(|b| b.is_ascii_digit()) {
+        digits = if point { "0.".to_owned() } else { "0".to_owned() };
+    }
+    let zero = digits.bytes().all(|b| matches!(b, b'0' | b'.'));
+    let sign = if value < 0.0 && !zero {
+        "-"
+    } else if format.plus {
+        "+"
+    } else {
+        ""
+    };
+    format!("{sign}{digits}")
+}
+
+fn lead(whole: &str, format: &NumberFormat) -> String {
+    match format.lead {
+        Zeros::Keep => format!("{whole:0>width$}", width = usize::from(format.whole)),
+        Zeros::One => whole.to_owned(),
+        Zeros::Omit => whole.trim_start_matches('0').to_owned(),
+    }
+}
+
+fn trail(fraction: &str, format: &NumberFormat) -> String {
+    let short = fraction.trim_end_matches('0');
+    match format.trail {
+        Zeros::Keep => fraction.to_owned(),
+        Zeros::One if short.is_empty() && format.frac > 0 => "0".to_owned(),
+        Zeros::One | Zeros::Omit => short.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn format(point: Point, lead: Zeros, trail: Zeros) -> NumberFormat {
+        NumberFormat { whole: 4, frac: 3, point, lead, trail, plus: false }
+    }
+
+    #[test]
+    fn a_kept_point() {
+        let short = format(Point::Keep, Zeros::Omit, Zeros::Omit);
+        let cases = [(12.0, "12."), (0.2, ".2"), (-4.0, "-4."), (0.0, "0."), (-0.0001, "0."), (1.2345, "1.234")];
+        for (value, text) in cases {
+            assert_eq!(written(value, &short), text);
+        }
+        assert_eq!(written(0.5, &format(Point::Keep, Zeros::One, Zeros::One)), "0.5");
+        assert_eq!(written(2.0, &format(Point::Keep, Zeros::One, Zeros::One)), "2.0");
+        assert_eq!(written(2.0, &format(Point::Keep, Zeros::Keep, Zeros::Keep)), "0002.000");
+    }
+
+    #[test]
+    fn a_point_only_if_needed() {
+        let whole = NumberFormat { whole: 4, frac: 0, ..format(Point::Fractional, Zeros::Omit, Zeros::Omit) };
+        assert_eq!(written(950.0, &whole), "950");
+        assert_eq!(written(0.0, &whole), "0");
+        assert_eq!(written(54.1, &format(Point::Fractional, Zeros::Omit, Zeros::Omit)), "54.1");
+        let plus = NumberFormat { plus: true, ..whole };
+        assert_eq!((written(3.0, &plus).as_str(), written(-3.0, &plus).as_str()), ("+3", "-3"));
+    }
+
+    #[test]
+    fn an_implied_point() {
+        assert_eq!(written(12.5, &format(Point::Omit, Zeros::Omit, Zeros::Keep)), "12500");
+        assert_eq!(written(0.001, &format(Point::Omit, Zeros::Omit, Zeros::Omit)), "1");
+        assert_eq!(written(12.5, &format(Point::Omit, Zeros::Keep, Zeros::Omit)), "00125");
+    }
+}
