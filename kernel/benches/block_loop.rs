@@ -94,6 +94,36 @@ fn lathe(blocks: usize, path: usize, waits: bool) -> String {
     text
 }
 
+/// The mill with a block startup macro, a motion event macro and two code macros.
+fn with_macros() -> Arc<Machine> {
+    let mut user = Memory::default();
+    user.insert(
+        "m/machine.toml",
+        r#"extends = "fanuc-mill"
+[ce]
+name = "macros"
+[macros]
+block_startup = "block.mac"
+motion = "motion.mac"
+[[macros.code]]
+name = "feeds"
+match = ["CODE_INTERP_LINEAR"]
+file = "code.mac"
+[[macros.code]]
+name = "feeds with a depth"
+match = ["CODE_INTERP_LINEAR", "CODE_INTERP_ARC_CCLW"]
+present = ["REG_AXIS_X"]
+file = "other.mac"
+"#,
+    );
+    user.insert("m/block.mac", "IF/$P2.EQ.'STOP'\n$P1=0\nENDOF/IF");
+    user.insert("m/motion.mac", "IF/$P2(3).LT.-100\nTERMAC\nENDOF/IF\nOUTPUT");
+    user.insert("m/code.mac", "%G01=%G01+1\nOUTPUT");
+    user.insert("m/other.mac", "%G02=%G02+$P2\nOUTPUT");
+    let loaded = load(&package::Overlay::over_shipped(user), "m");
+    Arc::new(loaded.machine.expect("a machine with macros"))
+}
+
 fn block_loop(c: &mut Criterion) {
     let mut group = c.benchmark_group("block_loop");
     let blocks = 20_000;
@@ -102,6 +132,8 @@ fn block_loop(c: &mut Criterion) {
     let (mill_job, files) = job(&machine("fanuc-mill"), &[mill(blocks)]);
     group.bench_function("milling", |b| b.iter(|| mill_job.run(&files, &Control::new(1), &mut Count(0))));
     group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
+    let (macro_job, files) = job(&with_macros(), &[mill(blocks)]);
+    group.bench_function("macros", |b| b.iter(|| macro_job.run(&files, &Control::new(1), &mut Count(0))));
     let text = format!(
         "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
         blocks / 5

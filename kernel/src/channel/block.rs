@@ -162,11 +162,6 @@ impl Block {
         self.words.get(usize::from(*slot)).copied()
     }
 
-    /// Nothing is on the block.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.words.is_empty() && self.texts.is_empty() && !self.has_oddities()
-    }
-
     /// A free data word of this register is on the block.
     pub(crate) fn has(&self, register: u8) -> bool {
         usize::from(register) < REGISTERS && self.present & (1 << register) != 0

@@ -183,29 +183,25 @@ impl Kernel<'_> {
         if !row.process {
             return Ok(());
         }
-        self.set_firing(firing);
-        let result = if self.macros.is_some() { self.fire_custom(firing, row.id) } else { self.perform(firing) };
+        self.set_firing(row, firing);
+        let result = if self.macros.is_some() { self.fire_custom(firing, row.id) } else { self.perform(row, firing) };
         self.as_data = None;
         result
     }
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(&self, firing: Firing) -> Option<(DataId, f64)> {
-        match self.machine.codes.get(usize::from(firing.row)) {
-            Some(CodeRow { form: CodeForm::RegisterAsData { data, .. }, mul, add, .. }) => {
-                Some((*data, firing.value * mul + add))
-            }
+    pub(crate) fn data_of_firing(row: &CodeRow, firing: Firing) -> Option<(DataId, f64)> {
+        match row.form {
+            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
             _ => None,
         }
     }
 
     /// What firing a code means before it acts: its data, its modal group.
     #[inline]
-    pub(crate) fn set_firing(&mut self, firing: Firing) {
-        let machine = self.machine;
-        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return };
-        self.as_data = self.data_of_firing(firing);
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: Firing) {
+        self.as_data = Self::data_of_firing(row, firing);
         self.mode_changed = self.modal.code(row.group) != Some(row.id);
         match row.modality {
             Modality::NonModal if row.group != 0 && !firing.implied => self.modal.refire_once(row.group),
@@ -216,9 +212,8 @@ impl Kernel<'_> {
     }
 
     /// The built-in action of a code.
-    pub(crate) fn perform(&mut self, firing: Firing) -> Acted {
-        let machine = self.machine;
-        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
+    #[inline]
+    pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => crate::action::act(self, action, row, firing),
             None => {

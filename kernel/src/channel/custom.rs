@@ -12,6 +12,7 @@ use super::custom_codes::Origin;
 use super::scan::Kind as LineKind;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::machine::model::Point;
 use crate::macros::environment::Surroundings;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
@@ -158,7 +159,7 @@ impl Kernel<'_> {
                 _ => &register.name,
             };
             text.push_str(&format!("{name}{}", word.value));
-            if word.value.fract() == 0.0 && register.format.frac > 0 {
+            if word.value.fract() == 0.0 && register.format.frac > 0 && register.format.point != Point::Fractional {
                 text.push('.');
             }
             text.push(' ');
@@ -185,7 +186,7 @@ impl Kernel<'_> {
 
     /// From the block startup macro on.
     fn words_block(&mut self) -> Acted {
-        if self.block.is_empty() {
+        if self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
         let changed = self.embedded(1)?;
@@ -195,7 +196,7 @@ impl Kernel<'_> {
             Verdict::Go if changed => self.scan_again(),
             Verdict::Go => {}
         }
-        if self.block.is_empty() {
+        if self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
         self.act_block_of(Origin::Text)

@@ -22,9 +22,10 @@ impl Kernel<'_> {
         called: (u32, u32),
         pass: u32,
         found: Found,
+        level: usize,
     ) -> Result<Option<Found>, Halt> {
         let Some(code) = self.hook(Hook::SubprogramStartup) else { return Ok(Some(found)) };
-        let mut arguments = self.call_arguments(called, pass, found);
+        let mut arguments = self.call_arguments(called, pass, found, level);
         let (file, offset) = (arguments[8].clone(), arguments[9].clone());
         self.run_macro(code, Task::None, &mut arguments)?;
         match arguments[0].as_real() {
@@ -43,9 +44,9 @@ impl Kernel<'_> {
     }
 
     /// Runs the shutdown macro of a pass.
-    pub(crate) fn subprogram_shutdown(&mut self, called: (u32, u32), pass: u32) -> Acted {
+    pub(crate) fn subprogram_shutdown(&mut self, called: (u32, u32), pass: u32, level: usize) -> Acted {
         let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
-        let mut arguments = self.call_arguments(called, pass, None);
+        let mut arguments = self.call_arguments(called, pass, None, level);
         self.run_macro(code, Task::None, &mut arguments).map(|_| ())
     }
 
@@ -54,8 +55,9 @@ impl Kernel<'_> {
         let Some(frame) = self.flow.frames.last() else { return Ok(()) };
         let (called, here) = (frame.called, (frame.file, frame.range));
         let pass = called.1.saturating_sub(frame.repeats + 1);
-        self.subprogram_shutdown(called, pass.saturating_sub(1))?;
-        match self.subprogram_startup(called, pass, Some(here))? {
+        let level = self.flow.frames.len() - 1;
+        self.subprogram_shutdown(called, pass.saturating_sub(1), level)?;
+        match self.subprogram_startup(called, pass, Some(here), level)? {
             Some(Some((file, range))) => {
                 if let Some(frame) = self.flow.frames.last_mut() {
                     (frame.file, frame.range, frame.next) = (file, range, range.first);
@@ -76,12 +78,11 @@ impl Kernel<'_> {
         }
     }
 
-    fn call_arguments(&self, (number, passes): (u32, u32), pass: u32, found: Found) -> [Value; 10] {
+    fn call_arguments(&self, (number, passes): (u32, u32), pass: u32, found: Found, level: usize) -> [Value; 10] {
         let (file, offset) = match found {
             Some((file, range)) => (self.info.file_name(file), f64::from(range.first.saturating_sub(1))),
             None => ("", -1.0),
         };
-        let level = self.flow.frames.len() as f64;
         [
             Value::Real(2.0),
             Value::text(number.to_string()),
@@ -89,7 +90,7 @@ impl Kernel<'_> {
             Value::Real(0.0),
             Value::Real(f64::from(passes.saturating_sub(1))),
             Value::text(self.block_text()),
-            Value::Real(level),
+            Value::Real(level as f64),
             Value::Real(f64::from(pass)),
             Value::text(file),
             Value::Real(offset),

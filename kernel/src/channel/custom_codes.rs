@@ -130,7 +130,11 @@ impl Kernel<'_> {
     }
 
     fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
-        let Some(code) = self.matching_macro(id) else { return self.perform(firing) };
+        let Some(code) = self.matching_macro(id) else {
+            let machine = self.machine;
+            let row = machine.codes.get(usize::from(firing.row));
+            return row.map_or(Ok(()), |row| self.perform(row, firing));
+        };
         let mut arguments = [code_value(Some(id)), self.value_of_code(firing)];
         self.run_macro(code, Task::Code(firing, id), &mut arguments).map(|_| ())
     }
@@ -162,12 +166,15 @@ impl Kernel<'_> {
             self.no_such_code(target);
             return Ok(());
         };
-        let own = self.data_of_firing(firing);
+        let machine = self.machine;
+        let facts = |row: u16| machine.codes.get(usize::from(row));
+        let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
         let firing = Firing { row, ..firing };
-        if target == id {
-            self.as_data = own;
-        } else {
-            self.set_firing(firing);
+        self.as_data = own;
+        if target != id
+            && let Some(row) = facts(row)
+        {
+            self.set_firing(row, firing);
             self.as_data = self.as_data.or(own);
         }
         let done = self.fire_custom(firing, target);

@@ -16,7 +16,9 @@ impl Kernel<'_> {
             return Ok(());
         }
         self.plain_macro(Hook::Declaration)?;
-        self.plain_macro(Hook::ProgramStartup)
+        self.plain_macro(Hook::ProgramStartup)?;
+        // A call that the startup macro made takes place before the first block.
+        self.follow()
     }
 
     /// Program Shutdown, when the program has come to its end.

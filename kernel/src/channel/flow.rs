@@ -113,7 +113,7 @@ impl Kernel<'_> {
         self.check_nesting(|| format!("{number}"))?;
         let mut found = self.find_program(number)?;
         if self.macros.is_some() {
-            match self.subprogram_startup((number, passes), 0, found)? {
+            match self.subprogram_startup((number, passes), 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -212,7 +212,7 @@ impl Kernel<'_> {
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(frame.called, frame.called.1.saturating_sub(1))?;
+                self.subprogram_shutdown(frame.called, frame.called.1.saturating_sub(1), usize::from(level))?;
             }
         }
         match target {

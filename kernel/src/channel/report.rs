@@ -8,17 +8,24 @@ impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        if self.has_room(facts.alarm) {
+            self.log_diagnostic(facts, text.into());
+        }
+    }
+
+    /// Counts a diagnostic; false if it is one too many.
+    pub(crate) fn has_room(&mut self, alarm: bool) -> bool {
         let limit = self.options.limits.diagnostics;
         self.diagnostics = self.diagnostics.saturating_add(1);
-        if self.diagnostics > limit && !facts.alarm {
+        if self.diagnostics > limit && !alarm {
             if self.diagnostics == limit + 1 {
                 let text =
                     format!("more than {limit} diagnostics in channel {}; further ones are not logged", self.rank);
                 self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text);
             }
-            return;
+            return false;
         }
-        self.log_diagnostic(facts, text.into());
+        true
     }
 
     fn log_diagnostic(&mut self, facts: &Facts, text: String) {

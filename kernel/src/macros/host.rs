@@ -128,6 +128,9 @@ impl Host for Kernel<'_> {
             return;
         }
         let number = diagnostic.number;
+        if !self.has_room(number == Number::TICKS) {
+            return;
+        }
         let plain = number == Number::TERMAC_GENERATED || number == Number::AUTHOR && !diagnostic.is_error();
         let text = if plain {
             diagnostic.message
