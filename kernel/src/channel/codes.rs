@@ -178,6 +178,7 @@ impl Kernel<'_> {
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if !row.process {
+            self.trace_ignored(row.id);
             return Ok(());
         }
         self.as_data = match row.form {
@@ -192,8 +193,12 @@ impl Kernel<'_> {
             Modality::Persistent => self.modal.activate_persistent(row.group, row.id, firing.row),
         }
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
-            Some(action) => crate::action::act(self, action, row, firing),
+            Some(action) => {
+                self.trace_code(row.id);
+                crate::action::act(self, action, row, firing)
+            }
             None => {
+                self.trace_ignored(row.id);
                 self.without_action(row.id);
                 Ok(())
             }
