@@ -68,6 +68,10 @@ pub(crate) struct Inputs {
     /// Kernels that may run at the same time; 0 = one per channel. The result does not depend on it
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
+    /// Trace these letters, any of IEWCAMHSXZ, or all: input, edited blocks, words, codes and data, actions, code
+    /// macros, other macros, messages, MDI and EXEC, files stored with the machine
+    #[arg(long, value_name = "LETTERS", default_value = "", hide_default_value = true)]
+    pub(crate) trace: String,
     /// Simulated seconds after which the run is stopped
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
@@ -104,7 +108,7 @@ impl Run {
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
         let asked = |what| self.write.is_empty() || self.write.contains(&what);
-        self.out.is_some() && (asked(What::Listing) || asked(What::Events))
+        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || asked(What::Trace) || asked(What::Log))
     }
 }
 
@@ -185,6 +189,8 @@ pub(crate) struct ResultOf {
 pub(crate) enum What {
     Summary,
     Listing,
+    Trace,
+    Log,
     Timeline,
     Toolpath,
     Events,

@@ -249,6 +249,7 @@ mod tests {
             opskip: vec![],
             opstop: false,
             ignore_waits: vec![],
+            trace: String::new(),
             threads: 0,
             max_time: None,
             max_blocks: None,

@@ -23,7 +23,14 @@ macro_rules! chunks {
     )* };
 }
 
-chunks!(GetListingResponse, GetTimelineResponse, GetToolpathResponse, GetSummaryResponse, GetEventsResponse);
+chunks!(
+    GetTraceResponse,
+    GetListingResponse,
+    GetTimelineResponse,
+    GetToolpathResponse,
+    GetSummaryResponse,
+    GetEventsResponse
+);
 
 /// Hands every chunk of a result to `put`.
 pub(crate) async fn each(
@@ -43,9 +50,11 @@ pub(crate) async fn each(
     let mut results = client.results();
     match what {
         What::Summary => drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await,
-        What::Listing => {
-            drain(results.get_listing(v1::GetListingRequest { job_id, channel }).await?.into_inner(), put).await
+        What::Listing | What::Log => {
+            let request = v1::GetListingRequest { job_id, channel, log: what == What::Log };
+            drain(results.get_listing(request).await?.into_inner(), put).await
         }
+        What::Trace => drain(results.get_trace(v1::GetTraceRequest { job_id, channel }).await?.into_inner(), put).await,
         What::Timeline => {
             drain(results.get_timeline(v1::GetTimelineRequest { job_id, format }).await?.into_inner(), put).await
         }

@@ -31,7 +31,8 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        let target = Target { folder, program: &first, wanted: &arguments.write };
+        let target =
+            Target { folder, program: &first, wanted: &arguments.write, traced: !arguments.inputs.trace.is_empty() };
         target.write(&client, &job, &summary, &text).await?;
     }
     if arguments.json {
@@ -124,6 +125,7 @@ async fn submit_pack(
         options: Some(v1::JobOptions {
             opskip: inputs.opskip.clone(),
             opstop: inputs.opstop,
+            trace: inputs.trace.clone(),
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
             limits: limits(inputs),
@@ -203,6 +205,8 @@ struct Target<'a> {
     /// First program: names the listings.
     program: &'a str,
     wanted: &'a [What],
+    /// The job has a trace.
+    traced: bool,
 }
 
 impl Target<'_> {
@@ -214,14 +218,18 @@ impl Target<'_> {
             let path = folder.join("summary.json");
             std::fs::write(&path, text).map_err(Error::file(&path))?;
         }
-        if wanted(What::Listing) {
-            let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
-            let channels: Vec<u32> =
-                summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-            for &channel in &channels {
-                let name = if channels.len() == 1 { format!("{stem}.lce") } else { format!("{stem}.{channel}.lce") };
-                results::file(client, job, What::Listing, channel, Format::Svg, &folder.join(name)).await?;
+        let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
+        let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
+        for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
+            for &channel in channels.iter().filter(|_| wanted(what)) {
+                let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
+                let path = folder.join(format!("{stem}{of}.{extension}"));
+                results::file(client, job, what, channel, Format::Svg, &path).await?;
             }
+        }
+        for &channel in channels.iter().filter(|_| self.traced && wanted(What::Trace)) {
+            let path = folder.join(format!("{channel}.trace"));
+            results::file(client, job, What::Trace, channel, Format::Svg, &path).await?;
         }
         let files = [
             (What::Events, Format::Json, "events.jsonl"),

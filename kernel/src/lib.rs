@@ -18,3 +18,4 @@ pub mod macros;
 pub mod mcd;
 mod multi;
 pub mod options;
+pub mod trace;

@@ -15,6 +15,9 @@ pub struct Options {
     /// How many kernels may run at the same time; 0 = one per channel. 1 is the sequential mode. The log is the
     /// same for every value.
     pub threads: u16,
+    /// Letters of the trace (`IEWCAMHSXZ` or `all`), empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub trace: String,
     /// Limits.
     pub limits: Limits,
 }

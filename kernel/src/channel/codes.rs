@@ -181,6 +181,7 @@ impl Kernel<'_> {
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if !row.process {
+            self.trace_ignored(row.id);
             return Ok(());
         }
         self.set_firing(row, firing);
@@ -215,8 +216,12 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
-            Some(action) => crate::action::act(self, action, row, firing),
+            Some(action) => {
+                self.trace_code(row.id);
+                crate::action::act(self, action, row, firing)
+            }
             None => {
+                self.trace_ignored(row.id);
                 self.without_action(row.id);
                 Ok(())
             }

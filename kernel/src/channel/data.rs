@@ -32,6 +32,7 @@ impl Kernel<'_> {
             && data == id
         {
             self.as_data = None;
+            self.trace_data(id, value);
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
         if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
@@ -53,6 +54,7 @@ impl Kernel<'_> {
             if source.modal && !incremental {
                 self.modal.remember(id, value);
             }
+            self.trace_data(id, value);
             return Some(Datum { value, incremental, absolute: false, raw });
         }
         self.refuse(id);

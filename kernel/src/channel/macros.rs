@@ -31,6 +31,9 @@ impl Kernel<'_> {
         }
         let mut stripped = std::mem::take(&mut self.stripped);
         self.plan.scanner.strip(text, &mut stripped, &mut self.block);
+        if self.trace.is_some() {
+            self.trace_deleted(text);
+        }
         self.show_messages(text);
         let result = fanuc::compile(&stripped);
         self.stripped = stripped;
@@ -204,6 +207,10 @@ impl Kernel<'_> {
                 }),
                 None => self.block.unknown.push((word.start, word.end)),
             }
+        }
+        if self.trace.is_some() {
+            self.trace_preprocessed();
+            self.trace_words();
         }
         self.act_block()
     }

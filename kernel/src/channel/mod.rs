@@ -49,6 +49,7 @@ use crate::macros::runtime::Runtime;
 use crate::multi::coordinator::{Coordinator, Inner};
 use crate::multi::tag::Tag;
 use crate::options::Options;
+use crate::trace::Letters;
 
 /// Why a kernel leaves its program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,6 +110,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) macros: Option<Box<Runtime>>,
     /// Bytes of the line without comments, for the pre-processor.
     pub(crate) stripped: Vec<u8>,
+    /// Letters of the trace, `None` when there is no trace.
+    pub(crate) trace: Option<Letters>,
     /// How often numbers with a repeat count were raised.
     pub(crate) raised: rustc_hash::FxHashMap<u32, u32>,
     /// Text of the block, when it is not the line as it stands in the file.

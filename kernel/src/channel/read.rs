@@ -75,6 +75,10 @@ impl Kernel<'_> {
         }
         match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
             LineKind::Words => {
+                if self.trace.is_some() {
+                    self.trace_deleted(text);
+                    self.trace_words();
+                }
                 self.show_messages(text);
                 self.act_block()?;
             }
@@ -90,6 +94,7 @@ impl Kernel<'_> {
             let text = line.get(start as usize..end as usize).unwrap_or_default();
             let text: Box<str> = String::from_utf8_lossy(text).trim().into();
             self.show_display(&text);
+            self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
             self.emit(0, Kind::Message { text });
         }
     }

@@ -259,6 +259,29 @@ impl Scanner {
         end
     }
 
+    /// The line without skipped portions and marks, and whether a level was active; `None` without a mark.
+    pub(super) fn without_deleted(&self, line: &[u8]) -> Option<(bool, Vec<u8>)> {
+        let mark = self.opskip?;
+        let (mut out, mut found, mut at) = (Vec::with_capacity(line.len()), None, 0);
+        while let Some(&byte) = line.get(at) {
+            let end = match self.comment_end(line, at) {
+                Some(end) => end,
+                None if byte == mark => {
+                    let mut scratch = Block::default();
+                    let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
+                    let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
+                    found = Some(found.unwrap_or(false) || active);
+                    at = next;
+                    continue;
+                }
+                None => at + 1,
+            };
+            out.extend_from_slice(line.get(at..end).unwrap_or_default());
+            at = end;
+        }
+        found.map(|active| (active, out))
+    }
+
     /// Place of the first character that ends a block, outside comments and messages.
     pub(super) fn block_end(&self, line: &[u8]) -> Option<usize> {
         let mut at = 0;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::Kernel;
 use crate::diag;
+use crate::trace::Stage;
 
 impl Kernel<'_> {
     /// The block of a line: its part up to the character that ends blocks, after the tape editor. `None` = the line as
@@ -18,6 +19,7 @@ impl Kernel<'_> {
             let (on, memory) = &mut self.tape;
             let edited = tape.edit(block, on, memory);
             if let Some(changed) = edited.text {
+                self.trace('E', |_| crate::trace::edited(Stage::TapeEditor, &String::from_utf8_lossy(&changed)));
                 text = Some(Arc::from(changed));
             }
             if let Some(rule) = edited.stuck {
@@ -48,6 +50,16 @@ impl Kernel<'_> {
             (frame.next, frame.offset) = (number, (from + end + 1) as u32);
         }
         rest.get(..end).unwrap_or_default()
+    }
+
+    /// The trace of block delete.
+    pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
+        if self.traces('E')
+            && let Some((active, left)) = self.plan.scanner.without_deleted(text)
+        {
+            let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
+            self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));
+        }
     }
 
     /// Text of the block being processed.

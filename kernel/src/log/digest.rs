@@ -337,6 +337,7 @@ fn number(kind: &Kind) -> u8 {
         Kind::Release(_) => 15,
         Kind::Diagnostic(_) => 16,
         Kind::Verdict(_) => 17,
+        Kind::Trace { .. } => 18,
     }
 }
 
@@ -400,6 +401,10 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&diagnostic.number.to_le_bytes());
             out.push(diagnostic.severity);
             text(out, &diagnostic.text);
+        }
+        Kind::Trace { letter, text: line } => {
+            out.extend_from_slice(&u32::from(*letter).to_le_bytes());
+            text(out, line);
         }
         Kind::Verdict(verdict) => write_verdict(out, verdict),
     }

@@ -109,6 +109,13 @@ pub enum Kind {
     Release(Release),
     /// A diagnostic of the program, the machine or a limit.
     Diagnostic(Box<Diagnostic>),
+    /// A line of the trace.
+    Trace {
+        /// Its letter.
+        letter: char,
+        /// The whole line.
+        text: Box<str>,
+    },
     /// The verdict on channels that can never go on.
     Verdict(Box<Verdict>),
 }

@@ -8,6 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
+use crate::trace::Letters;
 
 /// Most characters of a block in results.
 pub(crate) const BLOCK_TEXT: usize = 200;
@@ -23,6 +24,8 @@ pub struct Info {
     pub machine_revision: u32,
     /// `mm` or `inch`: the unit of lengths in events.
     pub unit: Unit,
+    /// Letters of the trace that the job asks for.
+    pub trace: Letters,
     /// Channels in ascending number, master not included.
     pub channels: Vec<Channel>,
     /// All files the job may read: programs first, in order, then the others by name.

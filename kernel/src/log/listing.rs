@@ -7,6 +7,7 @@
 //! all channels; tooling feeds are as programmed (threads and inverse time left out); the rev/min of constant surface
 //! speed are the means of the motions; travel extremes are those of all places reached by the motions of a table.
 
+mod actions;
 mod blocks;
 mod diagnostics;
 mod header;
@@ -14,6 +15,7 @@ mod header;
 mod tests;
 mod time;
 mod tooling;
+mod trace;
 mod travel;
 
 use std::io::{BufWriter, Result, Write};
@@ -24,6 +26,7 @@ use crate::log::summary::Summary;
 use blocks::Waits;
 use diagnostics::Counts;
 use tooling::Tooling;
+use trace::Tracer;
 use travel::Travel;
 
 const BUFFER: usize = 64 * 1024;
@@ -39,12 +42,61 @@ pub fn render(
     events: &mut dyn Iterator<Item = (u64, Event)>,
     out: &mut dyn Write,
 ) -> Result<()> {
+    whole(info, (channel, false), summary, events, out)
+}
+
+/// Writes the log file of one channel: identification, diagnostics as they come, the summaries of the listing. Never a
+/// block, never a line of the trace (reference listing-and-trace.md 9).
+///
+/// # Errors
+/// Those of `out`.
+pub fn render_log(
+    info: &Info,
+    channel: u16,
+    summary: &Summary,
+    events: &mut dyn Iterator<Item = (u64, Event)>,
+    out: &mut dyn Write,
+) -> Result<()> {
+    whole(info, (channel, true), summary, events, out)
+}
+
+/// Writes the trace of one channel: blocks, the lines that the letters of the job ask for, and diagnostics in place.
+///
+/// # Errors
+/// Those of `out`.
+pub fn render_trace(
+    info: &Info,
+    channel: u16,
+    events: &mut dyn Iterator<Item = (u64, Event)>,
+    out: &mut dyn Write,
+) -> Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, out);
+    let mut tracer = Tracer::default();
+    for (_, event) in events.filter(|(_, e)| e.channel == channel || e.channel == 0) {
+        match &event.kind {
+            Kind::Diagnostic(diagnostic) => diagnostics::write(info, &event, diagnostic, &mut out)?,
+            _ if event.channel != channel => {}
+            Kind::Block { .. } => Tracer::block(info, &event, &mut out)?,
+            _ => tracer.event(info, &event, &mut out)?,
+        }
+    }
+    out.flush()
+}
+
+fn whole(
+    info: &Info,
+    (channel, log_only): (u16, bool),
+    summary: &Summary,
+    events: &mut dyn Iterator<Item = (u64, Event)>,
+    out: &mut dyn Write,
+) -> Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, out);
     let own = info.channel(channel);
     let end_ns = summary.channels.iter().find(|c| c.channel == channel).map_or(0, |c| c.end_ns);
     let axes = own.map_or(&[][..], |c| &c.axes);
     let mut waits = Waits::new(summary);
     let mut counts = Counts::default();
+    let mut tracer = Tracer::default();
     let mut tooling = Tooling::new(end_ns);
     let mut travel = Travel::new(axes);
     header::write(info, &mut out)?;
@@ -54,8 +106,8 @@ pub fn render(
                 counts.add(diagnostic.severity);
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
-            _ if event.channel != channel => {}
-            Kind::Block { .. } => blocks::write_block(info, &event, &mut out)?,
+            _ if event.channel != channel || log_only && matches!(event.kind, Kind::Block { .. } | Kind::Wait(_)) => {}
+            Kind::Block { .. } => Tracer::block(info, &event, &mut out)?,
             Kind::Wait(wait) => waits.write(&event, wait, &mut out)?,
             Kind::Motion(motion) => {
                 tooling.motion(&event, motion);
@@ -63,6 +115,9 @@ pub fn render(
             }
             Kind::Frame { shift } => travel.frame(shift),
             _ => tooling.event(&event),
+        }
+        if !log_only && event.channel == channel {
+            tracer.event(info, &event, &mut out)?;
         }
     }
     tooling.write(&mut out)?;

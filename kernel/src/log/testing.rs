@@ -41,6 +41,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         machine: "lathe2".into(),
         machine_number: 2,
         machine_revision: 1,
+        trace: crate::trace::Letters::default(),
         unit: Unit::Mm,
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
         files: texts.iter().enumerate().map(file).collect(),

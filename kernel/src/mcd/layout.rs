@@ -15,6 +15,7 @@ use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
+use crate::trace::{Letters, letters};
 
 /// Assigns the programs of a job.
 pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
@@ -37,6 +38,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding
         machine_number: spec.machine.number,
         machine_revision: spec.machine.revision,
         unit: spec.machine.unit,
+        trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
         channels,
         files: table,
     })
@@ -69,6 +71,9 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
         if !(1..=9).contains(level) {
             wrong(format!("optional-skip level {level} is not between 1 and 9"));
         }
+    }
+    if let Err(letter) = Letters::parse(&spec.options.trace) {
+        wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
     }
     for channel in &spec.options.ignore_waits {
         if !spec.machine.channels.iter().any(|c| c.number == *channel) {

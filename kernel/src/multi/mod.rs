@@ -340,6 +340,7 @@ impl<'a> Shop<'a> {
             meetings: Known::default(),
             macros: None,
             stripped: Vec::new(),
+            trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),
             raised: rustc_hash::FxHashMap::default(),
             edited: None,
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),

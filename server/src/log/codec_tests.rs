@@ -63,6 +63,7 @@ fn kinds() -> Vec<Kind> {
                 Member { channel: 2, file: 1, line: 0, waiting_for: vec![] },
             ],
         })),
+        Kind::Trace { letter: 'C', text: "  code_rapid".into() },
     ]
 }
 

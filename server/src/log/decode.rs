@@ -192,6 +192,7 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             severity: m.number(2) as u8,
             text: m.get(3).text(),
         })),
+        28 => Kind::Trace { letter: m.get(1).text().chars().next()?, text: m.get(2).text() },
         27 => Kind::Verdict(Box::new(Verdict {
             kind: numbers::verdict_kind_of(m.number(1))?,
             at_ns: m.number(2) as i64,

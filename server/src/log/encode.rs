@@ -87,6 +87,10 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 2, u64::from(diagnostic.severity));
             text_field(out, 3, &diagnostic.text);
         }),
+        Kind::Trace { letter, text } => nested(out, 28, |out| {
+            text_field(out, 1, letter.encode_utf8(&mut [0; 4]));
+            text_field(out, 2, text);
+        }),
         Kind::Verdict(verdict) => nested(out, 27, |out| {
             varint_field(out, 1, verdict_kind(verdict.kind));
             varint_field(out, 2, verdict.at_ns as u64);

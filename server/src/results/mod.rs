@@ -104,6 +104,20 @@ impl Source<'_> {
         events.error().map_or(Ok(()), Err)
     }
 
+    /// Log file of one channel.
+    pub(crate) fn log_file(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
+        let mut events = self.events()?;
+        listing::render_log(self.info, channel, &finished.0.summary, &mut events, out)?;
+        events.error().map_or(Ok(()), Err)
+    }
+
+    /// Trace of one channel.
+    pub(crate) fn trace(&self, channel: u16, out: &mut dyn Write) -> io::Result<()> {
+        let mut events = self.events()?;
+        listing::render_trace(self.info, channel, &mut events, out)?;
+        events.error().map_or(Ok(()), Err)
+    }
+
     /// The whole log, one JSON object per line.
     pub(crate) fn jsonl(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut events = self.events()?;

@@ -30,7 +30,14 @@ macro_rules! chunks {
     )* };
 }
 
-chunks!(GetListingResponse, GetTimelineResponse, GetToolpathResponse, GetSummaryResponse, GetEventsResponse);
+chunks!(
+    GetTraceResponse,
+    GetListingResponse,
+    GetTimelineResponse,
+    GetToolpathResponse,
+    GetSummaryResponse,
+    GetEventsResponse
+);
 
 type Answer<T> = Result<Response<ReceiverStream<Result<T, Status>>>, Status>;
 
@@ -41,9 +48,17 @@ impl Service for Results {
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
         let request = request.into_inner();
         let ended = Ended::load(&self.0, request.job_id).await?;
-        let channel = u16::try_from(request.channel).ok().filter(|&number| ended.info.channel(number).is_some());
-        let channel = channel.ok_or(Refusal::UnknownChannel(request.channel))?;
-        Ok(stream(move |out| ended.listing(channel, out)))
+        let channel = ended.channel(request.channel)?;
+        Ok(stream(move |out| ended.listing(channel, request.log, out)))
+    }
+
+    type GetTraceStream = ReceiverStream<Result<v1::GetTraceResponse, Status>>;
+
+    async fn get_trace(&self, request: Request<v1::GetTraceRequest>) -> Answer<v1::GetTraceResponse> {
+        let request = request.into_inner();
+        let ended = Ended::load(&self.0, request.job_id).await?;
+        let channel = ended.channel(request.channel)?;
+        Ok(stream(move |out| Ok(ended.source().trace(channel, out)?)))
     }
 
     type GetTimelineStream = ReceiverStream<Result<v1::GetTimelineResponse, Status>>;
@@ -143,13 +158,19 @@ impl Ended {
         Source { info: &self.info, outcome, log: &self.log }
     }
 
-    fn listing(&self, channel: u16, out: &mut dyn Write) -> Result<(), Refusal> {
+    fn channel(&self, number: u32) -> Result<u16, Refusal> {
+        let channel = u16::try_from(number).ok().filter(|&number| self.info.channel(number).is_some());
+        channel.ok_or(Refusal::UnknownChannel(number))
+    }
+
+    fn listing(&self, channel: u16, log: bool, out: &mut dyn Write) -> Result<(), Refusal> {
         let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
         let finished = match known {
             Some(finished) => finished,
             None => Arc::new(self.source().fold()?),
         };
-        Ok(self.source().listing(&finished, channel, out)?)
+        let source = self.source();
+        Ok(if log { source.log_file(&finished, channel, out) } else { source.listing(&finished, channel, out) }?)
     }
 }
 

@@ -120,6 +120,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         opskip: opskip.collect::<Result<_, _>>()?,
         opstop: options.opstop,
         ignore_waits: ignore.collect::<Result<_, _>>()?,
+        trace: options.trace,
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: limits(options.limits.unwrap_or_default())?,
     })

@@ -62,6 +62,7 @@ impl Runner for Script {
             machine: task.machine.name.clone(),
             machine_number: 1,
             machine_revision: 1,
+            trace: Default::default(),
             unit: Unit::Mm,
             channels: vec![channel(1), channel(2)],
             files: vec![file],

@@ -27,6 +27,7 @@ pub(super) fn name(kind: &Kind) -> &'static str {
         Kind::Release(_) => "release",
         Kind::Diagnostic(_) => "diagnostic",
         Kind::Verdict(_) => "verdict",
+        Kind::Trace { .. } => "trace",
     }
 }
 
@@ -72,6 +73,10 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             integer(out, "number", i64::from(diagnostic.number));
             integer(out, "severity", i64::from(diagnostic.severity));
             text(out, "text", &diagnostic.text);
+        }
+        Kind::Trace { letter, text: line } => {
+            text(out, "letter", letter.encode_utf8(&mut [0; 4]));
+            text(out, "text", line);
         }
         Kind::Verdict(verdict) => write_verdict(info, verdict, out),
     }

@@ -1,0 +1,116 @@
+//! Actions as a trace tells them, read off the events.
+//!
+//! Layout and words: reference listing-and-trace.md 4.3. Invariant: `rapid` and `feed` are told when they change, and
+//! only axes that are coded or move are named.
+
+use counterpoint_lang::format::wildcard_text;
+
+use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Stop, ToolAction};
+use crate::log::info::Axis;
+
+/// What was told last.
+#[derive(Debug, Default)]
+pub(super) struct Actions {
+    rate: Option<(FeedUnit, u64, bool)>,
+}
+
+impl Actions {
+    /// The actions of an event, in order.
+    pub(super) fn of(&mut self, axes: &[Axis], event: &Event) -> Vec<String> {
+        let one = |text: String| vec![text];
+        let number = wildcard_text;
+        match &event.kind {
+            Kind::Motion(motion) => self.motion(axes, motion),
+            Kind::Dwell => one(format!("dwell t={}", number(event.dur_ns as f64 / 1e9))),
+            Kind::Tool { action, tool, offset } => one(match action {
+                ToolAction::Select => format!("select tool n={tool}"),
+                ToolAction::Load => format!("load tool n={tool}"),
+                ToolAction::Offset => format!("tool offset n={offset}"),
+            }),
+            Kind::Spindle(spindle) => one(match spindle.direction {
+                Direction::Off => "spindle off".to_owned(),
+                Direction::Oriented => "spindle orient".to_owned(),
+                _ if spindle.css && spindle.limit.is_finite() => {
+                    format!("css v={}, max={}", number(spindle.speed), number(spindle.limit))
+                }
+                _ if spindle.css => format!("css v={}", number(spindle.speed)),
+                Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
+                Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
+            }),
+            Kind::Coolant { on } => one(format!("coolant {}", if *on { "on" } else { "off" })),
+            Kind::Function { letter, value } => {
+                one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
+            }
+            Kind::Mode { text } => one(text.to_string()),
+            Kind::Stop(stop) => one(match stop {
+                Stop::Program => "stop",
+                Stop::Optional => "opstop",
+                Stop::End => "end",
+                Stop::Rewind => "rewind",
+            }
+            .to_owned()),
+            Kind::Call { program, .. } => one(format!("call id={program}")),
+            Kind::Return { .. } => one("return".to_owned()),
+            Kind::Wait(wait) => one(format!("sync mark={} wait", wait.key)),
+            Kind::Release(release) => one(format!("sync mark={} go", release.key)),
+            _ => Vec::new(),
+        }
+    }
+
+    fn motion(&mut self, axes: &[Axis], motion: &Motion) -> Vec<String> {
+        let mut out = Vec::new();
+        let thread = motion.kind == MotionKind::Thread;
+        let rate = (motion.feed_unit, motion.feed.to_bits(), thread);
+        if motion.kind == MotionKind::Rapid {
+            if self.rate.is_none_or(|(unit, ..)| unit != FeedUnit::Rapid) {
+                out.push("rapid".to_owned());
+            }
+            self.rate = Some((FeedUnit::Rapid, 0, false));
+        } else if self.rate != Some(rate) {
+            let feed = wildcard_text(motion.feed);
+            out.push(match motion.feed_unit {
+                _ if thread => format!("pitch f={feed}"),
+                FeedUnit::PerRevolution => format!("feed f={feed} upr"),
+                FeedUnit::InverseTime => format!("feed f={feed} 1t"),
+                FeedUnit::PerMinute | FeedUnit::Rapid => format!("feed f={feed}"),
+            });
+            self.rate = Some(rate);
+        }
+        let verb = match motion.kind {
+            MotionKind::Rapid | MotionKind::Linear => "goto",
+            MotionKind::Thread => "thread",
+            MotionKind::ArcCw => "arc cw",
+            MotionKind::ArcCcw => "arc ccw",
+        };
+        let moves = |index: usize| motion.moving >> index & 1 != 0 || motion.from.get(index) != motion.to.get(index);
+        let place = |(index, axis): (usize, &Axis)| {
+            moves(index).then(|| format!("{}={}", axis.name.to_lowercase(), value(motion.to.get(index))))
+        };
+        let mut items: Vec<String> = axes.iter().enumerate().filter_map(place).collect();
+        if matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw) {
+            let mut centers: Vec<String> = motion
+                .plane_axes
+                .iter()
+                .zip(motion.center)
+                .filter_map(|(&axis, center)| Some((axes.get(usize::from(axis))?, center)))
+                .map(|(axis, center)| format!("{}={}", center_letter(axis), wildcard_text(center)))
+                .collect();
+            centers.sort_unstable();
+            items.extend(centers);
+        }
+        out.push(format!("{verb} {}", items.join(", ")).trim_end().to_owned());
+        out
+    }
+}
+
+fn value(value: Option<&f64>) -> String {
+    value.map_or_else(String::new, |value| wildcard_text(*value))
+}
+
+fn center_letter(axis: &Axis) -> &'static str {
+    match axis.name.as_bytes().first() {
+        Some(b'X') => "i",
+        Some(b'Y') => "j",
+        _ => "k",
+    }
+}

@@ -1,0 +1,47 @@
+//! Blocks and the lines of a trace, in order.
+//!
+//! Layout: reference listing-and-trace.md 3 and 4. Invariant: blocks of files stored with the machine are shown only
+//! with the letter Z; without it their actions stand alone.
+
+use std::io::{Result, Write};
+
+use super::actions::Actions;
+use super::blocks;
+use crate::log::event::{Event, Kind};
+use crate::log::info::Info;
+use crate::machine::model::StoredFile;
+
+/// Writes blocks and what the letters ask for.
+#[derive(Debug, Default)]
+pub(super) struct Tracer {
+    actions: Actions,
+}
+
+impl Tracer {
+    /// The line of a block.
+    pub(super) fn block(info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+        if !info.trace.has('Z') && info.file_name(event.file).starts_with(StoredFile::ROOT) {
+            return Ok(());
+        }
+        if info.trace.has('I') {
+            return writeln!(out, "Block :   {}", info.line_text(event.file, event.line));
+        }
+        blocks::write_block(info, event, out)
+    }
+
+    /// The lines of an event that the letters ask for.
+    pub(super) fn event(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+        if info.trace.is_empty() {
+            return Ok(());
+        }
+        match &event.kind {
+            Kind::Trace { text, .. } => writeln!(out, "{text}"),
+            Kind::Message { text } if info.trace.has('S') => writeln!(out, "Display : {text}"),
+            _ if info.trace.has('A') => {
+                let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);
+                self.actions.of(axes, event).iter().try_for_each(|action| writeln!(out, "      | {action}"))
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The trace: what a kernel shows of its work, line by line, in the documented layout.
+//!
+//! Facts: reference listing-and-trace.md 3, 4, 6. Trace lines are events like all others, so they stand in the log in
+//! their place and a trace is as reproducible as the log. Invariant: a kernel without trace letters asks one `Option`
+//! per hook and makes no text.
+//!
+//! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
+//! [`edited`] for the stages of a block's text.
+
+pub mod letters;
+mod lines;
+
+pub use letters::Letters;
+pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, mdi, sequence, statement, word};
+
+use crate::channel::Kernel;
+use crate::log::event::Kind;
+use crate::machine::ident::{CodeId, DataId};
+use crate::machine::model::StoredFile;
+use crate::machine::number::written;
+
+impl Kernel<'_> {
+    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z.
+    pub(crate) fn traces(&self, letter: char) -> bool {
+        let Some(letters) = self.trace else { return false };
+        letters.has(letter) && (letters.has('Z') || !self.info.file_name(self.file).starts_with(StoredFile::ROOT))
+    }
+
+    /// Adds a line of a letter, if it is wanted.
+    #[inline]
+    pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
+        if self.trace.is_some() && self.traces(letter) {
+            let text = line(self).into();
+            self.emit(0, Kind::Trace { letter, text });
+        }
+    }
+
+    /// The words of the block as they were recognised, and its sequence number.
+    pub(crate) fn trace_words(&mut self) {
+        if self.traces('W') {
+            if let Some(number) = self.block.sequence {
+                self.trace('W', |_| word("N", &number.to_string()));
+            }
+            for index in 0..self.block.words.len() {
+                self.trace('W', |kernel| kernel.word_line(index));
+            }
+        }
+        if let Some(number) = self.block.sequence {
+            self.trace('C', |_| sequence(number));
+        }
+    }
+
+    fn word_line(&self, index: usize) -> String {
+        let Some((register, value)) = self.written_word(index) else { return String::new() };
+        word(register, &value)
+    }
+
+    /// Name and number of a word as its register writes them.
+    fn written_word(&self, index: usize) -> Option<(&str, String)> {
+        let word = self.block.words.get(index)?;
+        let register = self.machine.registers.get(usize::from(word.register))?;
+        let name = match &register.second {
+            Some(second) if word.incremental => second.as_str(),
+            _ => register.name.as_str(),
+        };
+        let format = if self.secondary { &register.secondary } else { &register.format };
+        Some((name, written(word.value, format)))
+    }
+
+    /// The text that the pre-processor left.
+    pub(crate) fn trace_preprocessed(&mut self) {
+        self.trace('E', |kernel| {
+            let sequence = kernel.block.sequence.map(|number| format!("N{number}"));
+            let words = (0..kernel.block.words.len()).filter_map(|index| kernel.written_word(index));
+            let words = words.map(|(name, value)| format!("{name}{value}"));
+            edited(Stage::PreProcessor, &sequence.into_iter().chain(words).collect::<Vec<_>>().join(" "))
+        });
+    }
+
+    /// A code begins to act.
+    pub(crate) fn trace_code(&mut self, id: CodeId) {
+        self.trace('C', |kernel| code(kernel.machine.code_name(id)));
+    }
+
+    /// A code is swallowed.
+    pub(crate) fn trace_ignored(&mut self, id: CodeId) {
+        self.trace('C', |kernel| ignored(kernel.machine.code_name(id)));
+    }
+
+    /// An action took a value.
+    pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
+        self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
+    }
+}
