@@ -17,6 +17,7 @@ use crate::macros::environment::Surroundings;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
+use crate::trace::{self, Stage};
 
 /// Longest piece of embedded code, in bytes; how many different ones are remembered.
 const LONGEST_CODE: usize = 4096;
@@ -117,9 +118,11 @@ impl Kernel<'_> {
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
         let (info, file, line) = (self.info, self.file, self.line);
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
+        let edited = self.edited.clone();
+        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
         let bytes = match &own {
             Some(text) => text.as_bytes(),
-            None => info.source(file).map_or(&[][..], |source| source.line(line)),
+            None => edited.as_deref().unwrap_or_else(as_read),
         };
         match self.plan.scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
             LineKind::Words => {
@@ -192,12 +195,20 @@ impl Kernel<'_> {
         let changed = self.embedded(1)?;
         match self.block_macro(Hook::BlockStartup)? {
             Verdict::Drop => return Ok(()),
-            Verdict::Edited => self.scan_again(),
+            Verdict::Edited => {
+                self.scan_again();
+                self.trace('E', |kernel| {
+                    trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.text_bytes()))
+                });
+            }
             Verdict::Go if changed => self.scan_again(),
             Verdict::Go => {}
         }
         if self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
+        }
+        if self.trace.is_some() {
+            self.trace_words();
         }
         self.act_block_of(Origin::Text)
     }

@@ -195,6 +195,7 @@ impl Kernel<'_> {
         if taken.modal && !taken.incremental {
             self.modal.remember(id, value);
         }
+        self.trace_data(id, value);
         Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 

@@ -154,6 +154,20 @@ pub struct Named {
     pub condition: Condition,
 }
 
+impl Macros {
+    /// It is the macro of a code or of data.
+    pub(crate) fn is_named(&self, code: u16) -> bool {
+        self.codes.iter().chain(&self.data).any(|named| named.code == code)
+    }
+
+    /// Name of the macro with this code, for people.
+    pub(crate) fn name_of(&self, code: u16) -> Option<&str> {
+        let hook = Hook::ALL.into_iter().find(|hook| self.hooks.get(*hook as usize) == Some(&Some(code)));
+        let named = || self.codes.iter().chain(&self.data).find(|named| named.code == code);
+        hook.map(Hook::title).or_else(|| named().map(|named| named.name.as_str()))
+    }
+}
+
 /// All macros of a machine.
 #[derive(Debug, Clone, Default)]
 pub struct Macros {

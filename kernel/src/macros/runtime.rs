@@ -20,6 +20,7 @@ use crate::channel::block::{Block, Firing};
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
+use crate::trace;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
@@ -257,11 +258,44 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
+        let matches = self.trace.map(|_| self.trace_entering(code, &task));
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         runtime.calls.push(Call { code, task, matching: true, outputs: 0 });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
-        self.macro_ended(state, code, matching, end)
+        let outputs = self.macro_ended(state, code, matching, end);
+        if let Some(matches) = matches {
+            self.trace_leaving(code, &matches);
+        }
+        outputs
+    }
+
+    /// Shows that a macro begins (reference listing-and-trace.md 3: M for the macros of codes and data, H for others);
+    /// gives the code it was called for, empty for other macros than those of codes.
+    fn trace_entering(&mut self, code: u16, task: &Task) -> String {
+        let matches = match task {
+            Task::Code(_, id) => self.machine.code_name(*id).to_owned(),
+            _ => String::new(),
+        };
+        self.trace(self.macro_letter(code), |kernel| trace::entering(kernel.macro_name(code), &matches));
+        matches
+    }
+
+    fn trace_leaving(&mut self, code: u16, matches: &str) {
+        self.trace(self.macro_letter(code), |kernel| {
+            let outer = kernel.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+            trace::leaving(kernel.macro_name(code), matches, outer.map(|code| kernel.macro_name(code)))
+        });
+    }
+
+    fn macro_letter(&self, code: u16) -> char {
+        let named = self.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
+        if named { 'M' } else { 'H' }
+    }
+
+    fn macro_name(&self, code: u16) -> &str {
+        self.machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or("macro")
     }
 
     /// Runs embedded code for its value.
