@@ -115,6 +115,7 @@ async fn submit_pack(
     machine: String,
     request_id: String,
 ) -> Result<String, Error> {
+    let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
     let file = |(path, blob): (String, pack::Blob)| v1::FileRef { path, digest: blob.digest };
     let request = v1::SubmitJobRequest {
@@ -126,6 +127,7 @@ async fn submit_pack(
             opskip: inputs.opskip.clone(),
             opstop: inputs.opstop,
             trace: inputs.trace.clone(),
+            answers,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
             limits: limits(inputs),

@@ -4,7 +4,7 @@
 
 use super::chain::Merged;
 use super::names::Names;
-use super::{axes, channels, codes, data, diagnostics, format, head, initial, overlap, registers, spindles};
+use super::{axes, channels, codes, data, diagnostics, dialogs, format, head, initial, overlap, registers, spindles};
 use super::{storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
 use crate::machine::model::Machine;
@@ -39,6 +39,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let tape_editor = tape::read(&mut top);
+    let dialogs = dialogs::read(&mut top, files, check);
     let diagnostics = diagnostics::read(&mut top, files);
     let storage = storage::read(&mut top, files);
     top.finish();
@@ -69,6 +70,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tool,
         work_offsets,
         tape_editor,
+        dialogs,
         diagnostics,
         storage,
         tables,
