@@ -111,7 +111,8 @@ impl Run {
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
         let asked = |what| self.write.is_empty() || self.write.contains(&what);
-        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || asked(What::Trace) || asked(What::Log))
+        let trace = asked(What::Trace) && !self.inputs.trace.is_empty();
+        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || trace || self.write.contains(&What::Log))
     }
 }
 

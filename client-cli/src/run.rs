@@ -222,8 +222,9 @@ impl Target<'_> {
         }
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-        for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
-            for &channel in channels.iter().filter(|_| wanted(what)) {
+        let log = self.wanted.contains(&What::Log);
+        for (what, extension, wanted) in [(What::Listing, "lce", wanted(What::Listing)), (What::Log, "log", log)] {
+            for &channel in channels.iter().filter(|_| wanted) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
                 results::file(client, job, what, channel, Format::Svg, &path).await?;
