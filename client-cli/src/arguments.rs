@@ -72,6 +72,9 @@ pub(crate) struct Inputs {
     /// macros, other macros, messages, MDI and EXEC, files stored with the machine
     #[arg(long, value_name = "LETTERS", default_value = "", hide_default_value = true)]
     pub(crate) trace: String,
+    /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
+    #[arg(long, value_name = "FILE")]
+    pub(crate) answers: Option<PathBuf>,
     /// Simulated seconds after which the run is stopped
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
@@ -108,7 +111,8 @@ impl Run {
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
         let asked = |what| self.write.is_empty() || self.write.contains(&what);
-        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || asked(What::Trace) || asked(What::Log))
+        let trace = asked(What::Trace) && !self.inputs.trace.is_empty();
+        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || trace || self.write.contains(&What::Log))
     }
 }
 

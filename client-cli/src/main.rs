@@ -3,6 +3,7 @@
 //! Invariants: data goes to standard output, talk to standard error; the exit code says how it ended (0 clean,
 //! 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
 
+mod answers;
 mod arguments;
 mod client;
 mod commands;

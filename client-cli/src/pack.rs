@@ -250,6 +250,7 @@ mod tests {
             opstop: false,
             ignore_waits: vec![],
             trace: String::new(),
+            answers: None,
             threads: 0,
             max_time: None,
             max_blocks: None,

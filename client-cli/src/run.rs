@@ -115,6 +115,7 @@ async fn submit_pack(
     machine: String,
     request_id: String,
 ) -> Result<String, Error> {
+    let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
     let file = |(path, blob): (String, pack::Blob)| v1::FileRef { path, digest: blob.digest };
     let request = v1::SubmitJobRequest {
@@ -126,6 +127,7 @@ async fn submit_pack(
             opskip: inputs.opskip.clone(),
             opstop: inputs.opstop,
             trace: inputs.trace.clone(),
+            answers,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
             limits: limits(inputs),
@@ -220,8 +222,9 @@ impl Target<'_> {
         }
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-        for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
-            for &channel in channels.iter().filter(|_| wanted(what)) {
+        let log = self.wanted.contains(&What::Log);
+        for (what, extension, wanted) in [(What::Listing, "lce", wanted(What::Listing)), (What::Log, "log", log)] {
+            for &channel in channels.iter().filter(|_| wanted) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
                 results::file(client, job, what, channel, Format::Svg, &path).await?;

@@ -51,6 +51,25 @@ fn all_results_are_written() {
 }
 
 #[test]
+fn a_trace_and_a_log_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "G90 G94 G1 X2. F100\nQ7\nM30\n");
+    let out = folder.path().join("out").display().to_string();
+    let output = counterpoint(&["run", "-q", &path, "--trace", "ca", "--out", &out, "--write", "trace,log"]);
+    assert_eq!(code(&output), 1, "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let trace = read("1.trace");
+    assert!(trace.starts_with("1! G90 G94 G1 X2. F100\n"), "{trace}");
+    assert!(
+        trace.contains("  code_interp_linear\n    reg_feed_upm 100\n    reg_axis_x 2\n      | feed f=100\n"),
+        "{trace}"
+    );
+    let log = read("part.log");
+    assert!(log.starts_with("Counterpoint\n") && log.contains("Q7 is not used") && !log.contains("1! "), "{log}");
+    assert_eq!(code(&counterpoint(&["run", "-q", &path, "--trace", "K"])), 2);
+}
+
+#[test]
 fn exit_codes_tell_what_went_wrong() {
     let folder = tempfile::tempdir().unwrap();
     let path = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
@@ -71,6 +90,8 @@ fn machines_can_be_listed_shown_checked_and_come_from_a_folder() {
     let output = counterpoint(&["machine", "show", "fanuc-mill", "axes", "--json"]);
     let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(shown["axes"].is_array() && shown.get("codes").is_none());
+    let output = counterpoint(&["machine", "show", "fanuc-mill", "groups"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("active at start"));
     assert_eq!(code(&counterpoint(&["machine", "check", "fanuc-2path-lathe"])), 0);
     let folder = tempfile::tempdir().unwrap();
     let mine = folder.path().join("mine");

@@ -10,6 +10,7 @@ mod channel;
 pub mod control;
 pub mod diag;
 mod dialect;
+pub mod dialog;
 pub mod files;
 pub mod job;
 pub mod log;

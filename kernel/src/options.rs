@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::dialog::answers::Answer;
+
 /// Options of one job.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -18,6 +20,9 @@ pub struct Options {
     /// Letters of the trace (`IEWCAMHSXZ` or `all`), empty = none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub trace: String,
+    /// Answers to the dialogs of the machine; without one a dialog fails.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub answers: Vec<Answer>,
     /// Limits.
     pub limits: Limits,
 }

@@ -3,7 +3,7 @@
 //! Fences of a page: `toml` is the machine (over `fanuc-mill` unless it says `extends`), `file NAME` a further file of
 //! the machine's folder, `nc` or `nc NAME` a program (the first one runs), `options` keys of a job's options, `trace`
 //! the whole trace of channel 1, `diagnostics` the numbers, severities and texts in order, `findings` what the check of
-//! the machine says. A page may hold several cases, each begins with a heading.
+//! the machine says, `refused` why the job does not start. A page may hold several cases, each begins with a heading.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -27,6 +27,7 @@ struct Case {
     trace: Option<String>,
     diagnostics: Option<String>,
     findings: Option<String>,
+    refused: Option<String>,
 }
 
 fn cases(page: &str) -> Vec<Case> {
@@ -58,6 +59,7 @@ fn cases(page: &str) -> Vec<Case> {
             "trace" => case.trace = Some(body),
             "diagnostics" => case.diagnostics = Some(body),
             "findings" => case.findings = Some(body),
+            "refused" => case.refused = Some(body),
             "text" => {}
             other => panic!("unknown fence {other}"),
         }
@@ -87,8 +89,15 @@ fn check(page: &str, case: &Case) {
     case.programs.iter().for_each(|(name, text)| files.insert(name.clone(), text));
     let options: Options = toml::from_str(&case.options).unwrap_or_else(|error| panic!("{place}: {error}"));
     let programs = vec![Program { file: first.clone(), number: None, channel: None }];
-    let job = Job::prepare(Spec { machine: machine.clone(), programs, options }, &files)
-        .unwrap_or_else(|error| panic!("{place}: {error}"));
+    let job = match Job::prepare(Spec { machine: machine.clone(), programs, options }, &files) {
+        Ok(job) => job,
+        Err(error) => {
+            let reasons: String = error.findings.iter().map(|finding| format!("{}\n", finding.text)).collect();
+            assert_eq!(reasons, case.refused.clone().unwrap_or_default(), "{place}: refused");
+            return;
+        }
+    };
+    assert_eq!(case.refused, None, "{place}: the job starts");
     let mut sink = Collect(Vec::new());
     job.run(&files, &Control::new(machine.channels.len()), &mut sink);
     let diagnostics: String = sink.0.iter().filter_map(diagnostic).collect();

@@ -60,6 +60,8 @@ pub struct Machine {
     pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
     /// Rules that change the text of every block before anything else, in order.
     pub tape_editor: Vec<TapeRule>,
+    /// Dialogs, by name.
+    pub dialogs: Vec<crate::dialog::Dialog>,
     /// What the machine changes about diagnostics.
     pub diagnostics: Diagnostics,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.

@@ -75,6 +75,7 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     if let Err(letter) = Letters::parse(&spec.options.trace) {
         wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
     }
+    crate::dialog::answers::check(&spec.machine.dialogs, &spec.options.answers).into_iter().for_each(&mut wrong);
     for channel in &spec.options.ignore_waits {
         if !spec.machine.channels.iter().any(|c| c.number == *channel) {
             wrong(format!("channel {channel} of ignore_waits is not on machine {}", spec.machine.name));

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use counterpoint_kernel::dialog::answers::{Answer, Value};
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_proto::v1;
@@ -121,9 +122,25 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         opstop: options.opstop,
         ignore_waits: ignore.collect::<Result<_, _>>()?,
         trace: options.trace,
+        answers: options.answers.into_iter().map(answer).collect(),
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: limits(options.limits.unwrap_or_default())?,
     })
+}
+
+fn answer(answer: v1::DialogAnswer) -> Answer {
+    use v1::dialog_value::Value as Wire;
+    let value = |value: v1::DialogValue| match value.value {
+        Some(Wire::Flag(flag)) => Value::Flag(flag),
+        Some(Wire::Number(number)) => Value::Number(number),
+        Some(Wire::Text(text)) => Value::Text(text),
+        None => Value::Text(String::new()),
+    };
+    Answer {
+        dialog: answer.dialog,
+        button: Some(answer.button).filter(|button| !button.is_empty()),
+        values: answer.values.into_iter().map(|(name, v)| (name, value(v))).collect(),
+    }
 }
 
 fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {

@@ -4,8 +4,8 @@
 
 use super::chain::Merged;
 use super::names::Names;
-use super::{axes, channels, codes, data, diagnostics, format, head, initial, macros, overlap, registers, spindles};
-use super::{storage, subprograms, sync, tape, time, tool, variables};
+use super::{axes, channels, codes, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers};
+use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
 use crate::machine::model::Machine;
 use crate::machine::tables::Tables;
@@ -40,6 +40,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let macros = macros::read(&mut top, &names, &codes, files);
     let tape_editor = tape::read(&mut top);
+    let dialogs = dialogs::read(&mut top, files, check);
     let diagnostics = diagnostics::read(&mut top, files);
     let storage = storage::read(&mut top, files);
     top.finish();
@@ -71,6 +72,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         work_offsets,
         macros,
         tape_editor,
+        dialogs,
         diagnostics,
         storage,
         tables,

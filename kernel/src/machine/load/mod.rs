@@ -11,6 +11,7 @@ mod codes;
 mod data;
 mod defaults;
 mod diagnostics;
+mod dialogs;
 mod format;
 mod head;
 mod initial;

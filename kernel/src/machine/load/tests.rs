@@ -2,6 +2,7 @@
 
 mod chains;
 mod diagnostics;
+mod dialogs;
 mod mistakes;
 mod mistakes_in_rows;
 mod nonsense;

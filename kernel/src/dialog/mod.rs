@@ -1,0 +1,204 @@
+//! Dialogs: questions that macros put to the operator, and the answers a job brings along.
+//!
+//! Facts: reference control-emulator.md 7.4. Invariants: a job whose answers do not fit its machine does not start; a
+//! dialog without an answer fails, it never waits. There is no operator yet: answers come with the job only.
+
+pub mod answers;
+
+use answers::{Answer, Value};
+
+/// A dialog of a machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dialog {
+    /// Name; blanks and letter case do not count.
+    pub name: String,
+    /// Title, the name if nothing else is said.
+    pub title: String,
+    /// Controls from top to bottom.
+    pub fields: Vec<Field>,
+    /// Buttons from left to right, at least one of type OK.
+    pub buttons: Vec<Button>,
+}
+
+/// A control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Text beside it.
+    pub label: String,
+    /// Macro variable that it shows and sets, empty for a plain text.
+    pub variable: String,
+    /// What it takes.
+    pub kind: FieldKind,
+    /// Value when the variable has none.
+    pub default: Option<Value>,
+    /// An empty value is refused.
+    pub required: bool,
+}
+
+/// What a control takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FieldKind {
+    /// Nothing: a text or a frame.
+    Label,
+    /// A text of at most so many characters.
+    Text {
+        /// Longest text.
+        longest: usize,
+    },
+    /// A number between limits.
+    Number {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Whole numbers only.
+        whole: bool,
+    },
+    /// On or off.
+    Check,
+    /// One of some values: radio buttons, a list or a combo box. Label and value, in order.
+    Choice(Vec<(String, Value)>),
+}
+
+/// A button; its label is the result of the dialog.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Button {
+    /// Label.
+    pub label: String,
+    /// What it does.
+    pub kind: ButtonKind,
+}
+
+/// What a button does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ButtonKind {
+    /// Writes the values back.
+    Ok,
+    /// Leaves the variables as they were.
+    Cancel,
+    /// Sets all fields to their first values.
+    Reset,
+    /// Opens another dialog.
+    Call(String),
+}
+
+/// What came of a dialog.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    /// Label of the button.
+    pub button: String,
+    /// Values for the variables, in the order of the fields; none after Cancel.
+    pub values: Vec<(String, Value)>,
+}
+
+/// Why a dialog failed; for a macro all of them are an input/output error.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Failure {
+    /// The machine has no such dialog.
+    #[error("the machine has no dialog '{0}'")]
+    Unknown(String),
+    /// The job brings no answer: it runs in the background.
+    #[error("the job has no answer for the dialog '{0}'")]
+    Unanswered(String),
+    /// A value cannot be taken.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// Whether two names mean the same dialog.
+#[must_use]
+pub fn same_name(a: &str, b: &str) -> bool {
+    let plain =
+        |name: &str| name.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect::<String>();
+    plain(a) == plain(b)
+}
+
+/// The dialog of a name.
+#[must_use]
+pub fn find<'d>(dialogs: &'d [Dialog], name: &str) -> Option<&'d Dialog> {
+    dialogs.iter().find(|dialog| same_name(&dialog.name, name))
+}
+
+/// Shows a dialog: fields start from `current` or their defaults, the answer goes over them.
+///
+/// # Errors
+/// There is no such dialog, no answer, or a value that is refused.
+pub fn show(
+    dialogs: &[Dialog],
+    name: &str,
+    answer: Option<&Answer>,
+    current: &mut dyn FnMut(&str) -> Option<Value>,
+) -> Result<Shown, Failure> {
+    let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
+    let answer = answer.ok_or_else(|| Failure::Unanswered(dialog.name.clone()))?;
+    let button = dialog.button(answer).map_err(Failure::Refused)?;
+    let mut values = Vec::new();
+    if button.kind == ButtonKind::Ok {
+        for field in dialog.fields.iter().filter(|field| !field.variable.is_empty()) {
+            let start = current(&field.variable).filter(|value| !value.is_empty()).or_else(|| field.default.clone());
+            let value = answer.value(&field.variable).cloned().or(start);
+            let value =
+                field.accept(value).map_err(|why| Failure::Refused(format!("dialog '{}': {why}", dialog.name)))?;
+            values.extend(value.map(|value| (field.variable.clone(), value)));
+        }
+    }
+    Ok(Shown { button: button.label.clone(), values })
+}
+
+impl Dialog {
+    /// The button an answer presses: the named one, else the first of type OK.
+    fn button(&self, answer: &Answer) -> Result<&Button, String> {
+        let found = match &answer.button {
+            Some(label) => self.buttons.iter().find(|button| button.label.eq_ignore_ascii_case(label)),
+            None => self.buttons.iter().find(|button| button.kind == ButtonKind::Ok),
+        };
+        let label = answer.button.as_deref().unwrap_or("OK");
+        match found {
+            Some(button) if matches!(button.kind, ButtonKind::Ok | ButtonKind::Cancel) => Ok(button),
+            Some(_) => Err(format!("dialog '{}': the button '{label}' does not end it", self.name)),
+            None => Err(format!("dialog '{}' has no button '{label}'", self.name)),
+        }
+    }
+}
+
+impl Field {
+    /// The value as the field takes it.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn accept(&self, value: Option<Value>) -> Result<Option<Value>, String> {
+        let name = &self.variable;
+        let Some(value) = value.filter(|value| !value.is_empty()) else {
+            return if self.required { Err(format!("{name} needs a value")) } else { Ok(None) };
+        };
+        match (&self.kind, &value) {
+            (FieldKind::Text { longest }, Value::Text(text)) if text.chars().count() <= *longest => Ok(Some(value)),
+            (FieldKind::Text { longest }, Value::Text(_)) => Err(format!("{name} takes {longest} characters at most")),
+            (FieldKind::Text { .. }, other) => Ok(Some(Value::Text(other.to_string()))),
+            (FieldKind::Number { min, max, whole }, Value::Number(number)) => {
+                if !(*min..=*max).contains(number) {
+                    Err(format!("{name} must be {min} to {max}, not {number}"))
+                } else if *whole && number.fract() != 0.0 {
+                    Err(format!("{name} must be a whole number, not {number}"))
+                } else {
+                    Ok(Some(value))
+                }
+            }
+            (FieldKind::Check, Value::Flag(_)) => Ok(Some(value)),
+            (FieldKind::Choice(choices), given) => {
+                let by_label = |label: &str| matches!(given, Value::Text(text) if text == label);
+                let chosen = choices.iter().find(|(label, choice)| choice == given || by_label(label));
+                chosen.map(|(_, choice)| Some(choice.clone())).ok_or_else(|| {
+                    let labels: Vec<&str> = choices.iter().map(|(label, _)| label.as_str()).collect();
+                    format!("{name} must be one of {}, not {given}", labels.join(", "))
+                })
+            }
+            (FieldKind::Number { .. }, _) => Err(format!("{name} must be a number, not {value}")),
+            (FieldKind::Check, _) => Err(format!("{name} must be true or false, not {value}")),
+            (FieldKind::Label, _) => Ok(None),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+//! `[[dialogs]]`: questions to the operator, in the machine file or in files beside it.
+//!
+//! Invariant: names are unique without blanks and letter case, defaults pass the check of their field, there is a
+//! button of type OK. Facts: reference control-emulator.md 7.4.
+
+use crate::dialog::answers::Value;
+use crate::dialog::{Button, ButtonKind, Dialog, Field, FieldKind, same_name};
+use crate::files::Files;
+use crate::machine::toml::check::Check;
+use crate::machine::toml::node::{self, Node, Place};
+use crate::machine::toml::parse::parse;
+use crate::machine::toml::section::Section;
+
+/// Most dialogs of a machine, and most fields and buttons of one.
+const MOST: usize = 200;
+
+/// Reads the dialogs in file order.
+pub(super) fn read(top: &mut Section<'_>, files: &dyn Files, check: &Check) -> Vec<Dialog> {
+    let mut dialogs: Vec<Dialog> = Vec::new();
+    for mut row in top.rows("dialogs", "[[dialogs]]", MOST) {
+        let dialog = match row.name("file", 128) {
+            None => read_dialog(row, check),
+            Some(name) => {
+                let folder = row.place().file.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+                let path = format!("{folder}/{name}");
+                let content = files.read(&path);
+                let at = row.place_of("file").clone();
+                row.finish();
+                match content {
+                    Ok(content) if !name.contains("..") => {
+                        let place = Place { file: path.as_str().into(), line: 0, column: 0 };
+                        let table = parse(&place.file, &content, check);
+                        read_dialog(Section::new(&table, place, "a dialog file", check), check)
+                    }
+                    _ => {
+                        check.error(&at, format!("there is no file {path}"));
+                        None
+                    }
+                }
+            }
+        };
+        let Some((dialog, place)) = dialog else { continue };
+        if dialogs.iter().any(|other| same_name(&other.name, &dialog.name)) {
+            check.error(&place, format!("there is already a dialog \"{}\"", dialog.name));
+        }
+        dialogs.push(dialog);
+    }
+    for dialog in &dialogs {
+        for button in &dialog.buttons {
+            if let ButtonKind::Call(name) = &button.kind
+                && !dialogs.iter().any(|other| same_name(&other.name, name))
+            {
+                check.error(
+                    top.place_of("dialogs"),
+                    format!("button {} calls the unknown dialog \"{name}\"", button.label),
+                );
+            }
+        }
+    }
+    dialogs
+}
+
+fn read_dialog(mut row: Section<'_>, check: &Check) -> Option<(Dialog, Place)> {
+    row.require("name", "the name of the dialog");
+    let name = row.name("name", 64).map(str::to_owned);
+    let title = row.text("title").map(str::to_owned);
+    let fields = row.rows("fields", "a field", MOST).into_iter().filter_map(|field| read_field(field, check)).collect();
+    let mut buttons: Vec<Button> = row.rows("buttons", "a button", MOST).into_iter().filter_map(read_button).collect();
+    if buttons.is_empty() {
+        buttons.push(Button { label: "OK".into(), kind: ButtonKind::Ok });
+        buttons.push(Button { label: "Cancel".into(), kind: ButtonKind::Cancel });
+    } else if !buttons.iter().any(|button| button.kind == ButtonKind::Ok) {
+        row.error("buttons", "a dialog needs a button of type \"ok\"");
+    }
+    let place = row.place_of("name").clone();
+    row.finish();
+    let name = name?;
+    Some((Dialog { title: title.unwrap_or_else(|| name.clone()), name, fields, buttons }, place))
+}
+
+fn read_button(mut row: Section<'_>) -> Option<Button> {
+    row.require("label", "the text on the button");
+    let label = row.name("label", 64).map(str::to_owned);
+    let kind = row.choice("type", &[("ok", 0), ("cancel", 1), ("reset", 2), ("call", 3)]).unwrap_or(0);
+    let called = row.name("dialog", 64).map(str::to_owned);
+    if called.is_some() != (kind == 3) {
+        row.error("dialog", "`dialog` belongs to a button of type \"call\"");
+    }
+    row.finish();
+    let kind = match (kind, called) {
+        (1, _) => ButtonKind::Cancel,
+        (2, _) => ButtonKind::Reset,
+        (3, Some(dialog)) => ButtonKind::Call(dialog),
+        _ => ButtonKind::Ok,
+    };
+    Some(Button { label: label?, kind })
+}
+
+fn read_field(mut row: Section<'_>, check: &Check) -> Option<Field> {
+    let words = [("label", 0), ("text", 1), ("number", 2), ("check", 3), ("choice", 4)];
+    row.require("kind", "\"label\", \"text\", \"number\", \"check\" or \"choice\"");
+    let kind = row.choice("kind", &words)?;
+    let label = row.text("label").unwrap_or_default().to_owned();
+    let variable = row.name("variable", 32).unwrap_or_default().to_owned();
+    if variable.is_empty() && kind != 0 {
+        row.error("kind", "a field needs `variable`, the macro variable that it sets");
+    }
+    let longest = row.integer("longest", 1..=1000).unwrap_or(250) as usize;
+    let (min, max) = (row.number("min").unwrap_or(f64::MIN), row.number("max").unwrap_or(f64::MAX));
+    if min > max {
+        row.error("max", format!("`max` {max} is less than `min` {min}"));
+    }
+    let whole = row.flag("whole").unwrap_or(false);
+    let choices = choices(&mut row, check);
+    let required = row.flag("required").unwrap_or(false);
+    let default = row.node("default").and_then(|node| value(node, check));
+    let kind = match kind {
+        0 => FieldKind::Label,
+        1 => FieldKind::Text { longest },
+        2 => FieldKind::Number { min, max, whole },
+        3 => FieldKind::Check,
+        _ => FieldKind::Choice(choices),
+    };
+    if kind == FieldKind::Choice(Vec::new()) {
+        row.error("choices", "a choice needs `choices`");
+    }
+    let mut field = Field { label, variable, kind, default: None, required };
+    match field.accept(default.clone()) {
+        Ok(accepted) => field.default = accepted,
+        Err(why) if default.is_some() => row.error("default", why),
+        Err(_) => {}
+    }
+    row.finish();
+    Some(field)
+}
+
+/// Labels, or labels with values of their own: `["soft", { label = "hard", value = 2 }]`.
+fn choices(row: &mut Section<'_>, check: &Check) -> Vec<(String, Value)> {
+    let mut out = Vec::new();
+    for item in row.list("choices").unwrap_or_default() {
+        match &item.value {
+            node::Value::Table(table) => {
+                let mut choice = Section::new(table, item.place.clone(), "a choice", check);
+                choice.require("label", "the text of the choice");
+                let label = choice.text("label").unwrap_or_default().to_owned();
+                let value = choice.node("value").and_then(|node| value(node, check));
+                choice.finish();
+                out.push((label.clone(), value.unwrap_or(Value::Text(label))));
+            }
+            _ => out.extend(value(item, check).map(|value| (value.to_string(), value))),
+        }
+    }
+    out
+}
+
+fn value(node: &Node, check: &Check) -> Option<Value> {
+    match &node.value {
+        node::Value::Text(text) => Some(Value::Text(text.clone())),
+        node::Value::Integer(number) => Some(Value::Number(*number as f64)),
+        node::Value::Float(number) if number.is_finite() => Some(Value::Number(*number)),
+        node::Value::Flag(flag) => Some(Value::Flag(*flag)),
+        other => {
+            check.error(&node.place, format!("expected a text, a number, true or false, not {}", other.kind()));
+            None
+        }
+    }
+}
