@@ -160,18 +160,35 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
         if files.0.contains_key(&format!("{name}/machine.toml")) || !definition.is_file() {
             break;
         }
-        for path in files_of(&folder)? {
-            let file = file_name(&path)?;
-            if !file.starts_with('.') {
-                files.add(format!("{name}/{file}"), &path)?;
-            }
-        }
+        whole_folder(&mut files, &folder, &name, 0)?;
         let text = fs::read_to_string(&definition).map_err(Error::file(&definition))?;
         let parent = toml::from_str::<toml::Table>(&text).ok();
         let parent = parent.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
         next = parent.and_then(|parent| Some((parent.clone(), folder.parent()?.join(parent))));
     }
     Ok((name, files))
+}
+
+/// Adds a folder with the folders in it, hidden ones and links to folders left out.
+fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
+    const DEEPEST: usize = 8;
+    for path in files_of(folder)? {
+        let file = file_name(&path)?;
+        if !file.starts_with('.') {
+            files.add(format!("{name}/{file}"), &path)?;
+        }
+    }
+    let entries = fs::read_dir(folder).map_err(Error::file(folder))?;
+    let folders = entries.filter_map(Result::ok).filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    let mut folders: Vec<_> = folders.map(|entry| entry.path()).collect();
+    folders.sort();
+    for path in folders {
+        let inner = file_name(&path)?;
+        if !inner.starts_with('.') && depth < DEEPEST {
+            whole_folder(files, &path, &format!("{name}/{inner}"), depth + 1)?;
+        }
+    }
+    Ok(())
 }
 
 /// Channels that the programs are written for: one each, but a single file with waiting codes has one per program.
