@@ -169,27 +169,23 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
     Ok((name, files))
 }
 
-/// Folders in folders that are packed: a machine's file storage may have some.
-const DEPTH: u32 = 8;
-
-/// Adds all files of a folder and the folders in it, those with a leading dot left out.
-fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: u32) -> Result<(), Error> {
+/// Adds a folder with the folders in it, hidden ones and links to folders left out.
+fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
+    const DEEPEST: usize = 8;
     for path in files_of(folder)? {
         let file = file_name(&path)?;
         if !file.starts_with('.') {
             files.add(format!("{name}/{file}"), &path)?;
         }
     }
-    if depth >= DEPTH {
-        return Ok(());
-    }
     let entries = fs::read_dir(folder).map_err(Error::file(folder))?;
-    let mut folders: Vec<_> = entries.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_dir()).collect();
+    let folders = entries.filter_map(Result::ok).filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    let mut folders: Vec<_> = folders.map(|entry| entry.path()).collect();
     folders.sort();
-    for inner in folders {
-        let part = file_name(&inner)?;
-        if !part.starts_with('.') {
-            whole_folder(files, &inner, &format!("{name}/{part}"), depth + 1)?;
+    for path in folders {
+        let inner = file_name(&path)?;
+        if !inner.starts_with('.') && depth < DEEPEST {
+            whole_folder(files, &path, &format!("{name}/{inner}"), depth + 1)?;
         }
     }
     Ok(())

@@ -31,6 +31,7 @@ impl Kernel<'_> {
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
+    #[inline(always)]
     pub(crate) fn categorise(&mut self) -> bool {
         let machine = self.machine;
         let mut conditional = false;
@@ -124,6 +125,7 @@ impl Kernel<'_> {
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
     /// a group that a non-modal code overrode on an earlier block.
+    #[inline(always)]
     pub(crate) fn imply(&mut self) {
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.queue_modal(group::MOTION);
@@ -165,6 +167,7 @@ impl Kernel<'_> {
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
+    #[inline(always)]
     pub(crate) fn sort(&mut self) {
         let firings = &mut self.block.firings;
         for end in 1..firings.len() {
@@ -200,7 +203,7 @@ impl Kernel<'_> {
     }
 
     /// What firing a code means before it acts: its data, its modal group.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: Firing) {
         self.as_data = Self::data_of_firing(row, firing);
         self.mode_changed = self.modal.code(row.group) != Some(row.id);
@@ -213,7 +216,7 @@ impl Kernel<'_> {
     }
 
     /// The built-in action of a code.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {

@@ -12,6 +12,7 @@ use super::custom_codes::Origin;
 use super::scan::Kind as LineKind;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::log::info::cut;
 use crate::machine::model::Point;
 use crate::macros::environment::Surroundings;
 use crate::macros::host::{code_id, data_id};
@@ -374,8 +375,7 @@ impl Kernel<'_> {
             return None;
         }
         let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
-        let statements = code.replace(';', "\n");
-        let source = counterpoint_lang::source::Source::new("embedded code", statements);
+        let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
         let expression = counterpoint_lang::parse::expression(&source).is_some();
         let program = Arc::make_mut(&mut runtime.program);
         let options = counterpoint_lang::compile::Options::default();
@@ -384,11 +384,21 @@ impl Kernel<'_> {
         runtime.measure();
         runtime.embedded.insert(code.to_owned(), index);
         if let Some(wrong) = added.diagnostics.iter().find(|diagnostic| diagnostic.is_error()) {
-            let text = format!("embedded macro code '{code}': {} {}", wrong.number, wrong.message);
+            let text = format!("embedded macro code '{}': {} {}", cut(code, 60), wrong.number, wrong.message);
             self.diagnose(&diag::EMBEDDED_CODE, text);
         }
         index
     }
+}
+
+/// Embedded statements on lines of their own: a semicolon outside of a text ends one.
+fn statements(code: &str) -> String {
+    let mut inside = false;
+    let line = |c: char| {
+        inside ^= c == '\'';
+        if c == ';' && !inside { '\n' } else { c }
+    };
+    code.chars().map(line).collect()
 }
 
 /// What a block macro decided.

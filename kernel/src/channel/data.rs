@@ -62,6 +62,7 @@ impl Kernel<'_> {
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).
+    #[cold]
     fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
         let value = self.modal.value(id).filter(|_| modal)?;

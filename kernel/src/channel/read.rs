@@ -100,6 +100,7 @@ impl Kernel<'_> {
     }
 
     /// Counts the block, tells others how far this kernel has come, and checks the limits.
+    #[inline(always)]
     fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
         self.blocks += 1;

@@ -117,6 +117,7 @@ impl Scanner {
     }
 
     /// The same, with or without the pre-processor.
+    #[inline(always)]
     pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
         block.clear();
         let mut at = 0;
@@ -426,6 +427,7 @@ fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
 }
 
 /// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
+#[inline(always)]
 fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
     let rest = line.get(at..)?;
     let (negative, text) = match rest {

@@ -26,7 +26,7 @@ use crate::trace;
 pub(crate) const TICKS: u64 = 5_000_000;
 
 /// Macros active at once.
-const DEPTH: u32 = 64;
+const DEPTH: u32 = 32;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;

@@ -27,9 +27,17 @@ impl Kernel<'_> {
     }
 
     /// Adds a line of a letter, if it is wanted.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
-        if self.trace.is_some() && self.traces(letter) {
+        if self.trace.is_some() {
+            self.trace_wanted(letter, line);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
+        if self.traces(letter) {
             let text = line(self).into();
             self.emit(0, Kind::Trace { letter, text });
         }
@@ -78,16 +86,19 @@ impl Kernel<'_> {
     }
 
     /// A code begins to act.
+    #[inline(always)]
     pub(crate) fn trace_code(&mut self, id: CodeId) {
         self.trace('C', |kernel| code(kernel.machine.code_name(id)));
     }
 
     /// A code is swallowed.
+    #[inline(always)]
     pub(crate) fn trace_ignored(&mut self, id: CodeId) {
         self.trace('C', |kernel| ignored(kernel.machine.code_name(id)));
     }
 
     /// An action took a value.
+    #[inline(always)]
     pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
         self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
     }

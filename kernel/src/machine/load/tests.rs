@@ -3,6 +3,7 @@
 mod chains;
 mod diagnostics;
 mod dialogs;
+mod macros;
 mod mistakes;
 mod mistakes_in_rows;
 mod nonsense;
