@@ -60,6 +60,27 @@ fn job(machine: &Arc<Machine>, texts: &[String]) -> (Job, Memory) {
     (Job::prepare(spec, &files).expect("a job"), files)
 }
 
+/// The mill with 64 rules of the tape editor: none matches, or some match on most blocks.
+fn with_rules(hit: bool) -> Arc<Machine> {
+    let mut text = "extends = \"fanuc-mill\"\n[ce]\nname = \"rules\"\n".to_owned();
+    for rule in 0..64 {
+        let find = match rule % 4 {
+            0 => format!("^MSG{rule} *(\\\\([^)]*\\\\))"),
+            1 => format!("CALL *O{rule}\\\\>"),
+            2 => format!("H{rule}=[0-9.]*"),
+            _ if hit && rule < 12 => format!("G{}\\\\>", rule % 3),
+            _ => format!("G{}\\\\.1", 50 + rule),
+        };
+        let replace = if hit && rule % 4 == 3 && rule < 12 { format!("G0{}", rule % 3) } else { String::new() };
+        let _ = writeln!(text, "[[tape_editor]]\nfind = \"{find}\"\nreplace = \"{replace}\"");
+    }
+    let mut files = Memory::default();
+    files.insert("rules/machine.toml", text);
+    let loaded = load(&package::Overlay::over_shipped(files), "rules");
+    assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
+    Arc::new(loaded.machine.expect("a machine"))
+}
+
 fn mill(blocks: usize) -> String {
     let mut text = "G17 G21 G90 G94 G40\nG0 X0. Y0. Z5.\nS3000 M3\nG1 Z-1. F500.\n".to_owned();
     for k in 0..blocks {
@@ -134,6 +155,10 @@ fn block_loop(c: &mut Criterion) {
     group.bench_function("milling_results", |b| b.iter(|| results(&mill_job, &files, 1)));
     let (macro_job, files) = job(&with_macros(), &[mill(blocks)]);
     group.bench_function("macros", |b| b.iter(|| macro_job.run(&files, &Control::new(1), &mut Count(0))));
+    let (edited, files) = job(&with_rules(false), &[mill(blocks)]);
+    group.bench_function("tape_64_rules", |b| b.iter(|| edited.run(&files, &Control::new(1), &mut Count(0))));
+    let (edited, files) = job(&with_rules(true), &[mill(blocks)]);
+    group.bench_function("tape_64_rules_hit", |b| b.iter(|| edited.run(&files, &Control::new(1), &mut Count(0))));
     let text = format!(
         "#1=0\nF1000.\nWHILE[#1LT{}]DO1\n#2=#1*0.36\nG1 X[40*COS[#2]] Y[40*SIN[#2]]\n#1=#1+1\nEND1\nM30\n",
         blocks / 5
