@@ -194,7 +194,9 @@ impl Kernel<'_> {
         }
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {
-                self.trace_code(row.id);
+                if self.trace.is_some() {
+                    self.trace_code(row.id);
+                }
                 crate::action::act(self, action, row, firing)
             }
             None => {

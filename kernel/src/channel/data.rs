@@ -19,6 +19,9 @@ pub(crate) struct Datum {
     pub(crate) raw: f64,
 }
 
+/// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
+pub(super) const RECALLED: u128 = 1 << 127;
+
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
@@ -27,11 +30,13 @@ impl Kernel<'_> {
             && data == id
         {
             self.as_data = None;
-            self.trace_data(id, value);
+            if self.trace.is_some() {
+                self.trace_data(id, value);
+            }
             return Some(Datum { value, incremental: false, raw: value });
         }
-        if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
-            return if self.plan.recall.is_some() { self.recall(id) } else { None };
+        if (self.block.present | RECALLED) & self.plan.registers_of.get(usize::from(id.0))? == 0 {
+            return None;
         }
         self.take_word(id)
     }
@@ -49,14 +54,16 @@ impl Kernel<'_> {
             if source.modal && !incremental {
                 self.modal.remember(id, value);
             }
-            self.trace_data(id, value);
+            if self.trace.is_some() {
+                self.trace_data(id, value);
+            }
             return Some(Datum { value, incremental, raw });
         }
-        self.refuse(id);
-        None
+        if self.refuse(id) { None } else { self.recall(id) }
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).
+    #[cold]
     fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
         let value = self.modal.value(id).filter(|_| modal)?;
@@ -64,7 +71,8 @@ impl Kernel<'_> {
     }
 
     /// A word is there, but its row says that nothing may take it.
-    fn refuse(&mut self, id: DataId) {
+    #[cold]
+    fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
         if self.block.present & refused != 0 {
             let text = format!(
@@ -73,7 +81,9 @@ impl Kernel<'_> {
                 self.block_text()
             );
             self.diagnose(&diag::DATA_REFUSED, text);
+            return true;
         }
+        false
     }
 
     /// Factor from program units to machine units.

@@ -36,6 +36,7 @@ impl Kernel<'_> {
     }
 
     /// The words of the block as they were recognised, and its sequence number.
+    #[cold]
     pub(crate) fn trace_words(&mut self) {
         if self.traces('W') {
             if let Some(number) = self.block.sequence {
@@ -68,6 +69,7 @@ impl Kernel<'_> {
     }
 
     /// The text that the pre-processor left.
+    #[cold]
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
             let sequence = kernel.block.sequence.map(|number| format!("N{number}"));
@@ -78,6 +80,7 @@ impl Kernel<'_> {
     }
 
     /// A code begins to act.
+    #[cold]
     pub(crate) fn trace_code(&mut self, id: CodeId) {
         self.trace('C', |kernel| code(kernel.machine.code_name(id)));
     }
@@ -88,6 +91,7 @@ impl Kernel<'_> {
     }
 
     /// An action took a value.
+    #[cold]
     pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
         self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
     }
