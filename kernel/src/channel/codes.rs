@@ -220,7 +220,9 @@ impl Kernel<'_> {
     pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {
-                self.trace_code(row.id);
+                if self.trace.is_some() {
+                    self.trace_code(row.id);
+                }
                 crate::action::act(self, action, row, firing)
             }
             None => {

@@ -21,6 +21,9 @@ pub(crate) struct Datum {
     pub(crate) raw: f64,
 }
 
+/// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
+pub(super) const RECALLED: u128 = 1 << 127;
+
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
@@ -35,8 +38,8 @@ impl Kernel<'_> {
             self.trace_data(id, value);
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
-        if self.block.present & self.plan.registers_of.get(usize::from(id.0))? == 0 {
-            return if self.plan.recall.is_some() { self.recall(id) } else { None };
+        if (self.block.present | RECALLED) & self.plan.registers_of.get(usize::from(id.0))? == 0 {
+            return None;
         }
         self.take_word(id)
     }
@@ -57,8 +60,7 @@ impl Kernel<'_> {
             self.trace_data(id, value);
             return Some(Datum { value, incremental, absolute: false, raw });
         }
-        self.refuse(id);
-        None
+        if self.refuse(id) { None } else { self.recall(id) }
     }
 
     /// The last value of modal data (reference control-emulator.md 1.3).
@@ -70,7 +72,8 @@ impl Kernel<'_> {
     }
 
     /// A word is there, but its row says that nothing may take it.
-    fn refuse(&mut self, id: DataId) {
+    #[cold]
+    fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
         if self.block.present & refused != 0 {
             let text = format!(
@@ -79,7 +82,9 @@ impl Kernel<'_> {
                 self.block_text()
             );
             self.diagnose(&diag::DATA_REFUSED, text);
+            return true;
         }
+        false
     }
 
     /// Factor from program units to machine units.

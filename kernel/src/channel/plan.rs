@@ -1,5 +1,6 @@
 //! What is compiled once per job and shared by its kernels.
 
+use super::data::RECALLED;
 use super::scan::Scanner;
 use super::tape::Tape;
 use crate::action::Action;
@@ -130,6 +131,8 @@ impl Plan {
             let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
             known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
         });
+        let recall = recall(machine);
+        let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
             only_data: only_data.fold(0, |bits, r| bits | 1 << r),
             scanner: Scanner::new(machine, opskip),
@@ -142,16 +145,18 @@ impl Plan {
                 .tables
                 .rows_of_data
                 .iter()
-                .map(|rows| {
+                .enumerate()
+                .map(|(id, rows)| {
                     let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
-                    registers.filter(|&r| r < 128).fold(0, |bits, r| bits | 1 << r)
+                    let remembered = if recalled(id) { RECALLED } else { 0 };
+                    registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
                 })
                 .collect(),
             speed_registers,
             rows_of_code: rows_of_code(machine),
             tape: Tape::new(&machine.tape_editor),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
-            recall: recall(machine),
+            recall,
             refused: refused(machine),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }

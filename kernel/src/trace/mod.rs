@@ -44,6 +44,7 @@ impl Kernel<'_> {
     }
 
     /// The words of the block as they were recognised, and its sequence number.
+    #[cold]
     pub(crate) fn trace_words(&mut self) {
         if self.traces('W') {
             if let Some(number) = self.block.sequence {
@@ -76,6 +77,7 @@ impl Kernel<'_> {
     }
 
     /// The text that the pre-processor left.
+    #[cold]
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
             let sequence = kernel.block.sequence.map(|number| format!("N{number}"));
