@@ -141,8 +141,8 @@ impl Kernel<'_> {
         self.move_to(seconds, Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))
     }
 
-    /// The motion itself.
-    #[inline]
+    /// The motion itself. Inlined so that the motion is built where it stays.
+    #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: Motion) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.before = self.place.position;
