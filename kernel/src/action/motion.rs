@@ -143,7 +143,7 @@ impl Kernel<'_> {
     }
 
     /// The motion itself.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.before = self.place.position;

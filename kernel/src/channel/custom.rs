@@ -26,6 +26,7 @@ const MOST_CODES: usize = 5000;
 
 impl Kernel<'_> {
     /// A block that EXEC/NEXT left for later.
+    #[inline]
     pub(crate) fn later_block(&mut self) -> Option<Later> {
         self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())
     }

@@ -117,6 +117,7 @@ impl Kernel<'_> {
     }
 
     /// A code that has been taken off the block: its macro, else its action.
+    #[inline(never)]
     pub(crate) fn fire_custom(&mut self, firing: Firing, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));
         let done = self.run_code(firing, id);

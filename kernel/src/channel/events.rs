@@ -17,6 +17,7 @@ const MOST_TOOLS: usize = 200;
 
 impl Kernel<'_> {
     /// A motion on a kernel with macros.
+    #[inline(never)]
     pub(crate) fn motion_event(&mut self, seconds: f64, motion: &Motion) -> Acted {
         let Some(code) = self.hook(Hook::Motion) else { return self.move_to(seconds, motion) };
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
