@@ -170,3 +170,11 @@ fn what_macros_pile_up_in_the_host_is_bounded() {
         assert!(host.files.is_empty());
     }
 }
+
+#[test]
+fn a_comment_behind_a_continuation_stands_still_when_formatted_again() {
+    let text = "CASE/A\nWHEN/B$ why\n,C $ and\n,D\nENDOF/CASE\n";
+    let once = tools::format(text, tools::Style::Standard).unwrap();
+    assert!(once.contains("\n    $$ why\n"), "{once}");
+    assert_eq!(tools::format(&once, tools::Style::Standard).unwrap(), once);
+}

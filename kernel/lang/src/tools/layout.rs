@@ -27,10 +27,12 @@ pub fn format(text: &str, style: Style) -> Result<String, Vec<Diagnostic>> {
     let (mut out, mut depth) = (String::new(), 0usize);
     for line in &lines {
         let (before, after) = shifts(line);
+        // A comment that gets a line of its own stands where it will stand when it is formatted again.
+        let outer = "  ".repeat(depth.min(20));
         depth = depth.saturating_sub(before);
         let indent = "  ".repeat(depth.min(20));
         for comment in line.comments.iter().take(line.comments.len().saturating_sub(1)) {
-            comment_line(&mut out, &indent, source.slice(*comment));
+            comment_line(&mut out, &outer, source.slice(*comment));
         }
         let last = line.comments.last().map(|comment| source.slice(*comment));
         let statement = tokens(line, style);
@@ -41,7 +43,7 @@ pub fn format(text: &str, style: Style) -> Result<String, Vec<Diagnostic>> {
             }
         } else {
             if let Some(comment) = last.filter(|_| statement.iter().map(String::len).sum::<usize>() > 400) {
-                comment_line(&mut out, &indent, comment);
+                comment_line(&mut out, &outer, comment);
                 statement_line(&mut out, &indent, &statement, None);
             } else {
                 statement_line(&mut out, &indent, &statement, last);
