@@ -90,6 +90,7 @@ fn two_hundred_runs_give_one_log() {
 /// Results without an ordered log are those of the log.
 fn same_results(work: &Work, oracle: &Done, run: usize) {
     let (results, outcome) = work.results((!run.is_multiple_of(3)).then_some(disturb as fn(u16))).unwrap();
+    assert_eq!(results.summary.log_digest, oracle.summary.log_digest, "run {run}, threads {}", work.options.threads);
     assert_eq!(results.summary, oracle.summary, "run {run}, threads {}", work.options.threads);
     assert_eq!(outcome, oracle.outcome, "run {run}");
 }
@@ -180,4 +181,31 @@ fn a_panic_in_one_kernel_reaches_the_owner_of_the_job() {
     });
     let panic = result.expect_err("the panic must not be lost and nothing may hang");
     assert_eq!(panic.downcast_ref::<&str>(), Some(&"on purpose"));
+}
+
+/// One channel runs on by thousands of blocks beyond the time at which the other one ends the job.
+fn far_ahead(before: &str, idle_before: &str) {
+    let ahead: String = (0..12_000).map(|n| format!("G1 X{}. Z-{}.\n", 20 + n % 7, n % 11)).collect();
+    let idle = "G90\n".repeat(6_000);
+    let texts = [format!("O1\nG98 F100.\n{before}{ahead}M30\n"), format!("O2\n{idle_before}{idle}M30\n")];
+    let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, Options::default());
+    work.options.limits.zero_time_blocks = 5_000;
+    work.options.threads = 1;
+    let oracle = work.run(None).unwrap();
+    assert!(oracle.summary.verdict.is_some(), "{:#?}", oracle.summary.diagnostics);
+    for run in 0..40 {
+        work.options.threads = [0, 2][run % 2];
+        same_results(&work, &oracle, run);
+    }
+}
+
+#[test]
+fn a_kernel_that_ran_far_ahead_of_a_stop_leaves_nothing_behind_it() {
+    far_ahead("", "");
+}
+
+#[test]
+fn a_partner_that_stood_for_long_may_still_stop_the_job() {
+    let long: String = (0..3_000).map(|n| format!("G1 X{}. Z-{}.\n", 10 + n % 5, n % 13)).collect();
+    far_ahead(&format!("{long}M100\n"), "M100\n");
 }

@@ -61,6 +61,10 @@ pub(crate) enum Wake {
 
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
+/// Bound of a kernel that stands at a meeting.
+const STANDS: i64 = i64::MAX - 1;
+/// Bound of a kernel that is done.
+const DONE: i64 = i64::MAX;
 
 /// The job was stopped; the kernel has to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +72,7 @@ pub(crate) struct Stopped;
 
 #[repr(align(128))]
 struct Slot {
-    /// The kernel does nothing before this time; the largest time while it stands or is done.
+    /// The kernel does nothing before this time; [`STANDS`] or [`DONE`] when it does not run.
     bound: AtomicI64,
     need: AtomicI64,
     /// Counts wake-ups; a kernel spins on it before it sleeps.
@@ -281,11 +285,15 @@ impl Coordinator {
         result
     }
 
-    /// No other kernel will do anything before this time.
+    /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
+    /// all the others are done. A kernel that stands can only be let go by this one, so it holds at this one's time.
     pub(crate) fn floor(&self, rank: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(1_u16..).filter(|(_, other)| *other != rank);
-            others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX)
+            let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
+            let least = if least == STANDS { self.bound(rank) } else { least };
+            // A kernel that has stopped the job is done: the stop is looked at after its bound.
+            least.min(self.stop_t.load(SeqCst))
         };
         // Between two looks at the bounds a kernel that stood may have gone on behind the one that let it go.
         let before = self.resumes.load(SeqCst);
@@ -447,7 +455,7 @@ impl Coordinator {
     fn stand_still(&self, inner: &mut Inner, rank: u16, status: Status) {
         inner.set(rank, status);
         if let Some(slot) = self.slot(rank) {
-            slot.bound.store(i64::MAX, SeqCst);
+            slot.bound.store(if status == Status::Done { DONE } else { STANDS }, SeqCst);
         }
     }
 

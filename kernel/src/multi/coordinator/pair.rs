@@ -86,7 +86,7 @@ impl Coordinator {
     fn stand_first(&self, own: &Cell, tag: Tag, work: &mut impl FnMut() -> bool) -> Option<Wake> {
         let slot = self.slot(tag.rank)?;
         let seen = slot.signal.load(Acquire);
-        let disturbed = || slot.need.load(Relaxed) <= tag.t || slot.signal.load(Relaxed) != seen;
+        let disturbed = || slot.need.load(Relaxed) != i64::MAX || slot.signal.load(Relaxed) != seen;
         for turn in 0..self.spin + YIELDS {
             while own.meeting.load(Relaxed) == 0 && work() {}
             if own.meeting.load(Relaxed) != 0 || disturbed() {
@@ -107,7 +107,7 @@ impl Coordinator {
             if meeting != 0 {
                 return Some(released(tag.rank, (own.on_t.load(Relaxed), own.on_micro.load(Relaxed)), meeting));
             }
-            std::hint::spin_loop();
+            std::thread::yield_now();
         }
     }
 }
