@@ -12,7 +12,7 @@ mod sleep;
 
 use std::sync::atomic::{
     AtomicBool, AtomicI64, AtomicU32, AtomicU64,
-    Ordering::{Relaxed, SeqCst},
+    Ordering::{Acquire, Relaxed, Release, SeqCst},
 };
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -250,8 +250,9 @@ impl Coordinator {
             return t <= self.stop_t.load(Relaxed);
         }
         if let Some(slot) = self.slot(rank) {
-            slot.bound.store(t, SeqCst);
-            if t > slot.need.load(SeqCst) {
+            // Whoever asks at this very moment may see the time before this one, and is answered one block later.
+            slot.bound.store(t, Release);
+            if t > slot.need.load(Acquire) {
                 let mut inner = self.lock();
                 slot.need.store(i64::MAX, SeqCst);
                 self.wake_parked(&mut inner);
