@@ -156,7 +156,10 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         self.place.position = motion.to;
         let ns = Self::ns(seconds);
-        self.emit_as(ns, |kind| *kind = Kind::Motion(*motion));
+        self.emit_as(ns, |kind| match kind {
+            Kind::Motion(place) => *place = *motion,
+            other => *other = Kind::Motion(*motion),
+        });
         self.advance(ns);
         self.check_travel(&motion.to);
         self.follow_radius()

@@ -122,6 +122,7 @@ impl Block {
     }
 
     /// Adds a word; a block takes 255 at most, the rest is unknown text.
+    #[inline(always)]
     pub(crate) fn push(&mut self, word: Word) {
         if self.words.len() >= 255 {
             self.unknown.push((word.start, word.end));

@@ -100,7 +100,13 @@ impl Kernel<'_> {
     }
 
     /// Carries out what the block asked for at its end.
+    #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
+        if self.flow.pending.is_some() { self.follow_up() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn follow_up(&mut self) -> Acted {
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),

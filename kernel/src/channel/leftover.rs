@@ -10,7 +10,14 @@ use crate::machine::ident::data;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.
+    #[inline(always)]
     pub(crate) fn leftovers(&mut self) -> Acted {
+        // A speed word left is a data word left.
+        if self.block.has_leftovers() || self.block.has_oddities() { self.left_over() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn left_over(&mut self) -> Acted {
         if self.has_any(self.plan.speed_registers) {
             crate::action::spindle::speed_word(self)?;
         }

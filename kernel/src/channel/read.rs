@@ -79,7 +79,9 @@ impl Kernel<'_> {
                     self.trace_deleted(text);
                     self.trace_words();
                 }
-                self.show_messages(text);
+                if !self.block.messages.is_empty() {
+                    self.show_messages(text);
+                }
                 self.act_block()?;
             }
             LineKind::Macro => self.macro_line(text)?,
@@ -117,7 +119,11 @@ impl Kernel<'_> {
             self.coordinator.yield_permit(self.rank);
         }
         let number = self.blocks;
-        self.emit_as(0, |kind| *kind = Kind::Block { number });
+        self.emit_as(0, |kind| match kind {
+            // Written over what is there, a kind of another shape is dropped first.
+            Kind::Block { number: place } => *place = number,
+            other => *other = Kind::Block { number },
+        });
         self.check_limits()
     }
 

@@ -111,14 +111,19 @@ impl Scanner {
     }
 
     /// Splits `line` into `block` (which is cleared first).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
-        self.scan_as(line, secondary, block, self.macros)
+        self.split(line, secondary, block, self.macros)
     }
 
     /// The same, with or without the pre-processor.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
+        self.split(line, secondary, block, macros)
+    }
+
+    #[inline(always)]
+    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
         block.clear();
         let mut at = 0;
         while let Some(&byte) = line.get(at) {

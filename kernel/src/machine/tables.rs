@@ -107,9 +107,22 @@ impl Codes {
         Some(Self { lists: lists.lists, dense, steps })
     }
 
+    #[inline(always)]
     fn at(&self, value: f64) -> &[u16] {
-        let list = if value < f64::from(DENSE) { self.dense_list(value) } else { self.step_list(value) };
+        // The usual code is a small whole number; `as` saturates.
+        let whole = value as u32;
+        let small = f64::from(whole) == value && whole < DENSE;
+        let list = if small && let Some(&list) = self.dense.get(whole as usize * 10) {
+            Some(list)
+        } else {
+            self.any_list(value)
+        };
         list.and_then(|list| self.lists.get(usize::from(list))).map_or(&[], Vec::as_slice)
+    }
+
+    #[inline(never)]
+    fn any_list(&self, value: f64) -> Option<u16> {
+        if value < f64::from(DENSE) { self.dense_list(value) } else { self.step_list(value) }
     }
 
     fn dense_list(&self, value: f64) -> Option<u16> {

@@ -40,14 +40,14 @@ impl Bar {
         self.t_ns.saturating_add(self.dur_ns)
     }
 
-    fn absorb(&mut self, next: Self) {
+    fn absorb(&mut self, next: &mut Self) {
         self.dur_ns = next.end_ns() - self.t_ns;
         self.end_line = next.end_line;
         if next.kind == self.kind {
             self.own_ns += next.own_ns;
         } else if next.own_ns > self.own_ns {
             (self.kind, self.own_ns) = (next.kind, next.own_ns);
-            self.label = next.label;
+            self.label = next.label.take();
         }
     }
 }
@@ -70,7 +70,7 @@ impl Bars {
             && last.kind != Work::Wait
             && last.end_ns() == t_ns
         {
-            last.absorb(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
+            last.absorb(&mut Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
             return;
         }
         self.add(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
@@ -113,14 +113,14 @@ impl Bars {
             let middle = durations.len() / 2;
             let (_, median, _) = durations.select_nth_unstable(middle);
             self.grain_ns = self.grain_ns.saturating_mul(2).max(median.saturating_add(1));
-            let mut joined: Vec<Bar> = Vec::with_capacity(self.bars.len());
-            for bar in self.bars.drain(..) {
-                match joined.last_mut() {
-                    Some(last) if last.dur_ns < self.grain_ns => last.absorb(bar),
-                    _ => joined.push(bar),
+            let grain = self.grain_ns;
+            self.bars.dedup_by(|next, last| {
+                let joins = last.dur_ns < grain;
+                if joins {
+                    last.absorb(next);
                 }
-            }
-            self.bars = joined;
+                joins
+            });
         }
     }
 }
