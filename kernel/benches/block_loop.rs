@@ -168,7 +168,9 @@ fn block_loop(c: &mut Criterion) {
     group.finish();
 }
 
-/// One channel of 100,000 blocks, and two of them with 5,000 meetings: the rate of blocks is that of one channel.
+/// One channel of 100,000 blocks; two jobs of that kind at once, which is what two threads can do on this machine when
+/// they have nothing to do with each other; and two channels with 5,000 meetings, whose waiting codes are 5,000 blocks
+/// more. The rate is that of one channel.
 fn channels(c: &mut Criterion) {
     let mut group = c.benchmark_group("channels");
     let blocks = 100_000;
@@ -177,6 +179,16 @@ fn channels(c: &mut Criterion) {
     let (one, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, false)]);
     group.bench_function("one_channel", |b| b.iter(|| one.run(&files, &Control::new(2), &mut Count(0))));
     group.bench_function("one_channel_results", |b| b.iter(|| results(&one, &files, 2)));
+    let (other, other_files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 2, false)]);
+    group.bench_function("two_jobs_at_once_results", |b| {
+        b.iter(|| {
+            std::thread::scope(|scope| {
+                scope.spawn(|| results(&other, &other_files, 2));
+                results(&one, &files, 2);
+            });
+        });
+    });
+    group.throughput(Throughput::Elements((blocks + blocks / 20) as u64));
     let (two, files) = job(&machine("fanuc-2path-lathe"), &[lathe(blocks, 1, true), lathe(blocks, 2, true)]);
     group.bench_function("two_channels_5000_waits", |b| b.iter(|| two.run(&files, &Control::new(2), &mut Count(0))));
     group.bench_function("two_channels_5000_waits_results", |b| b.iter(|| results(&two, &files, 2)));
