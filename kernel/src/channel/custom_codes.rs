@@ -186,7 +186,9 @@ impl Kernel<'_> {
     /// Takes the value of data off the block and lets every matching data macro have it.
     #[inline(never)]
     pub(crate) fn take_custom(&mut self, id: DataId) -> Option<Datum> {
-        let mut taken = self.taken(id)?;
+        let Some(mut taken) = self.taken(id) else {
+            return if self.refuse(id) { None } else { self.recall(id) };
+        };
         let mut absolute = false;
         let list = self.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
         if !list.is_empty() && self.macros.as_deref().is_some_and(|runtime| runtime.matching) {
