@@ -104,6 +104,14 @@ impl Program {
     pub fn function(&self, name: &str) -> Option<u16> {
         self.functions.get(name).map(|symbol| symbol.index)
     }
+
+    /// User functions with their indices, by name.
+    #[must_use]
+    pub fn functions(&self) -> Vec<(&str, u16)> {
+        let mut list: Vec<_> = self.functions.iter().map(|(name, symbol)| (name.as_str(), symbol.index)).collect();
+        list.sort_unstable();
+        list
+    }
 }
 
 /// What became of a source.
