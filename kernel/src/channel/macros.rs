@@ -210,7 +210,9 @@ impl Kernel<'_> {
         }
         if self.trace.is_some() {
             self.trace_preprocessed();
-            self.trace_words();
+            if self.macros.is_none() {
+                self.trace_words();
+            }
         }
         self.act_block()
     }

@@ -260,14 +260,25 @@ impl Scanner {
         end
     }
 
-    /// The line without skipped portions and marks, and whether a level was active; `None` without a mark.
-    pub(super) fn without_deleted(&self, line: &[u8]) -> Option<(bool, Vec<u8>)> {
-        let mark = self.opskip?;
+    /// The line without skipped portions and marks, and whether a level was active; `None` without a mark. As for the
+    /// pre-processor a skip character inside brackets and in statements is a division. Marks are looked for in `seen`,
+    /// which has the length of the line.
+    pub(super) fn without_deleted(&self, line: &[u8], seen: &[u8]) -> Option<(bool, Vec<u8>)> {
+        let mark = self.opskip.filter(|mark| memchr::memchr(*mark, seen).is_some())?;
         let (mut out, mut found, mut at) = (Vec::with_capacity(line.len()), None, 0);
+        let (mut depth, mut statement) = (0_usize, false);
+        let kept = line;
+        let line = seen;
         while let Some(&byte) = line.get(at) {
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth = depth.saturating_sub(1),
+                b'#' => statement = true,
+                _ => statement |= self.macros && is_keyword(line, at),
+            }
             let end = match self.comment_end(line, at) {
                 Some(end) => end,
-                None if byte == mark => {
+                None if byte == mark && (!self.macros || depth == 0 && !statement) => {
                     let mut scratch = Block::default();
                     let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
                     let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
@@ -277,7 +288,7 @@ impl Scanner {
                 }
                 None => at + 1,
             };
-            out.extend_from_slice(line.get(at..end).unwrap_or_default());
+            out.extend_from_slice(kept.get(at..end).unwrap_or_default());
             at = end;
         }
         found.map(|active| (active, out))

@@ -11,7 +11,7 @@ pub mod letters;
 mod lines;
 
 pub use letters::Letters;
-pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, mdi, sequence, statement, word};
+pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
 use crate::log::event::Kind;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::text::{Grid, dash, yes};
 use crate::machine::model::Machine;
 use crate::macros::condition::{Condition, Item, Step};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
+use crate::macros::model::{FIRST_HOOK_ID, Hook, Named};
 
 /// One macro.
 struct Row {
@@ -75,17 +75,17 @@ fn rows(machine: &Machine) -> Vec<Row> {
         Item::Code(id) => machine.code_name(id).to_owned(),
         Item::Data(id) => machine.data_name(id).to_owned(),
     };
-    let named = |key, (at, one): (u16, &Named)| Row {
+    let named = |key, one: &Named| Row {
         key,
         id: Some(one.id),
         name: one.name.clone(),
         enabled: one.enabled,
-        matches: fired_by(macros, key == "code", at).map(name).collect(),
+        matches: one.matches.iter().map(|item| name(*item)).collect(),
         condition: condition(&one.condition, &name),
         file: file(one.code),
     };
-    rows.extend((0..).zip(&macros.codes).map(|row| named("code", row)));
-    rows.extend((0..).zip(&macros.data).map(|row| named("data", row)));
+    rows.extend(macros.codes.iter().map(|row| named("code", row)));
+    rows.extend(macros.data.iter().map(|row| named("data", row)));
     rows.extend(macros.program.functions().into_iter().map(|(name, code)| Row {
         key: "functions",
         id: None,
@@ -96,14 +96,6 @@ fn rows(machine: &Machine) -> Vec<Row> {
         file: file(code),
     }));
     rows
-}
-
-/// The identifiers that fire a code or data macro, in the order of the tables.
-fn fired_by(macros: &Macros, of_codes: bool, at: u16) -> impl Iterator<Item = Item> + '_ {
-    use crate::machine::ident::{CodeId, DataId};
-    let lists = if of_codes { &macros.of_code } else { &macros.of_data };
-    let fires = (0_u16..).zip(lists).filter(move |(_, list)| list.contains(&at));
-    fires.map(move |(id, _)| if of_codes { Item::Code(CodeId(id)) } else { Item::Data(DataId(id)) })
 }
 
 /// A condition in the notation of the machine file.
@@ -193,7 +185,7 @@ file = "d.mac"
             .lines()
             .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
             .collect();
-        let guard = ["1", "code", "Guard", "yes", "CODE_SPINDLE_CCLW CODE_SPINDLE_CLW"];
+        let guard = ["1", "code", "Guard", "yes", "CODE_SPINDLE_CLW CODE_SPINDLE_CCLW"];
         let guard = [guard.as_slice(), &["present REG_SPINDLE_RPM, absent CODE_STOP", "own/c.mac"]].concat();
         let coolant = "CODE_COOLANT_FLOOD CODE_DELAY CODE_STOP";
         let hand_written = "CODE_COOLANT_FLOOD AND (CODE_DELAY OR CODE_STOP)";
@@ -226,7 +218,7 @@ file = "d.mac"
         assert_eq!(value["macros"].as_array().map(Vec::len), Some(6));
         assert_eq!(value["macros"][2]["condition"], "CODE_COOLANT_FLOOD AND (CODE_DELAY OR CODE_STOP)");
         assert_eq!(value["macros"][2]["enabled"], false);
-        assert_eq!(value["macros"][1]["match"], serde_json::json!(["CODE_SPINDLE_CCLW", "CODE_SPINDLE_CLW"]));
+        assert_eq!(value["macros"][1]["match"], serde_json::json!(["CODE_SPINDLE_CLW", "CODE_SPINDLE_CCLW"]));
         assert_eq!(value["macros"][4]["id"], serde_json::Value::Null);
         assert!(show(&machine(), Show::All).contains("Guard"));
     }

@@ -118,6 +118,7 @@ impl Kernel<'_> {
             ));
         }
         let text = Arc::new(text.replace(['\n', '\r'], " "));
+        self.trace_exec_text(now, &text);
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.custom_block(Some(text))));
         }
@@ -126,6 +127,7 @@ impl Kernel<'_> {
 
     fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {
         self.may_exec(state)?;
+        self.trace_exec_items(now, items);
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
         }

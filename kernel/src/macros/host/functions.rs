@@ -7,6 +7,7 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
 use counterpoint_lang::func::Function;
+use counterpoint_lang::host::macro_states;
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
@@ -40,7 +41,7 @@ impl Kernel<'_> {
             "$FERSTA" => self.switched(arguments),
             "$FERTXT" => Self::text_of(arguments),
             "$FMACID" => self.macro_ids(state, arguments)?,
-            "$FMACSTA" => self.macro_states(arguments),
+            "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
             "$FREGFMT" => Value::text(self.register_format(arguments)),
             "$FREGPOS" => {
                 let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
@@ -134,27 +135,6 @@ impl Kernel<'_> {
             }
         }
         Ok(Value::sequence(found))
-    }
-
-    /// `$FMACSTA`: states before the change.
-    fn macro_states(&mut self, arguments: &[Value]) -> Value {
-        let single;
-        let ids = match arguments.first() {
-            Some(Value::Sequence(all)) => all.as_slice(),
-            Some(one) => {
-                single = [one.clone()];
-                &single
-            }
-            None => &[],
-        };
-        let on = arguments.get(1).and_then(Value::as_logical);
-        let mut states = Vec::new();
-        for id in ids.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
-            if let Some(before) = self.switch_macro(id, on) {
-                states.extend([Value::Real(id), Value::Logical(before)]);
-            }
-        }
-        Value::sequence(states)
     }
 
     /// State of a macro before it was switched.
