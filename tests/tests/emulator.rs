@@ -4,7 +4,7 @@
 //! folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job, `options` options of
 //! the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each (with the channel in front
 //! on machines with several), `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace`
-//! the whole trace of channel 1, `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given; no diagnostics and no
+//! the whole trace of channel 1, `ran` the program of each channel in the summary, `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given; no diagnostics and no
 //! findings are expected where none are given. Every example is run with one thread, with results only, and with shared
 //! operations out of step; all must agree.
 
@@ -30,6 +30,7 @@ struct Example {
     events: Option<String>,
     texts: Option<String>,
     trace: Option<String>,
+    ran: Option<String>,
     diagnostics: String,
     findings: String,
 }
@@ -57,6 +58,7 @@ fn examples(page: &str) -> Vec<Example> {
             ("events", _) => example.events = Some(text),
             ("texts", _) => example.texts = Some(text),
             ("trace", _) => example.trace = Some(text),
+            ("ran", _) => example.ran = Some(text),
             ("diagnostics", _) => example.diagnostics = text,
             ("findings", _) => example.findings = text,
             (other, _) => panic!("line {}: no block is called {other}", number + 1),
@@ -190,6 +192,11 @@ fn the_guide_is_true() {
             }
             if let Some(expected) = &example.texts {
                 compare("texts", &texts, expected);
+            }
+            if let Some(expected) = &example.ran {
+                let ran: String =
+                    done.summary.channels.iter().map(|c| format!("{} {}\n", c.channel, c.program)).collect();
+                compare("ran", &ran, expected);
             }
             if let Some(expected) = &example.trace {
                 compare("trace", &trace(&info, &done), expected);

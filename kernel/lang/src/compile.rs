@@ -108,6 +108,13 @@ impl Program {
         self.functions.get(name).map(|symbol| symbol.index)
     }
 
+    /// A single GLOBAL or OBJECT variable that was declared, with its type.
+    #[must_use]
+    pub fn shared_variable(&self, name: &str) -> Option<(Shared, Option<Kind>)> {
+        let symbol = self.shared.get(name).filter(|symbol| symbol.indices == 0 && !symbol.channel)?;
+        Some((symbol.shared, symbol.kind))
+    }
+
     /// User functions with their indices, by name.
     #[must_use]
     pub fn functions(&self) -> Vec<(&str, u16)> {

@@ -133,7 +133,12 @@ impl Kernel<'_> {
                 }
                 self.words_block()
             }
-            LineKind::Macro => self.macro_line(bytes),
+            LineKind::Macro => {
+                if self.may_have_remarks() || self.plan.scanner.has_messages() {
+                    self.remarks(bytes)?;
+                }
+                self.macro_line(bytes)
+            }
         }
     }
 
@@ -211,9 +216,9 @@ impl Kernel<'_> {
         if self.trace.is_some() {
             self.trace_words();
         }
-        if !self.block.messages.is_empty() {
+        if self.may_have_remarks() {
             let text = self.text_bytes().into_owned();
-            self.show_messages(&text);
+            self.remarks(&text)?;
         }
         self.act_block_of(Origin::Text)
     }

@@ -95,6 +95,11 @@ impl Scanner {
         self.macros
     }
 
+    /// The machine has operator messages.
+    pub(super) fn has_messages(&self) -> bool {
+        self.message.is_some()
+    }
+
     /// Active optional-skip levels, bit by level.
     pub(crate) fn levels(&self) -> u16 {
         self.levels
@@ -304,6 +309,35 @@ impl Scanner {
             at = self.comment_end(line, at).unwrap_or(at + 1);
         }
         None
+    }
+
+    /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for both
+    /// means a comment.
+    pub(super) fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
+        let mut found = Vec::new();
+        let (mut at, mut depth) = (0, 0_usize);
+        while let Some(&byte) = line.get(at) {
+            let rest = line.get(at..).unwrap_or_default();
+            let kinds = [(false, &self.comment), (true, &self.message)];
+            let kinds = kinds.into_iter().filter_map(|(message, pair)| Some((message, pair.as_ref()?)));
+            let starts = |(_, (start, _)): &(bool, &(Vec<u8>, Vec<u8>))| !start.is_empty() && rest.starts_with(start);
+            // Inside brackets of an expression nothing begins.
+            let found_here = if self.macros && depth > 0 { None } else { kinds.into_iter().find(starts) };
+            let Some((message, (start, end))) = found_here else {
+                match byte {
+                    b'[' => depth += 1,
+                    b']' => depth = depth.saturating_sub(1),
+                    _ => {}
+                }
+                at += 1;
+                continue;
+            };
+            let inside = at + start.len();
+            let close = if end.is_empty() { None } else { find(line, inside, end) };
+            found.push((message, inside, close.unwrap_or(line.len())));
+            at = close.map_or(line.len(), |close| close + end.len());
+        }
+        found
     }
 
     /// Position after the comment or message that begins at `at`: a mark inside is none.

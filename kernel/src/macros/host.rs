@@ -6,8 +6,10 @@
 mod block;
 mod commands;
 mod diagnostics;
+mod dialogs;
 mod files;
 mod functions;
+pub(crate) mod operations;
 mod search;
 mod trace;
 pub(crate) mod variables;

@@ -13,6 +13,7 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
+use super::host::operations::Operations;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
@@ -37,6 +38,8 @@ pub(crate) enum Task {
     None,
     /// The action of a code.
     Code(Firing, CodeId),
+    /// A comment or a message to the operator.
+    Remark(CodeId, Arc<String>),
     /// A motion, with its duration in seconds.
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
@@ -107,6 +110,12 @@ pub(crate) struct Runtime {
     pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
+    /// How often each dialog was shown, by name.
+    pub(crate) dialogs: FxHashMap<String, usize>,
+    /// Operations of the program.
+    pub(crate) operations: Operations,
+    /// Sequence number of the last block that had one.
+    pub(crate) last_sequence: u32,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -170,6 +179,9 @@ impl Runtime {
             left: None,
             saved: Vec::new(),
             data_codes: Vec::new(),
+            dialogs: FxHashMap::default(),
+            operations: Operations::default(),
+            last_sequence: 0,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),

@@ -19,6 +19,9 @@ use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::StoredFile;
 use crate::machine::number::written;
 
+/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask for.
+pub const LISTING: char = 'L';
+
 impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z.
     pub(crate) fn traces(&self, letter: char) -> bool {

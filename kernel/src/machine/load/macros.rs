@@ -252,7 +252,8 @@ impl Compiler<'_, '_> {
             return self.names.data(name, place).map(Item::Data);
         }
         let id = self.names.code(name, place)?;
-        if !self.codes.iter().any(|row| row.id == id && row.enable) {
+        let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
+        if !remark && !self.codes.iter().any(|row| row.id == id && row.enable) {
             let text = format!("no row of this machine's code table has {upper}, so it never fires");
             self.names.check.warning(place, text);
         }
