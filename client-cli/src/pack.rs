@@ -230,6 +230,56 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_has_its_folders_and_those_it_extends() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        write("own/machine.toml", "extends = \"family\"\nfiles = \"storage\"\n");
+        write("own/macros/start.mac", "OUTPUT\n");
+        write("own/storage/O9001", "M99\n");
+        write("own/storage/resident/deep/park.nc", "G0 Z0\nM99\n");
+        write("own/.git/config", "hidden");
+        write("own/storage/.hidden", "hidden");
+        write("family/machine.toml", "extends = \"shipped\"\n");
+        write("family/macros/block.mac", "");
+        write("other/machine.toml", "");
+        let (name, files) = machine(&folder.path().join("own")).unwrap();
+        let names: Vec<_> = files.0.keys().map(String::as_str).collect();
+        assert_eq!(name, "own");
+        assert_eq!(
+            names,
+            [
+                "family/machine.toml",
+                "family/macros/block.mac",
+                "own/machine.toml",
+                "own/macros/start.mac",
+                "own/storage/O9001",
+                "own/storage/resident/deep/park.nc",
+            ]
+        );
+        assert_eq!(&*files.0["own/storage/resident/deep/park.nc"].content, b"G0 Z0\nM99\n");
+    }
+
+    #[test]
+    fn folders_are_packed_eight_levels_deep_and_links_to_folders_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own");
+        let deep = (0..10).fold(own.clone(), |path, level| path.join(level.to_string()));
+        fs::create_dir_all(&deep).unwrap();
+        fs::write(own.join("machine.toml"), "").unwrap();
+        fs::write(own.join("0/1/2/3/4/5/6/7/last.nc"), "").unwrap();
+        fs::write(own.join("0/1/2/3/4/5/6/7/8/beyond.nc"), "").unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&own, own.join("loop")).unwrap();
+        let (_, files) = machine(&own).unwrap();
+        let names: Vec<_> = files.0.keys().map(String::as_str).collect();
+        assert_eq!(names, ["own/0/1/2/3/4/5/6/7/last.nc", "own/machine.toml"]);
+    }
+
+    #[test]
     fn a_job_has_programs_neighbours_and_extra_files() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["part.nc", "part_1.tps", "O9001", "notes.txt", "other/part.nc", "lib/macro.nc"] {

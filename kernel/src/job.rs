@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use counterpoint_lang::compile;
+
 use crate::control::Control;
 use crate::files::Files;
 use crate::log::event::Event;
@@ -38,6 +40,8 @@ pub struct Spec {
 pub struct Job {
     spec: Spec,
     info: Arc<Info>,
+    /// The machine's macros as its kernels run them.
+    macros: Option<Arc<compile::Program>>,
 }
 
 /// Why a job cannot be run at all.
@@ -79,7 +83,8 @@ impl Job {
     /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
     pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
         let info = crate::mcd::layout::assign(&spec, files).map_err(|findings| PrepareError { findings })?;
-        Ok(Self { spec, info: Arc::new(info) })
+        let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
+        Ok(Self { spec, info: Arc::new(info), macros })
     }
 
     /// What is fixed about the job.
@@ -92,6 +97,11 @@ impl Job {
     #[must_use]
     pub fn spec(&self) -> &Spec {
         &self.spec
+    }
+
+    /// The machine's macros as its kernels run them.
+    pub(crate) fn macros(&self) -> Option<&Arc<compile::Program>> {
+        self.macros.as_ref()
     }
 
     /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen

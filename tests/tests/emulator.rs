@@ -3,8 +3,8 @@
 //! An example begins with a `toml` block, the machine, and goes up to the next one. `macro NAME` is a file of the machine's
 //! folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job, `options` options of
 //! the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each (with the channel in front
-//! on machines with several), `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `findings`
-//! what loading the machine finds. `events` and `texts` are only compared where they are given; no diagnostics and no
+//! on machines with several), `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace`
+//! the whole trace of channel 1, `ran` the program of each channel in the summary, `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given; no diagnostics and no
 //! findings are expected where none are given. Every example is run with one thread, with results only, and with shared
 //! operations out of step; all must agree.
 
@@ -14,6 +14,7 @@ use std::sync::Arc;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::log::event::{Event, Kind, Motion, MotionKind};
 use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::log::listing;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::Options;
@@ -28,6 +29,8 @@ struct Example {
     options: Options,
     events: Option<String>,
     texts: Option<String>,
+    trace: Option<String>,
+    ran: Option<String>,
     diagnostics: String,
     findings: String,
 }
@@ -54,6 +57,8 @@ fn examples(page: &str) -> Vec<Example> {
             ("options", _) => example.options = toml::from_str(&text).expect("options"),
             ("events", _) => example.events = Some(text),
             ("texts", _) => example.texts = Some(text),
+            ("trace", _) => example.trace = Some(text),
+            ("ran", _) => example.ran = Some(text),
             ("diagnostics", _) => example.diagnostics = text,
             ("findings", _) => example.findings = text,
             (other, _) => panic!("line {}: no block is called {other}", number + 1),
@@ -139,6 +144,14 @@ fn run(example: &Example, machine: &Arc<Machine>) -> (Done, Arc<Info>) {
     (one, info)
 }
 
+/// The trace of channel 1.
+fn trace(info: &Info, done: &Done) -> String {
+    let mut events = (1_u64..).zip(done.events.iter().cloned());
+    let mut out = Vec::new();
+    listing::render_trace(info, 1, &mut events, &mut out).expect("a trace");
+    String::from_utf8(out).expect("text")
+}
+
 #[test]
 fn the_guide_is_true() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/spec/emulator");
@@ -179,6 +192,14 @@ fn the_guide_is_true() {
             }
             if let Some(expected) = &example.texts {
                 compare("texts", &texts, expected);
+            }
+            if let Some(expected) = &example.ran {
+                let ran: String =
+                    done.summary.channels.iter().map(|c| format!("{} {}\n", c.channel, c.program)).collect();
+                compare("ran", &ran, expected);
+            }
+            if let Some(expected) = &example.trace {
+                compare("trace", &trace(&info, &done), expected);
             }
         }
     }

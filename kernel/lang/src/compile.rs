@@ -89,7 +89,10 @@ pub struct Program {
     pub globals: Vec<String>,
     functions: FxHashMap<String, FunctionSymbol>,
     shared: FxHashMap<String, SharedSymbol>,
-    included: Vec<String>,
+    /// Files that were included, by the name they were asked for.
+    included: Vec<(String, Option<Arc<Source>>)>,
+    /// What it was compiled from, in order, without included files.
+    sources: Vec<(Arc<Source>, Options)>,
 }
 
 impl Program {
@@ -103,6 +106,21 @@ impl Program {
     #[must_use]
     pub fn function(&self, name: &str) -> Option<u16> {
         self.functions.get(name).map(|symbol| symbol.index)
+    }
+
+    /// A single GLOBAL or OBJECT variable that was declared, with its type.
+    #[must_use]
+    pub fn shared_variable(&self, name: &str) -> Option<(Shared, Option<Kind>)> {
+        let symbol = self.shared.get(name).filter(|symbol| symbol.indices == 0 && !symbol.channel)?;
+        Some((symbol.shared, symbol.kind))
+    }
+
+    /// User functions with their indices, by name.
+    #[must_use]
+    pub fn functions(&self) -> Vec<(&str, u16)> {
+        let mut list: Vec<_> = self.functions.iter().map(|(name, symbol)| (name.as_str(), symbol.index)).collect();
+        list.sort_unstable();
+        list
     }
 }
 
@@ -126,6 +144,11 @@ impl Added {
 /// Compiles a source into `program`.
 pub fn add(program: &mut Program, environment: &mut dyn Environment, source: Source, options: Options) -> Added {
     let source = Arc::new(source);
+    program.sources.push((Arc::clone(&source), options));
+    extend(program, environment, source, options)
+}
+
+fn extend(program: &mut Program, environment: &mut dyn Environment, source: Arc<Source>, options: Options) -> Added {
     let mut added = Added::default();
     load(program, environment, &source, options, &mut added, 0);
     added.diagnostics.sort_by_key(|diagnostic| (diagnostic.file != source.name, diagnostic.line, diagnostic.column));
@@ -144,11 +167,59 @@ pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source
             let text = format!("%EMBEDDED={}", source.text.trim_end());
             let header = format!("MACRO/%EMBEDDED()\n{text}\nENDMAC");
             program.functions.remove("EMBEDDED");
-            let mut added = add(program, environment, Source::new(source.name, header), options);
+            let mut added = extend(program, environment, Arc::new(Source::new(source.name, header)), options);
             added.macros.extend(program.function("EMBEDDED"));
             added
         }
-        None => add(program, environment, source, options),
+        None => extend(program, environment, Arc::new(source), options),
+    }
+}
+
+/// The program compiled once more, with trace instructions in it: every macro has the index that it has here. `program`
+/// holds no embedded code.
+#[must_use]
+pub fn traced(program: &Program, environment: &mut dyn Environment) -> Program {
+    let mut kept = Kept { environment, included: &program.included };
+    let mut again = Program::new();
+    for (source, options) in &program.sources {
+        let options = Options { trace: true, ..*options };
+        load(&mut again, &mut kept, source, options, &mut Added::default(), 0);
+    }
+    // With trace instructions a macro may have become too large; then it goes without.
+    for (traced, plain) in again.macros.iter_mut().zip(&program.macros) {
+        if traced.ops.is_empty() {
+            *traced = Arc::clone(plain);
+        }
+    }
+    again
+}
+
+/// An environment whose included files are those of an earlier compilation.
+struct Kept<'a> {
+    environment: &'a mut dyn Environment,
+    included: &'a [(String, Option<Arc<Source>>)],
+}
+
+impl Environment for Kept<'_> {
+    fn system(&self) -> &[crate::host::SystemVariable] {
+        self.environment.system()
+    }
+
+    fn code(&self, name: &str) -> Option<u32> {
+        self.environment.code(name)
+    }
+
+    fn register(&self, name: &str) -> Option<u32> {
+        self.environment.register(name)
+    }
+
+    fn identifiers(&self) -> Vec<String> {
+        self.environment.identifiers()
+    }
+
+    fn include(&mut self, name: &str, _: &str) -> Option<Source> {
+        let (_, source) = self.included.iter().find(|(known, _)| known == name)?;
+        source.as_deref().cloned()
     }
 }
 
@@ -199,17 +270,24 @@ fn include(
 ) {
     let options =
         Options { place: if options.place == Place::Any { Place::Library } else { options.place }, ..options };
-    if program.included.contains(name) {
+    if program.included.iter().any(|(known, _)| known == name) {
         return;
     }
-    program.included.push(name.clone());
+    let place = program.included.len();
+    program.included.push((name.clone(), None));
     if depth >= 20 {
         let message = "files are included more than 20 levels deep";
         added.diagnostics.push(Diagnostic::new(source, span, Number::TOO_DEEP, message));
         return;
     }
     match environment.include(name, &source.name) {
-        Some(text) => load(program, environment, &Arc::new(text), options, added, depth + 1),
+        Some(text) => {
+            let text = Arc::new(text);
+            if let Some((_, kept)) = program.included.get_mut(place) {
+                *kept = Some(Arc::clone(&text));
+            }
+            load(program, environment, &text, options, added, depth + 1);
+        }
         None => {
             let message = format!("the file '{name}' cannot be read");
             added.diagnostics.push(Diagnostic::new(source, span, Number::NO_FILE, message));

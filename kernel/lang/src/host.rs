@@ -7,6 +7,7 @@ mod double;
 
 pub use double::{Answer, Domain, FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream, Test};
 
+use crate::bytecode::Code;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::Registers;
@@ -78,6 +79,51 @@ pub enum Command<'a> {
     System(&'a str),
 }
 
+/// A step of the macro trace. Its text is the line in the documented layout, without what only a control knows.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// A macro begins.
+    Entering(&'a Code),
+    /// A statement is about to be executed, in standard style.
+    Statement(&'a Code, &'a str),
+    /// A macro is left; the name of the one that goes on, none for the outermost.
+    Leaving(&'a Code, Option<&'a str>),
+}
+
+impl std::fmt::Display for Step<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Step::Entering(code) => write!(f, " Macro:* Entering {}", code.name),
+            Step::Statement(_, text) => write!(f, " Macro:  {text}"),
+            Step::Leaving(code, outer) => {
+                write!(f, " Macro:* Leaving {}, Returning to {}", code.name, outer.unwrap_or("regular processing"))
+            }
+        }
+    }
+}
+
+/// `$FMACSTA`: numbers of macros with their states before the change. `switch` gives the state of a macro before it is
+/// switched, none for an unknown number.
+pub fn macro_states(arguments: &[Value], mut switch: impl FnMut(f64, Option<bool>) -> Option<bool>) -> Value {
+    let single;
+    let numbers = match arguments.first() {
+        Some(Value::Sequence(all)) => all.as_slice(),
+        Some(one) => {
+            single = [one.clone()];
+            &single
+        }
+        None => &[],
+    };
+    let on = arguments.get(1).and_then(Value::as_logical);
+    let mut states = Vec::new();
+    for number in numbers.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
+        if let Some(before) = switch(number, on) {
+            states.extend([Value::Real(number), Value::Logical(before)]);
+        }
+    }
+    Value::sequence(states)
+}
+
 /// What a running macro asks of the outside.
 pub trait Host: Registers {
     /// Reads a system variable.
@@ -122,8 +168,8 @@ pub trait Host: Registers {
         None
     }
 
-    /// Takes one line of the macro trace.
-    fn trace(&mut self, line: &str);
+    /// Takes one step of the macro trace.
+    fn trace(&mut self, step: Step<'_>);
 
     /// Tells whether a macro may open a file of this name: 0, else the status for `$ERRNO`.
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {

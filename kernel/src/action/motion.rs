@@ -151,6 +151,7 @@ impl Kernel<'_> {
             if let Some(time) = runtime.store.times.get_mut(rapid) {
                 *time += seconds;
             }
+            runtime.store.moving += Self::ns(seconds);
         }
         self.block.moved = true;
         self.flow.pass.effects = true;

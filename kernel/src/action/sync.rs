@@ -249,6 +249,9 @@ fn refuse(
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     if t > kernel.clock {
         kernel.idle_blocks = 0;
+        if let Some(runtime) = kernel.macros.as_deref_mut() {
+            runtime.store.idle += t - kernel.clock;
+        }
     }
     (kernel.clock, kernel.micro) = (t, micro);
     kernel.emit(0, Kind::Release(release));

@@ -12,17 +12,11 @@ use super::custom_codes::Origin;
 use super::scan::Kind as LineKind;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
-use crate::log::info::cut;
 use crate::machine::model::Point;
-use crate::macros::environment::Surroundings;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
 use crate::trace::{self, Stage};
-
-/// Longest piece of embedded code, in bytes; how many different ones are remembered.
-const LONGEST_CODE: usize = 4096;
-const MOST_CODES: usize = 5000;
 
 impl Kernel<'_> {
     /// A block that EXEC/NEXT left for later.
@@ -115,7 +109,10 @@ impl Kernel<'_> {
             runtime.left = None;
             runtime.store.number = 0;
         }
-        self.embedded(0)?;
+        self.delete_around_code();
+        if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
+            return Ok(());
+        }
         let preprocess = self.plan.scanner.has_macros();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
         let (info, file, line) = (self.info, self.file, self.line);
@@ -128,13 +125,20 @@ impl Kernel<'_> {
         };
         match self.plan.scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
             LineKind::Words => {
-                self.show_messages(bytes);
+                if self.trace.is_some() && !self.has_embedded(1) {
+                    self.trace_deleted(bytes);
+                }
                 if preprocess && self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
                     self.scan_again();
                 }
                 self.words_block()
             }
-            LineKind::Macro => self.macro_line(bytes),
+            LineKind::Macro => {
+                if self.may_have_remarks() || self.plan.scanner.has_messages() {
+                    self.remarks(bytes)?;
+                }
+                self.macro_line(bytes)
+            }
         }
     }
 
@@ -211,6 +215,10 @@ impl Kernel<'_> {
         }
         if self.trace.is_some() {
             self.trace_words();
+        }
+        if self.may_have_remarks() {
+            let text = self.text_bytes().into_owned();
+            self.remarks(&text)?;
         }
         self.act_block_of(Origin::Text)
     }
@@ -306,100 +314,6 @@ impl Kernel<'_> {
             runtime.left = Some(Arc::new(text));
         }
     }
-
-    /// The block may hold embedded code of this kind: 0 before, 1 behind the pre-processor.
-    fn has_embedded(&self, kind: usize) -> bool {
-        let Some(runtime) = self.macros.as_deref() else { return false };
-        let open = runtime.store.embedding.get(kind).map_or("", String::as_str);
-        !open.is_empty() && memchr::memmem::find(&self.text_bytes(), open.as_bytes()).is_some()
-    }
-
-    /// Runs embedded code and puts its values in its place; true if there was any.
-    fn embedded(&mut self, kind: usize) -> Result<bool, Halt> {
-        if !self.has_embedded(kind) {
-            return Ok(false);
-        }
-        let delimiter = |kernel: &Self, at: usize| {
-            let runtime = kernel.macros.as_deref();
-            runtime.and_then(|runtime| runtime.store.embedding.get(at).cloned()).unwrap_or_default()
-        };
-        let (open, close) = (delimiter(self, kind), delimiter(self, 2));
-        if close.is_empty() {
-            return Ok(false);
-        }
-        let text = String::from_utf8_lossy(&self.text_bytes()).into_owned();
-        let mut out = String::new();
-        let mut rest = text.as_str();
-        while let Some((before, after)) = rest.split_once(open.as_str()) {
-            out.push_str(before);
-            let Some((code, behind)) = after.split_once(close.as_str()) else {
-                let text = format!("embedded macro code without '{close}' in '{}'", self.block_text());
-                self.diagnose(&diag::EMBEDDED_CODE, text);
-                rest = "";
-                break;
-            };
-            self.embed(code, &mut out)?;
-            rest = behind;
-        }
-        out.push_str(rest);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::new(out));
-        }
-        Ok(true)
-    }
-
-    /// One piece of embedded code: its value, formatted, goes to the text.
-    fn embed(&mut self, code: &str, out: &mut String) -> Acted {
-        let Some((index, gives)) = self.compiled_code(code) else { return Ok(()) };
-        if self.macros.as_deref().is_some_and(|runtime| runtime.is_busy(index)) {
-            return Ok(());
-        }
-        let value = self.run_embedded(index)?;
-        if gives && !matches!(value, Value::Unset) {
-            counterpoint_lang::format::any(out, &value, self);
-        }
-        Ok(())
-    }
-
-    /// Compiles embedded code once.
-    fn compiled_code(&mut self, code: &str) -> Option<(u16, bool)> {
-        let machine = self.machine;
-        let runtime = self.macros.as_deref_mut()?;
-        if let Some(known) = runtime.embedded.get(code) {
-            return *known;
-        }
-        if code.len() > LONGEST_CODE || runtime.embedded.len() >= MOST_CODES {
-            let text = format!(
-                "embedded macro code of more than {LONGEST_CODE} bytes, or more than {MOST_CODES} different pieces"
-            );
-            self.diagnose(&diag::EMBEDDED_CODE, text);
-            return None;
-        }
-        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
-        let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
-        let expression = counterpoint_lang::parse::expression(&source).is_some();
-        let program = Arc::make_mut(&mut runtime.program);
-        let options = counterpoint_lang::compile::Options::default();
-        let added = counterpoint_lang::compile::embedded(program, &mut surroundings, source, options);
-        let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
-        runtime.measure();
-        runtime.embedded.insert(code.to_owned(), index);
-        if let Some(wrong) = added.diagnostics.iter().find(|diagnostic| diagnostic.is_error()) {
-            let text = format!("embedded macro code '{}': {} {}", cut(code, 60), wrong.number, wrong.message);
-            self.diagnose(&diag::EMBEDDED_CODE, text);
-        }
-        index
-    }
-}
-
-/// Embedded statements on lines of their own: a semicolon outside of a text ends one.
-fn statements(code: &str) -> String {
-    let mut inside = false;
-    let line = |c: char| {
-        inside ^= c == '\'';
-        if c == ';' && !inside { '\n' } else { c }
-    };
-    code.chars().map(line).collect()
 }
 
 /// What a block macro decided.

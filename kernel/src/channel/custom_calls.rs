@@ -1,6 +1,7 @@
 //! Subprogram startup and shutdown macros: once for each pass.
 //!
-//! Facts: reference control-emulator.md 4.1, 5.7. Decisions: `$P2` is the program number, `$P10` counts lines before the
+//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers in `$P3` and
+//! `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number, `$P10` counts lines before the
 //! program, so that 0 is the top of the file; a startup macro can send a call to any file of the job.
 
 use counterpoint_lang::value::Value;
@@ -8,6 +9,8 @@ use counterpoint_lang::value::Value;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
+use crate::log::info::File;
+use crate::machine::model::StoredFile;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 use crate::mcd::program::Range;
@@ -15,11 +18,36 @@ use crate::mcd::program::Range;
 /// Where a subprogram is, if anywhere.
 type Found = Option<(FileId, Range)>;
 
+/// What is called, and its passes in all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Called {
+    pub(crate) what: Callee,
+    pub(crate) passes: u32,
+}
+
+/// What is called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Callee {
+    /// A program by its number, 0 for the main program.
+    Program(u32),
+    /// Blocks from one sequence number to another.
+    Blocks(u32, u32),
+}
+
+impl std::fmt::Display for Callee {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Callee::Program(number) => write!(f, "subprogram {number}"),
+            Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
+        }
+    }
+}
+
 impl Kernel<'_> {
     /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
-        called: (u32, u32),
+        called: Called,
         pass: u32,
         found: Found,
         level: usize,
@@ -44,7 +72,7 @@ impl Kernel<'_> {
     }
 
     /// Runs the shutdown macro of a pass.
-    pub(crate) fn subprogram_shutdown(&mut self, called: (u32, u32), pass: u32, level: usize) -> Acted {
+    pub(crate) fn subprogram_shutdown(&mut self, called: Called, pass: u32, level: usize) -> Acted {
         let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
         let mut arguments = self.call_arguments(called, pass, None, level);
         self.run_macro(code, Task::None, &mut arguments).map(|_| ())
@@ -54,7 +82,7 @@ impl Kernel<'_> {
     pub(crate) fn next_pass(&mut self) -> Acted {
         let Some(frame) = self.flow.frames.last() else { return Ok(()) };
         let (called, here) = (frame.called, (frame.file, frame.range));
-        let pass = called.1.saturating_sub(frame.repeats + 1);
+        let pass = called.passes.saturating_sub(frame.repeats + 1);
         let level = self.flow.frames.len() - 1;
         self.subprogram_shutdown(called, pass.saturating_sub(1), level)?;
         match self.subprogram_startup(called, pass, Some(here), level)? {
@@ -65,7 +93,7 @@ impl Kernel<'_> {
                 Ok(())
             }
             Some(None) => {
-                let text = format!("subprogram {} is missing, as the startup macro says", called.0);
+                let text = format!("{} is missing, as the startup macro says", called.what);
                 Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
             }
             // Passed over, and the passes after it with it: a macro asked billions of times would never end.
@@ -78,17 +106,21 @@ impl Kernel<'_> {
         }
     }
 
-    fn call_arguments(&self, (number, passes): (u32, u32), pass: u32, found: Found, level: usize) -> [Value; 10] {
+    fn call_arguments(&self, called: Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
         let (file, offset) = match found {
             Some((file, range)) => (self.info.file_name(file), f64::from(range.first.saturating_sub(1))),
             None => ("", -1.0),
         };
+        let (kind, number, (first, last)) = match called.what {
+            Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
+            Callee::Blocks(first, last) => (1.0, String::new(), (first, last)),
+        };
         [
-            Value::Real(2.0),
-            Value::text(number.to_string()),
-            Value::Real(0.0),
-            Value::Real(0.0),
-            Value::Real(f64::from(passes.saturating_sub(1))),
+            Value::Real(kind),
+            Value::text(number),
+            Value::Real(f64::from(first)),
+            Value::Real(f64::from(last)),
+            Value::Real(f64::from(called.passes.saturating_sub(1))),
             Value::text(self.block_text()),
             Value::Real(level as f64),
             Value::Real(f64::from(pass)),
@@ -99,7 +131,11 @@ impl Kernel<'_> {
 
     /// The program around a line of a file of the job.
     fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
-        let Some(file) = self.info.files.iter().position(|file| file.name == name) else { return Ok(None) };
+        // Files stored with the machine are found whatever the letter case.
+        let stored =
+            name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
+        let is = |file: &File| file.name == name || stored && file.name.eq_ignore_ascii_case(name);
+        let Some(file) = self.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
         let info = self.info;

@@ -41,6 +41,9 @@ impl Kernel<'_> {
         if origin == Origin::Text && self.categorise() {
             return self.macro_call();
         }
+        if let (Some(number), Some(runtime)) = (self.block.sequence, self.macros.as_deref_mut()) {
+            runtime.last_sequence = number;
+        }
         self.block.next = 0;
         self.imply();
         self.imply_by_data();
@@ -59,7 +62,7 @@ impl Kernel<'_> {
     }
 
     /// What macros found out inside a place that could not leave the program.
-    fn pending_halt(&mut self) -> Acted {
+    pub(super) fn pending_halt(&mut self) -> Acted {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         match runtime.halt {
             Some(halt) if runtime.ending || runtime.calls.is_empty() => {
@@ -95,7 +98,7 @@ impl Kernel<'_> {
     }
 
     /// The first code macro for a code that is on, not running, and whose condition holds.
-    fn matching_macro(&self, id: CodeId) -> Option<u16> {
+    pub(super) fn matching_macro(&self, id: CodeId) -> Option<u16> {
         let macros = self.machine.macros.as_deref()?;
         let list = macros.of_code(id);
         let runtime = self.macros.as_deref().filter(|runtime| !list.is_empty() && runtime.matching)?;
@@ -125,7 +128,7 @@ impl Kernel<'_> {
         done
     }
 
-    fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
+    pub(super) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
         let runtime = self.macros.as_deref_mut()?;
         std::mem::replace(&mut runtime.store.code, id)
     }
@@ -186,7 +189,9 @@ impl Kernel<'_> {
     /// Takes the value of data off the block and lets every matching data macro have it.
     #[inline(never)]
     pub(crate) fn take_custom(&mut self, id: DataId) -> Option<Datum> {
-        let mut taken = self.taken(id)?;
+        let Some(mut taken) = self.taken(id) else {
+            return if self.refuse(id) { None } else { self.recall(id) };
+        };
         let mut absolute = false;
         let list = self.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
         if !list.is_empty() && self.macros.as_deref().is_some_and(|runtime| runtime.matching) {

@@ -65,7 +65,7 @@ impl Kernel<'_> {
 
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
-    fn recall(&self, id: DataId) -> Option<Datum> {
+    pub(super) fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
         let value = self.modal.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
@@ -73,7 +73,7 @@ impl Kernel<'_> {
 
     /// A word is there, but its row says that nothing may take it.
     #[cold]
-    fn refuse(&mut self, id: DataId) -> bool {
+    pub(super) fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
         if self.block.present & refused != 0 {
             let text = format!(

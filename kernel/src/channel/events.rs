@@ -197,6 +197,7 @@ impl Kernel<'_> {
         }
         if action == ToolAction::Load {
             self.tool_row(tool);
+            self.operation_of_tool();
         }
         self.emit(ns, Kind::Tool { action, tool: self.place.tool, offset });
         self.advance(ns);

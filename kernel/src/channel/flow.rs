@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::custom_calls::{Called, Callee};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::Line;
@@ -29,8 +30,8 @@ pub(crate) struct Frame {
     pub(crate) closes: bool,
     /// It has variables of its own (a macro call).
     pub(crate) own_variables: bool,
-    /// Program number, 0 for the main program, and its passes in all.
-    pub(crate) called: (u32, u32),
+    /// What was called.
+    pub(crate) called: Called,
     /// Name for events.
     pub(crate) name: Box<str>,
 }
@@ -118,8 +119,9 @@ impl Kernel<'_> {
     fn call(&mut self, number: u32, passes: u32, arguments: Option<Vec<(u8, f64)>>) -> Acted {
         self.check_nesting(|| format!("{number}"))?;
         let mut found = self.find_program(number)?;
+        let called = Called { what: Callee::Program(number), passes };
         if self.macros.is_some() {
-            match self.subprogram_startup((number, passes), 0, found, self.flow.frames.len())? {
+            match self.subprogram_startup(called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -136,17 +138,7 @@ impl Kernel<'_> {
         let name = format!("O{number:04}").into();
         let next = range.first;
         let repeats = passes.saturating_sub(1);
-        self.enter(Frame {
-            file,
-            range,
-            next,
-            offset: 0,
-            repeats,
-            closes: false,
-            own_variables,
-            called: (number, passes),
-            name,
-        });
+        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, name });
         Ok(())
     }
 
@@ -158,23 +150,31 @@ impl Kernel<'_> {
         let lines = |number| info.source(self.file).map_or(&[][..], |source| source.sequence_lines(number));
         let start = lines(first).first().copied();
         let end = start.and_then(|start| lines(last).iter().copied().find(|&line| line >= start));
-        let (Some(first_line), Some(last_line)) = (start, end) else {
+        let range = start.zip(end).map(|(first, last)| Range { number: None, first, last });
+        let mut found = range.map(|range| (self.file, range));
+        let called = Called { what: Callee::Blocks(first, last), passes };
+        if self.macros.is_some() {
+            match self.subprogram_startup(called, 0, found, self.flow.frames.len())? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
             let text =
                 format!("there are no blocks N{first} to N{last} in the file, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let range = Range { number: None, first: first_line, last: last_line };
         let name = format!("N{first}-N{last}").into();
-        let (file, repeats) = (self.file, passes.saturating_sub(1));
+        let repeats = passes.saturating_sub(1);
         let frame = Frame {
             file,
             range,
-            next: first_line,
+            next: range.first,
             offset: 0,
             repeats,
             closes: true,
             own_variables: false,
-            called: (0, repeats + 1),
+            called,
             name,
         };
         self.enter(frame);
@@ -218,7 +218,7 @@ impl Kernel<'_> {
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(frame.called, frame.called.1.saturating_sub(1), usize::from(level))?;
+                self.subprogram_shutdown(frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
             }
         }
         match target {

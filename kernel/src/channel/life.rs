@@ -1,5 +1,6 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use super::custom_calls::{Called, Callee};
 use super::flow::Frame;
 use super::{Acted, Halt, Kernel};
 use crate::control::State;
@@ -26,7 +27,7 @@ impl Kernel<'_> {
             repeats: 0,
             closes: false,
             own_variables: false,
-            called: (0, 1),
+            called: Called { what: Callee::Program(0), passes: 1 },
             name,
         });
         self.initial_codes();

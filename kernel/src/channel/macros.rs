@@ -34,7 +34,10 @@ impl Kernel<'_> {
         if self.trace.is_some() {
             self.trace_deleted(text);
         }
-        self.show_messages(text);
+        if self.macros.is_none() {
+            self.show_messages(text);
+        }
+        self.block.messages.clear();
         let result = fanuc::compile(&stripped);
         self.stripped = stripped;
         match result {
@@ -210,7 +213,9 @@ impl Kernel<'_> {
         }
         if self.trace.is_some() {
             self.trace_preprocessed();
-            self.trace_words();
+            if self.macros.is_none() {
+                self.trace_words();
+            }
         }
         self.act_block()
     }

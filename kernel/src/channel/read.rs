@@ -99,6 +99,7 @@ impl Kernel<'_> {
             self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
             self.emit(0, Kind::Message { text });
         }
+        self.block.messages.clear();
     }
 
     /// Counts the block, tells others how far this kernel has come, and checks the limits.

@@ -22,6 +22,11 @@ impl Rules {
         }
     }
 
+    /// A rule is on.
+    pub(crate) fn has(&self, rule: usize) -> bool {
+        self.0.get(rule / 64).is_some_and(|bits| bits & 1 << (rule % 64) != 0)
+    }
+
     /// The first rule from `from` on that is in both.
     fn next(&self, from: usize, and: &Self) -> Option<usize> {
         (from / 64..4).find_map(|word| {

@@ -55,7 +55,7 @@ impl Kernel<'_> {
     /// The trace of block delete.
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
         if self.traces('E')
-            && let Some((active, left)) = self.plan.scanner.without_deleted(text)
+            && let Some((active, left)) = self.plan.scanner.without_deleted(text, text)
         {
             let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));

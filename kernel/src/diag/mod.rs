@@ -61,7 +61,7 @@ diagnostics! {
     RETURN_WITHOUT_HOME 2900029 8 false "return from reference without an intermediate point";
     NO_SPINDLE 2900030 8 false "spindle code in a channel without a spindle";
     SUBPROGRAM_MISSING 2900040 12 true "subprogram that is nowhere to be found";
-    NESTING 2900041 12 true "subprograms nested too deeply";
+    NESTING 2900041 8 true "subprograms nested too deeply";
     JUMP_TARGET 2900042 12 true "sequence number of a jump is not in the program";
     WAIT_MISMATCH 2900050 12 true "waiting codes that do not match (PS0160)";
     WAIT_ILLEGAL 2900051 12 true "illegal channel list of a waiting code (PS0161)";

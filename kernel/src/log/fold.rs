@@ -110,14 +110,18 @@ impl Folds {
         }
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
         for (lane, channel) in lanes.into_iter().zip(&info.channels) {
-            let Lane { number, digest, mut tally, mut bars, track, wait, .. } = lane;
+            let Lane { number, digest, mut tally, mut bars, track, wait, program, .. } = lane;
             let since = meetings.waiting_since(number);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
             if let (Some(since), Some((line, key)), true) = (since, wait, state != ChannelState::Blocked) {
                 bars.wait(since, end_ns, line, key);
             }
             rows.push(timeline::Channel::new(channel, bars.finish(end_ns), (state, end_ns), tally.wait_ns));
-            ends.push(summary::Channel::new(channel, &tally, (state, end_ns)));
+            let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
+            if let Some(file) = program {
+                info.file_name(file).clone_into(&mut end.program);
+            }
+            ends.push(end);
             tracks.push(track);
             digests.push((number, digest));
         }

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use crate::log::digest::Digest;
-use crate::log::event::{Event, Kind, MotionKind};
+use crate::log::event::{Event, FileId, Kind, MotionKind, Phase};
 use crate::log::info::{self, Info};
 use crate::log::summary::tally::Tally;
 use crate::log::timeline::bars::Bars;
@@ -29,6 +29,8 @@ pub(crate) struct Lane {
     pub(super) told: Vec<Told>,
     /// Start of the latest event.
     pub(super) last_ns: i64,
+    /// File that the kernel started with, when it is not the one given to it by the job.
+    pub(super) program: Option<FileId>,
 }
 
 impl Lane {
@@ -44,6 +46,7 @@ impl Lane {
             wait: None,
             told: Vec::new(),
             last_ns: 0,
+            program: None,
         }
     }
 
@@ -97,7 +100,13 @@ impl Lane {
                 self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
                 self.bars.wait(release.since_ns, event.t_ns, line, key);
             }
-            Kind::Lifecycle(phase) => self.tally.life(*phase, event.t_ns),
+            Kind::Lifecycle(phase) => {
+                let own = self.info.channel(self.number).filter(|c| !c.program.is_empty()).map(|c| c.file);
+                if *phase == Phase::ProgramStart && own != Some(event.file) {
+                    self.program = Some(event.file);
+                }
+                self.tally.life(*phase, event.t_ns);
+            }
             kind => {
                 if let Some(work) = Work::of(kind) {
                     self.work(work, event);

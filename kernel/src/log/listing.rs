@@ -76,7 +76,7 @@ pub fn render_trace(
         match &event.kind {
             Kind::Diagnostic(diagnostic) => diagnostics::write(info, &event, diagnostic, &mut out)?,
             _ if event.channel != channel => {}
-            Kind::Block { .. } => Tracer::block(info, &event, &mut out)?,
+            Kind::Block { .. } => tracer.block(info, &event, &mut out)?,
             _ => tracer.event(info, &event, &mut out)?,
         }
     }
@@ -107,7 +107,7 @@ fn whole(
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
             _ if event.channel != channel || log_only && matches!(event.kind, Kind::Block { .. } | Kind::Wait(_)) => {}
-            Kind::Block { .. } => Tracer::block(info, &event, &mut out)?,
+            Kind::Block { .. } => tracer.block(info, &event, &mut out)?,
             Kind::Wait(wait) => waits.write(&event, wait, &mut out)?,
             Kind::Motion(motion) => {
                 tooling.motion(&event, motion);

@@ -5,6 +5,7 @@
 
 mod groups;
 mod json;
+mod macros;
 mod text;
 
 pub use json::{json, part as json_part};
@@ -39,9 +40,10 @@ pub enum Show {
 pub fn show(machine: &Machine, what: Show) -> String {
     match what {
         Show::All => {
-            let parts =
-                [Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Groups, Show::Data];
-            parts.map(|part| show(machine, part)).join("\n")
+            let mut parts =
+                vec![Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Groups, Show::Data];
+            parts.extend(machine.macros.is_some().then_some(Show::Macros));
+            parts.into_iter().map(|part| show(machine, part)).collect::<Vec<_>>().join("\n")
         }
         Show::Summary => text::summary(machine),
         Show::Registers => text::registers(machine),
@@ -50,7 +52,7 @@ pub fn show(machine: &Machine, what: Show) -> String {
         Show::Axes => text::axes(machine),
         Show::Channels => text::channels(machine),
         Show::Groups => groups::text(machine),
-        Show::Macros => text::macros(machine),
+        Show::Macros => macros::text(machine),
     }
 }
 

@@ -6,16 +6,19 @@
 mod block;
 mod commands;
 mod diagnostics;
+mod dialogs;
 mod files;
 mod functions;
+pub(crate) mod operations;
 mod search;
+mod trace;
 pub(crate) mod variables;
 
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Register, Registers};
 use counterpoint_lang::func::Function;
-use counterpoint_lang::host::{Command, Host};
+use counterpoint_lang::host::{Command, Host, Step};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
 
@@ -151,8 +154,8 @@ impl Host for Kernel<'_> {
         self.diagnostic_entry(number)
     }
 
-    fn trace(&mut self, line: &str) {
-        let _ = line;
+    fn trace(&mut self, step: Step<'_>) {
+        self.trace_step(step);
     }
 
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {

@@ -3,10 +3,15 @@
 //! Invariant: whatever is looked up while a program runs is an index found when the machine was loaded: a hook is a
 //! place in an array, the macros of a code or of data are a list by identifier. Facts: reference control-emulator.md 4.
 
-use counterpoint_lang::compile::{Program, Strong};
+use std::sync::Arc;
 
-use super::condition::Condition;
+use counterpoint_lang::compile::{self, Program, Strong};
+
+use super::condition::{Condition, Item};
+use super::environment::Surroundings;
+use crate::machine::Machine;
 use crate::machine::ident::{CodeId, DataId};
+use crate::trace::Letters;
 
 /// A place of the run where one macro may stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,6 +155,8 @@ pub struct Named {
     pub enabled: bool,
     /// Index in the program.
     pub code: u16,
+    /// Identifiers that fire it, as the machine file lists them.
+    pub matches: Vec<Item>,
     /// What must hold beside a matching identifier.
     pub condition: Condition,
 }
@@ -166,13 +173,27 @@ impl Macros {
         let named = || self.codes.iter().chain(&self.data).find(|named| named.code == code);
         hook.map(Hook::title).or_else(|| named().map(|named| named.name.as_str()))
     }
+
+    /// The code macro with this code.
+    pub(crate) fn code_macro(&self, code: u16) -> Option<&Named> {
+        self.codes.iter().find(|named| named.code == code)
+    }
+
+    /// The program that kernels run: with trace instructions only if macros are to be traced.
+    pub(crate) fn program_for(&self, machine: &Machine, letters: Letters) -> Arc<Program> {
+        if !letters.has('M') && !letters.has('H') {
+            return Arc::clone(&self.program);
+        }
+        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
+        Arc::new(compile::traced(&self.program, &mut surroundings))
+    }
 }
 
 /// All macros of a machine.
 #[derive(Debug, Clone, Default)]
 pub struct Macros {
     /// Compiled code.
-    pub program: Program,
+    pub program: Arc<Program>,
     /// Which names had to be declared.
     pub strong: Strong,
     /// Macro of each hook.

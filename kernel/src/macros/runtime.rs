@@ -13,6 +13,7 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
+use super::host::operations::Operations;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
@@ -20,7 +21,6 @@ use crate::channel::block::{Block, Firing};
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
-use crate::trace;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
@@ -38,6 +38,8 @@ pub(crate) enum Task {
     None,
     /// The action of a code.
     Code(Firing, CodeId),
+    /// A comment or a message to the operator.
+    Remark(CodeId, Arc<String>),
     /// A motion, with its duration in seconds.
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
@@ -57,6 +59,8 @@ pub(crate) struct Call {
     pub(crate) matching: bool,
     /// OUTPUT commands so far.
     pub(crate) outputs: u32,
+    /// User functions that run in it, as the trace names them, innermost last.
+    pub(crate) functions: Vec<String>,
 }
 
 /// A block that EXEC/NEXT left for later.
@@ -106,6 +110,12 @@ pub(crate) struct Runtime {
     pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
+    /// How often each dialog was shown, by name.
+    pub(crate) dialogs: FxHashMap<String, usize>,
+    /// Operations of the program.
+    pub(crate) operations: Operations,
+    /// Sequence number of the last block that had one.
+    pub(crate) last_sequence: u32,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -146,12 +156,12 @@ fn limits() -> Limits {
 
 impl Runtime {
     /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, rank: u16, kernels: usize) -> Self {
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, kernels: usize) -> Self {
         let mut state = State::new(limits());
         state.channel = u32::from(rank).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         let mut runtime = Self {
-            program: Arc::new(macros.program.clone()),
+            program: Arc::clone(program),
             state: Some(Box::new(state)),
             spares: Vec::new(),
             calls: Vec::new(),
@@ -169,6 +179,9 @@ impl Runtime {
             left: None,
             saved: Vec::new(),
             data_codes: Vec::new(),
+            dialogs: FxHashMap::default(),
+            operations: Operations::default(),
+            last_sequence: 0,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),
@@ -235,9 +248,9 @@ pub(crate) fn unwinding(state: &mut State) -> Fault {
 
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
-    pub(crate) fn with_macros(mut self) -> Self {
-        self.macros = self.machine.macros.as_deref().map(|macros| {
-            let mut runtime = Runtime::new(macros, self.rank, self.machine.channels.len());
+    pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
+        self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
+            let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
             runtime.slots = self.six_axes();
             Box::new(runtime)
         });
@@ -258,44 +271,19 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
-        let matches = self.trace.map(|_| self.trace_entering(code, &task));
+        if self.trace.is_some() {
+            self.trace_entering(code);
+        }
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
-        runtime.calls.push(Call { code, task, matching: true, outputs: 0 });
+        runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         let outputs = self.macro_ended(state, code, matching, end);
-        if let Some(matches) = matches {
-            self.trace_leaving(code, &matches);
+        if self.trace.is_some() {
+            self.trace_leaving(code);
         }
         outputs
-    }
-
-    /// Shows that a macro begins (reference listing-and-trace.md 3: M for the macros of codes and data, H for others);
-    /// gives the code it was called for, empty for other macros than those of codes.
-    fn trace_entering(&mut self, code: u16, task: &Task) -> String {
-        let matches = match task {
-            Task::Code(_, id) => self.machine.code_name(*id).to_owned(),
-            _ => String::new(),
-        };
-        self.trace(self.macro_letter(code), |kernel| trace::entering(kernel.macro_name(code), &matches));
-        matches
-    }
-
-    fn trace_leaving(&mut self, code: u16, matches: &str) {
-        self.trace(self.macro_letter(code), |kernel| {
-            let outer = kernel.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
-            trace::leaving(kernel.macro_name(code), matches, outer.map(|code| kernel.macro_name(code)))
-        });
-    }
-
-    fn macro_letter(&self, code: u16) -> char {
-        let named = self.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
-        if named { 'M' } else { 'H' }
-    }
-
-    fn macro_name(&self, code: u16) -> &str {
-        self.machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or("macro")
     }
 
     /// Runs embedded code for its value.
@@ -306,7 +294,7 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::Null) };
         let Some(mut state) = runtime.state.take() else { return Ok(Value::Null) };
         let program = Arc::clone(&runtime.program);
-        runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0 });
+        runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);

@@ -80,6 +80,31 @@ impl<'a> Shop<'a> {
             }
             programs.push((number.number, start));
         }
+        for (number, at) in machine.channels.iter().zip(1_i64..) {
+            let line = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_line, (at, 0)));
+            let Some(line) = line.and_then(Value::as_real).filter(|line| *line != 1.0) else { continue };
+            let place = programs.iter().position(|(given, _)| *given == number.number);
+            let own = || self.job.info().channel(number.number).filter(|c| !c.program.is_empty());
+            let start = match place.and_then(|place| programs.get(place)) {
+                Some((_, at)) => at.clone(),
+                None => own().map(|c| {
+                    let range = Range { number: None, first: c.lines.0, last: c.lines.1 };
+                    (c.file, range, c.program.clone().into())
+                }),
+            };
+            let Some((file, range, name)) = start else { continue };
+            if !(f64::from(range.first)..=f64::from(range.last)).contains(&line) {
+                let (first, last) = (range.first, range.last);
+                let text = format!("kernel {at} cannot start at line {line} of {name}, which has {first} to {last}");
+                kernel.diagnose(&diag::MACRO_RESULT, text);
+                continue;
+            }
+            let start = (number.number, Some((file, Range { first: line as u32, ..range }, name)));
+            match place.and_then(|place| programs.get_mut(place)) {
+                Some(slot) => *slot = start,
+                None => programs.push(start),
+            }
+        }
         if let Some(runtime) = kernel.macros.as_deref_mut() {
             runtime.store.starting = false;
         }

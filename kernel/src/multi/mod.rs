@@ -345,6 +345,6 @@ impl<'a> Shop<'a> {
             edited: None,
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
-        .with_macros()
+        .with_macros(job.macros())
     }
 }

@@ -93,12 +93,6 @@ pub fn exec(parameters: &str) -> String {
     format!("exec: {parameters}")
 }
 
-/// `mdi!·block`.
-#[must_use]
-pub fn mdi(block: &str) -> String {
-    format!("mdi! {block}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,6 +113,5 @@ mod tests {
             " Macro:* Leaving Spindle guard (CODE_SPINDLE_CLW), Returning to regular processing"
         );
         assert_eq!(exec("NOW,CODE_RAPID"), "exec: NOW,CODE_RAPID");
-        assert_eq!(mdi("G0 X1"), "mdi! G0 X1");
     }
 }

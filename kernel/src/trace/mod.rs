@@ -11,13 +11,16 @@ pub mod letters;
 mod lines;
 
 pub use letters::Letters;
-pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, mdi, sequence, statement, word};
+pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::StoredFile;
 use crate::machine::number::written;
+
+/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask for.
+pub const LISTING: char = 'L';
 
 impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z.

@@ -14,7 +14,7 @@ mod tables;
 pub use dialog::Answer;
 pub use outside::{FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream};
 
-use super::{Command, Environment, Host, SystemVariable};
+use super::{Command, Environment, Host, Step, SystemVariable};
 use crate::diag::{self, Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
@@ -440,11 +440,12 @@ impl Host for Test {
         self.table_of_diagnostics.get(&number).map(|entry| (entry.severity, entry.text.clone()))
     }
 
-    fn trace(&mut self, line: &str) {
+    fn trace(&mut self, step: Step<'_>) {
+        let line = step.to_string();
         match &mut self.outside {
             Some(_) if self.unheard => {}
-            Some(outside) => self.unheard = !outside.line(Stream::Traced, line),
-            None => self.traced.push(line.to_owned()),
+            Some(outside) => self.unheard = !outside.line(Stream::Traced, &line),
+            None => self.traced.push(line),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::bytecode::{Code, Slot};
 use crate::compile::Program;
 use crate::diag::Number;
 use crate::fault::Fault;
-use crate::host::Host;
+use crate::host::{Host, Step};
 use crate::source::Span;
 use crate::value::{Kind, Value};
 
@@ -94,7 +94,7 @@ pub(super) fn call<'p>(
 pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth += 1;
     if !code.statements.is_empty() {
-        host.trace(&format!(" Macro:* Entering {}", code.name));
+        host.trace(Step::Entering(code));
         state.names.push(code.name.clone());
     }
 }
@@ -105,8 +105,7 @@ pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth -= 1;
     if !code.statements.is_empty() {
         state.names.pop();
-        let back = state.names.last().map_or("regular processing", String::as_str);
-        host.trace(&format!(" Macro:* Leaving {}, Returning to {back}", code.name));
+        host.trace(Step::Leaving(code, state.names.last().map(String::as_str)));
     }
 }
 

@@ -305,7 +305,7 @@ pub(super) fn step(
         }
         Op::Trace { statement } => {
             if let Some(text) = code.statements.get(usize::from(statement)) {
-                host.trace(&format!(" Macro:  {text}"));
+                host.trace(crate::host::Step::Statement(code, text));
             }
         }
     }

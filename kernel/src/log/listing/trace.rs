@@ -10,16 +10,22 @@ use super::blocks;
 use crate::log::event::{Event, Kind};
 use crate::log::info::Info;
 use crate::machine::model::StoredFile;
+use crate::trace::LISTING;
 
 /// Writes blocks and what the letters ask for.
 #[derive(Debug, Default)]
 pub(super) struct Tracer {
     actions: Actions,
+    /// A macro has switched the listing off: no blocks and no lines of the trace; diagnostics and summaries stay.
+    off: bool,
 }
 
 impl Tracer {
     /// The line of a block.
-    pub(super) fn block(info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+    pub(super) fn block(&self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+        if self.off {
+            return Ok(());
+        }
         if !info.trace.has('Z') && info.file_name(event.file).starts_with(StoredFile::ROOT) {
             return Ok(());
         }
@@ -29,10 +35,23 @@ impl Tracer {
         blocks::write_block(info, event, out)
     }
 
+    /// LPRINT.
+    fn control(&mut self, text: &str, out: &mut dyn Write) -> Result<()> {
+        match text {
+            "on" => self.off = false,
+            "off" => self.off = true,
+            _ if self.off => {}
+            lines => (0..lines.parse().unwrap_or(0)).try_for_each(|_: u32| writeln!(out))?,
+        }
+        Ok(())
+    }
+
     /// The lines of an event that the letters ask for.
     pub(super) fn event(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
-        if info.trace.is_empty() {
-            return Ok(());
+        match &event.kind {
+            Kind::Trace { letter: LISTING, text } => return self.control(text, out),
+            _ if info.trace.is_empty() || self.off => return Ok(()),
+            _ => {}
         }
         match &event.kind {
             Kind::Trace { text, .. } => writeln!(out, "{text}"),

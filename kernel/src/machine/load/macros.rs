@@ -31,8 +31,9 @@ pub(super) fn read(
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
     let strong = section.choice("strong", &words).unwrap_or_default();
-    let mut macros = Macros { program: Program::new(), strong, ..Macros::default() };
-    let mut compiler = Compiler { names, codes, files, program: &mut macros.program, strong };
+    let mut macros = Macros { strong, ..Macros::default() };
+    let mut program = Program::new();
+    let mut compiler = Compiler { names, codes, files, program: &mut program, strong };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library);
@@ -44,6 +45,7 @@ pub(super) fn read(
     macros.codes = compiler.rows(&mut section, true, &mut macros.of_code, &mut ids);
     macros.data = compiler.rows(&mut section, false, &mut macros.of_data, &mut ids);
     section.finish();
+    macros.program = Arc::new(program);
     Some(Arc::new(macros))
 }
 
@@ -170,11 +172,12 @@ impl Compiler<'_, '_> {
         let kind = if of_codes { Kind::Any } else { Kind::Data };
         let file = row.text("file")?;
         let code = self.one(file, row.place_of("file"), kind)?;
+        let matches = firing.clone();
         let firing = firing.into_iter().map(|item| match item {
             Item::Code(id) => id.0,
             Item::Data(id) => id.0,
         });
-        Some((Named { id, name: name.unwrap_or(default), enabled, code, condition }, firing.collect()))
+        Some((Named { id, name: name.unwrap_or(default), enabled, code, matches, condition }, firing.collect()))
     }
 
     fn item_name(&self, item: Item) -> String {
@@ -249,7 +252,8 @@ impl Compiler<'_, '_> {
             return self.names.data(name, place).map(Item::Data);
         }
         let id = self.names.code(name, place)?;
-        if !self.codes.iter().any(|row| row.id == id && row.enable) {
+        let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
+        if !remark && !self.codes.iter().any(|row| row.id == id && row.enable) {
             let text = format!("no row of this machine's code table has {upper}, so it never fires");
             self.names.check.warning(place, text);
         }

@@ -23,7 +23,7 @@ pub fn json(machine: &Machine) -> Value {
         "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
         "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
         "groups": super::groups::json(machine),
-        "macros": Vec::<Value>::new(),
+        "macros": super::macros::json(machine),
         "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
         "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
         "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),

@@ -34,12 +34,12 @@ impl Grid {
     }
 }
 
-fn dash(text: impl Into<String>) -> String {
+pub(super) fn dash(text: impl Into<String>) -> String {
     let text = text.into();
     if text.is_empty() { "-".to_owned() } else { text }
 }
 
-fn yes(flag: bool) -> String {
+pub(super) fn yes(flag: bool) -> String {
     if flag { "yes" } else { "-" }.to_owned()
 }
 
@@ -219,10 +219,4 @@ pub(super) fn channels(machine: &Machine) -> String {
         ]);
     }
     format!("{}\n{}", grid.text(), spindles.text())
-}
-
-/// What `[macros]` declares. The model holds no macros yet; whoever adds them lists one row each here and one object
-/// each in [`super::json_part`].
-pub(super) fn macros(_machine: &Machine) -> String {
-    Grid::new(&["macro", "name", "on", "codes", "file"]).text()
 }

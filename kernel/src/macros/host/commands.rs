@@ -20,6 +20,9 @@ use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;
 
+/// Empty lines of one LPRINT.
+const MOST_SKIPPED: i64 = 1000;
+
 /// Modal states that may be pushed.
 const MOST_SAVED: usize = 100;
 
@@ -63,13 +66,23 @@ impl Kernel<'_> {
                 self.secondary = self.modal.code(crate::channel::state::group::UNITS)
                     == Some(crate::machine::ident::codes::UNITS_SECONDARY);
             }
-            Command::Listing(_) | Command::Skip(_) => {}
+            Command::Listing(on) => self.control_listing(if on { "on" } else { "off" }.into()),
+            Command::Skip(lines) if lines > 0 => {
+                state.spend(usize::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0))?;
+                self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
+            }
+            Command::Skip(_) => {}
             Command::Print(text) => self.emit(0, Kind::Message { text: text.into() }),
             Command::System(_) => {
                 return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
             }
         }
         Ok(0)
+    }
+
+    /// LPRINT goes along as a line of the trace that is there without a trace.
+    fn control_listing(&mut self, text: Box<str>) {
+        self.emit(0, Kind::Trace { letter: crate::trace::LISTING, text });
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
@@ -87,6 +100,10 @@ impl Kernel<'_> {
             Task::Code(firing, id) => {
                 let wanted = argument(1).cloned();
                 self.meanwhile(state, |kernel| kernel.output_code(firing, id, wanted.as_ref()))
+            }
+            Task::Remark(id, text) => {
+                let wanted = argument(1).cloned();
+                self.meanwhile(state, |kernel| kernel.output_remark(id, text, wanted.as_ref()))
             }
             Task::Motion(seconds, motion) => {
                 let (kind, end) = (argument(1).cloned(), argument(2).cloned());
@@ -118,6 +135,7 @@ impl Kernel<'_> {
             ));
         }
         let text = Arc::new(text.replace(['\n', '\r'], " "));
+        self.trace_exec_text(now, &text);
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.custom_block(Some(text))));
         }
@@ -126,6 +144,7 @@ impl Kernel<'_> {
 
     fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {
         self.may_exec(state)?;
+        self.trace_exec_items(now, items);
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
         }

@@ -92,6 +92,7 @@ impl Kernel<'_> {
     /// Counts and logs.
     fn put_diagnostic(&mut self, number: u32, severity: u8, text: &str) {
         if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.operations.diagnosed(severity);
             let class = match severity {
                 0..=3 => 0,
                 4..=7 => 1,

@@ -7,6 +7,7 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
 use counterpoint_lang::func::Function;
+use counterpoint_lang::host::macro_states;
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
@@ -40,7 +41,7 @@ impl Kernel<'_> {
             "$FERSTA" => self.switched(arguments),
             "$FERTXT" => Self::text_of(arguments),
             "$FMACID" => self.macro_ids(state, arguments)?,
-            "$FMACSTA" => self.macro_states(arguments),
+            "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
             "$FREGFMT" => Value::text(self.register_format(arguments)),
             "$FREGPOS" => {
                 let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
@@ -54,10 +55,7 @@ impl Kernel<'_> {
             "$FCEDAC" => self.data_as_code(arguments),
             "$FCEGNCV" => self.nc_variable(arguments)?,
             "$FCESNCV" => self.set_nc_variable(arguments)?,
-            "$FCEPP" => {
-                state.warn(Fault::new(Number::NO_SETTING, "the pre-processor of this machine has no such setting"));
-                Value::Logical(false)
-            }
+            "$FCEPP" => self.preprocessor_setting(state, arguments),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             "$FACCESS" => {
                 let wanted = arguments.get(1).and_then(Value::as_real).map_or(0, |n| n.clamp(0.0, 7.0) as u8);
@@ -75,10 +73,7 @@ impl Kernel<'_> {
                 state.warn(Fault::new(Number::NO_MODEL, message));
                 nothing(function)
             }
-            "$FDIALOG" => {
-                let message = format!("the dialog '{}' has no answers", text(arguments, 0));
-                return Err(Fault::new(Number::NO_DIALOG, message));
-            }
+            "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
             "$FDK" | "$FIK" => {
                 let mut numbers: Vec<f64> = self.kinematic_position(arguments)?;
                 let direction = if function.name == "$FDK" { [0.0, 0.0, 1.0] } else { [0.0; 3] };
@@ -95,6 +90,22 @@ impl Kernel<'_> {
                 return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control")));
             }
         })
+    }
+
+    /// `$FCEPP`: whether the pre-processor takes comments or messages off the block.
+    fn preprocessor_setting(&mut self, state: &mut State, arguments: &[Value]) -> Value {
+        let is = |at: usize, word: &str| text(arguments, at).trim().eq_ignore_ascii_case(word);
+        let which = [is(1, "COMMENTS"), is(1, "MESSAGES")].iter().position(|is| *is).filter(|_| is(0, "PROCESS"));
+        let on = arguments.get(2).and_then(Value::as_logical).filter(|_| arguments.len() == 3);
+        let known = which.zip(on).filter(|_| self.plan.scanner.has_macros());
+        let (Some((which, on)), Some(runtime)) = (known, self.macros.as_deref_mut()) else {
+            state.warn(Fault::new(Number::NO_SETTING, "the pre-processor of this machine has no such setting"));
+            return Value::Logical(false);
+        };
+        if let Some(slot) = runtime.store.taken_off.get_mut(which) {
+            *slot = on;
+        }
+        Value::Logical(true)
     }
 
     fn kinematic_position(&self, arguments: &[Value]) -> Outcome<Vec<f64>> {
@@ -134,27 +145,6 @@ impl Kernel<'_> {
             }
         }
         Ok(Value::sequence(found))
-    }
-
-    /// `$FMACSTA`: states before the change.
-    fn macro_states(&mut self, arguments: &[Value]) -> Value {
-        let single;
-        let ids = match arguments.first() {
-            Some(Value::Sequence(all)) => all.as_slice(),
-            Some(one) => {
-                single = [one.clone()];
-                &single
-            }
-            None => &[],
-        };
-        let on = arguments.get(1).and_then(Value::as_logical);
-        let mut states = Vec::new();
-        for id in ids.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
-            if let Some(before) = self.switch_macro(id, on) {
-                states.extend([Value::Real(id), Value::Logical(before)]);
-            }
-        }
-        Value::sequence(states)
     }
 
     /// State of a macro before it was switched.

@@ -72,6 +72,7 @@ fn source(name: &str) -> Source {
 pub(crate) struct Names {
     pub(crate) mcdrd: u32,
     pub(crate) display: u32,
+    pub(crate) comment: u32,
     pub(crate) tool_name: u32,
     pub(crate) last_tool: u32,
     pub(crate) first_tool: u32,
@@ -81,6 +82,10 @@ pub(crate) struct Names {
     pub(crate) kernel_program: u32,
     pub(crate) kernel_name: u32,
     pub(crate) kernel_channel: u32,
+    pub(crate) kernel_line: u32,
+    pub(crate) operation_table: u32,
+    pub(crate) operation_merge: u32,
+    pub(crate) operation_name: u32,
 }
 
 /// Those indices, found once.
@@ -94,6 +99,7 @@ pub(crate) fn names() -> &'static Names {
         Names {
             mcdrd: index("$MCDRD"),
             display: index("$DISPLY"),
+            comment: index("$TPRINT"),
             tool_name: index("$TLNAME"),
             last_tool: index("$LT"),
             first_tool: index("$FT"),
@@ -103,6 +109,10 @@ pub(crate) fn names() -> &'static Names {
             kernel_program: index("$MCEMCD"),
             kernel_name: index("$MCENAM"),
             kernel_channel: index("$MCECHN"),
+            kernel_line: index("$MCESTA"),
+            operation_table: index("$OPTAB"),
+            operation_merge: index("$OPMERGE"),
+            operation_name: index("$OPNAME"),
         }
     })
 }
@@ -128,6 +138,13 @@ pub(crate) struct Store {
     pub(crate) code: Option<crate::machine::ident::CodeId>,
     /// `$FEDTIM`, `$RAPTIM` in seconds.
     pub(crate) times: [f64; 2],
+    /// What macros have added to `$MISTIM`, `$IDLTIM`, in seconds.
+    pub(crate) added_times: [f64; 2],
+    /// Time of all motions and of all waiting, in nanoseconds.
+    pub(crate) moving: i64,
+    pub(crate) idle: i64,
+    /// The pre-processor takes comments and messages off the block.
+    pub(crate) taken_off: [bool; 2],
     /// What may be set before Machine Startup ends is still open.
     pub(crate) starting: bool,
 }
@@ -145,6 +162,10 @@ impl Store {
             number: 0,
             code: None,
             times: [0.0; 2],
+            added_times: [0.0; 2],
+            moving: 0,
+            idle: 0,
+            taken_off: [true; 2],
             starting: false,
         }
     }
@@ -164,6 +185,15 @@ impl Store {
     /// Sets an element.
     pub(crate) fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) {
         self.elements.insert((index, first, second), value);
+    }
+
+    /// Sets an element that a macro gave, as long as there is room.
+    pub(crate) fn keep_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) -> Outcome<()> {
+        if self.elements.len() >= MOST_ELEMENTS {
+            return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
+        }
+        self.elements.insert((index, first, second), value);
+        Ok(())
     }
 
     /// An element that was set.
@@ -257,11 +287,7 @@ impl Kernel<'_> {
             }
             Source::Kept if indices.is_empty() => runtime.store.set(index, value),
             Source::Kept => {
-                if runtime.store.elements.len() >= MOST_ELEMENTS {
-                    return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));
-                }
-                let (first, second) = pair(indices);
-                runtime.store.elements.insert((index, first, second), value);
+                runtime.store.keep_element(index, pair(indices), value)?;
             }
         }
         Ok(())

@@ -106,24 +106,12 @@ impl Test {
     }
 
     pub(super) fn macro_states(&mut self, arguments: &[Value]) -> Value {
-        let single;
-        let identities = match arguments.first() {
-            Some(Value::Sequence(all)) => all.as_slice(),
-            Some(one) => {
-                single = [one.clone()];
-                &single
-            }
-            None => &[],
-        };
-        let on = arguments.get(1).and_then(Value::as_logical);
-        let mut out = Vec::new();
-        for id in identities.iter().filter(|value| matches!(value, Value::Real(_))).filter_map(Value::as_real) {
-            if let Some(named) = self.named_macros.iter_mut().find(|named| named.id == id) {
-                out.extend([Value::Real(id), Value::Logical(named.on)]);
-                named.on = on.unwrap_or(named.on);
-            }
-        }
-        Value::sequence(out)
+        crate::host::macro_states(arguments, |id, on| {
+            let named = self.named_macros.iter_mut().find(|named| named.id == id)?;
+            let before = named.on;
+            named.on = on.unwrap_or(before);
+            Some(before)
+        })
     }
 
     /// Letter of a register by index or letter.

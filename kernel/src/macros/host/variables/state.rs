@@ -4,7 +4,7 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::{Read, Write};
+use super::{Read, Write, names};
 use crate::channel::Kernel;
 use crate::channel::state::{feed_of, group};
 use crate::log::event::{Direction, FeedUnit};
@@ -79,6 +79,31 @@ fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) 
         *slot = value.as_real().unwrap_or(0.0);
     }
     Ok(())
+}
+
+/// `$MISTIM`: all that was neither motion nor waiting.
+fn misc(kernel: &Kernel<'_>) -> f64 {
+    kernel.macros.as_deref().map_or(0.0, |runtime| {
+        let store = &runtime.store;
+        (kernel.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
+    })
+}
+
+fn idle(kernel: &Kernel<'_>) -> f64 {
+    kernel.macros.as_deref().map_or(0.0, |runtime| runtime.store.idle as f64 / 1e9 + runtime.store.added_times[1])
+}
+
+fn add_time<const AT: usize>(kernel: &mut Kernel<'_>, seconds: f64) -> Outcome<()> {
+    if let Some(time) = kernel.macros.as_deref_mut().and_then(|runtime| runtime.store.added_times.get_mut(AT)) {
+        *time += seconds;
+    }
+    Ok(())
+}
+
+/// State of a rule of the tape editor, counted from 1.
+fn rule(kernel: &Kernel<'_>, at: &[i64]) -> Option<usize> {
+    let at = at.first().and_then(|at| usize::try_from(*at).ok())?.checked_sub(1)?;
+    (at < kernel.machine.tape_editor.len()).then_some(at)
 }
 
 fn whole(value: &Value) -> u32 {
@@ -165,6 +190,53 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$FEDTIM" => (time::<0>, Some(set_time::<0>)),
         "$RAPTIM" => (time::<1>, Some(set_time::<1>)),
+        "$MISTIM" => (
+            |k, _| Value::Real(misc(k)),
+            Some(|k, _, value| {
+                let wanted = value.as_real().unwrap_or(0.0) - misc(k);
+                add_time::<0>(k, wanted)
+            }),
+        ),
+        "$IDLTIM" => (
+            |k, _| Value::Real(idle(k)),
+            Some(|k, _, value| {
+                let wanted = value.as_real().unwrap_or(0.0) - idle(k);
+                add_time::<1>(k, wanted)
+            }),
+        ),
+        "$EDTMAX" => (|k, _| number(k.machine.tape_editor.len() as u32), None),
+        "$EDTSTA" => (
+            |k, at| Value::Logical(rule(k, at).is_some_and(|at| k.tape.0.has(at))),
+            Some(|k, at, value| {
+                let Some(at) = rule(k, at) else {
+                    let most = k.machine.tape_editor.len();
+                    let text = format!("the index of $EDTSTA is not in 1 to {most}, the rules of the tape editor");
+                    return Err(Fault::new(Number::OUT_OF_RANGE, text));
+                };
+                k.tape.0.set(at, value.as_logical().unwrap_or(true));
+                Ok(())
+            }),
+        ),
+        "$OPNAME" => (
+            |k, _| Value::text(k.stored_text(names().operation_name)),
+            Some(|k, _, value| {
+                let name = value.as_text().unwrap_or("").to_owned();
+                k.name_operation(&name);
+                k.store(names().operation_name, || Value::text(name));
+                Ok(())
+            }),
+        ),
+        "$OI" | "$OPSIZ" => {
+            (|k, _| number(k.macros.as_deref().map_or(1, |runtime| runtime.operations.row()) as u32), None)
+        }
+        "$FOI" => (
+            |k, _| number(k.first_operation() as u32),
+            Some(|k, _, value| {
+                k.set_first_operation(value.as_real().unwrap_or(0.0));
+                Ok(())
+            }),
+        ),
+        "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
         "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),
         _ => return None,
     };

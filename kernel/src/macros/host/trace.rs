@@ -1,0 +1,100 @@
+//! Macros in the trace: entering, statements, leaving, and what EXEC issues.
+//!
+//! Facts: reference listing-and-trace.md 4, 6. The letter M shows the macros of codes and data, H all others, X the
+//! parameters of EXEC. Invariant: a macro and everything it shows has one letter; without a trace nothing here is called.
+
+use counterpoint_lang::host::Step;
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::macros::condition::Item;
+use crate::trace;
+
+impl Kernel<'_> {
+    /// A macro of the machine begins.
+    #[cold]
+    pub(crate) fn trace_entering(&mut self, code: u16) {
+        self.trace(self.macro_letter(code), |kernel| {
+            trace::entering(kernel.macro_name(code), &kernel.matching_list(code))
+        });
+    }
+
+    /// A macro of the machine has ended.
+    #[cold]
+    pub(crate) fn trace_leaving(&mut self, code: u16) {
+        self.trace(self.macro_letter(code), |kernel| {
+            trace::leaving(kernel.macro_name(code), &kernel.matching_list(code), kernel.running_name())
+        });
+    }
+
+    /// A step inside a macro: its statements, and the user functions it calls.
+    pub(super) fn trace_step(&mut self, step: Step<'_>) {
+        match step {
+            Step::Statement(code, text) => {
+                let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+                let letter = if code.is_function { 'H' } else { running.map_or('H', |code| self.macro_letter(code)) };
+                self.trace(letter, |_| trace::statement(text));
+            }
+            Step::Entering(code) if code.is_function => {
+                self.trace('H', |_| trace::entering(&code.name, ""));
+                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                    call.functions.push(code.name.clone());
+                }
+            }
+            Step::Leaving(code, _) if code.is_function => {
+                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                    call.functions.pop();
+                }
+                self.trace('H', |kernel| trace::leaving(&code.name, "", kernel.running_name()));
+            }
+            // Whoever runs a macro of the machine shows it with the name that the machine gave it.
+            Step::Entering(_) | Step::Leaving(..) => {}
+        }
+    }
+
+    /// EXEC of a block.
+    pub(super) fn trace_exec_text(&mut self, now: bool, text: &str) {
+        self.trace('X', |_| trace::exec(&format!("{},'{}'", when(now), text.replace('\'', "''"))));
+    }
+
+    /// EXEC of identifiers and values.
+    pub(super) fn trace_exec_items(&mut self, now: bool, items: &[Value]) {
+        self.trace('X', |kernel| {
+            let mut text = when(now).to_owned();
+            for item in items {
+                text.push(',');
+                counterpoint_lang::format::any(&mut text, item, kernel);
+            }
+            trace::exec(&text)
+        });
+    }
+
+    /// The macro that goes on, innermost first; none if there is none.
+    fn running_name(&self) -> Option<&str> {
+        let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last())?;
+        Some(call.functions.last().map_or_else(|| self.macro_name(call.code), String::as_str))
+    }
+
+    fn macro_letter(&self, code: u16) -> char {
+        let named = self.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
+        if named { 'M' } else { 'H' }
+    }
+
+    fn macro_name(&self, code: u16) -> &str {
+        self.machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or("embedded code")
+    }
+
+    /// The list of identifiers that a code macro matches, empty for all others.
+    fn matching_list(&self, code: u16) -> String {
+        let named = self.machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
+        let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
+            Item::Code(id) => Some(self.machine.code_name(*id)),
+            Item::Data(_) => None,
+        });
+        list.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn when(now: bool) -> &'static str {
+    if now { "NOW" } else { "NEXT" }
+}
