@@ -1,8 +1,9 @@
-//! The hand on a running job: cancel, live progress, and the test hook that disturbs scheduling.
+//! The hand on a running job: cancel, live progress, who answers dialogs, and the test hook that disturbs scheduling.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::dialog::operator::Operator;
 use crate::log::event::Wait;
 
 /// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
@@ -14,6 +15,7 @@ pub struct Control {
     /// Takes the place of a missing one.
     spare: Progress,
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
+    operator: Option<Arc<dyn Operator>>,
 }
 
 impl Control {
@@ -28,6 +30,18 @@ impl Control {
     pub fn with_jitter(mut self, jitter: impl Fn(u16) + Send + Sync + 'static) -> Self {
         self.jitter = Some(Box::new(jitter));
         self
+    }
+
+    /// Somebody answers the dialogs that the job brings no answer for.
+    #[must_use]
+    pub fn with_operator(mut self, operator: Arc<dyn Operator>) -> Self {
+        self.operator = Some(operator);
+        self
+    }
+
+    /// Who answers dialogs.
+    pub(crate) fn operator(&self) -> Option<&dyn Operator> {
+        self.operator.as_deref()
     }
 
     /// Asks the job to stop; it ends soon after with its channels `STOPPED`.

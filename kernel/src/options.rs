@@ -23,6 +23,9 @@ pub struct Options {
     /// Answers to the dialogs of the machine; without one a dialog fails.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub answers: Vec<Answer>,
+    /// Somebody attends the job: dialogs without an answer are put to the operator.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub attended: bool,
     /// Limits.
     pub limits: Limits,
 }

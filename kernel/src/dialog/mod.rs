@@ -1,9 +1,10 @@
 //! Dialogs: questions that macros put to the operator, and the answers a job brings along.
 //!
 //! Facts: reference control-emulator.md 7.4. Invariants: a job whose answers do not fit its machine does not start; a
-//! dialog without an answer fails, it never waits. There is no operator yet: answers come with the job only.
+//! dialog that no answer is there for fails at once unless the job is attended by an [`operator`].
 
 pub mod answers;
+pub mod operator;
 
 use answers::{Answer, Value};
 
@@ -131,14 +132,21 @@ pub fn show(
 ) -> Result<Shown, Failure> {
     let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
     let answer = answer.ok_or_else(|| Failure::Unanswered(dialog.name.clone()))?;
-    let button = dialog.button(answer).map_err(Failure::Refused)?;
+    evaluate(dialog, answer, current).map_err(Failure::Refused)
+}
+
+/// What an answer means; an error says why it is refused.
+fn evaluate(
+    dialog: &Dialog,
+    answer: &Answer,
+    current: &mut dyn FnMut(&str) -> Option<Value>,
+) -> Result<Shown, String> {
+    let button = dialog.button(answer)?;
     let mut values = Vec::new();
     if button.kind == ButtonKind::Ok {
-        for field in dialog.fields.iter().filter(|field| !field.variable.is_empty()) {
-            let start = current(&field.variable).filter(|value| !value.is_empty()).or_else(|| field.default.clone());
-            let value = answer.value(&field.variable).cloned().or(start);
-            let value =
-                field.accept(value).map_err(|why| Failure::Refused(format!("dialog '{}': {why}", dialog.name)))?;
+        for field in dialog.bound() {
+            let value = answer.value(&field.variable).cloned().or_else(|| field.start(current));
+            let value = field.accept(value).map_err(|why| format!("dialog '{}': {why}", dialog.name))?;
             values.extend(value.map(|value| (field.variable.clone(), value)));
         }
     }
@@ -146,6 +154,16 @@ pub fn show(
 }
 
 impl Dialog {
+    /// Fields with a variable.
+    fn bound(&self) -> impl Iterator<Item = &Field> {
+        self.fields.iter().filter(|field| !field.variable.is_empty())
+    }
+
+    /// Values that the fields begin with, by variable.
+    fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Vec<(String, Value)> {
+        self.bound().filter_map(|field| Some((field.variable.clone(), field.start(current)?))).collect()
+    }
+
     /// The button an answer presses: the named one, else the first of type OK.
     fn button(&self, answer: &Answer) -> Result<&Button, String> {
         let found = match &answer.button {
@@ -162,6 +180,11 @@ impl Dialog {
 }
 
 impl Field {
+    /// The value it begins with: that of its variable, else its default.
+    fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Option<Value> {
+        current(&self.variable).filter(|value| !value.is_empty()).or_else(|| self.default.clone())
+    }
+
     /// The value as the field takes it.
     ///
     /// # Errors

@@ -12,7 +12,8 @@ use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::dialog::{self, Failure, FieldKind, answers};
+use crate::dialog::operator::Question;
+use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
 use crate::macros::system;
 
 /// A variable that a field may be bound to.
@@ -70,6 +71,8 @@ impl Kernel<'_> {
             let field = fields.iter().find(|field| field.variable == variable);
             field.is_some_and(|field| matches!(field.kind, FieldKind::Number { .. }))
         };
+        let operator = self.control.operator();
+        let (channel, file, line) = (self.rank, self.info.file_name(self.file), self.line);
         let mut current = |variable: &str| {
             let value = self.bound(variable).and_then(|at| to_dialog(&self.bound_value(state, at)))?;
             // A field of numbers may be bound to a text.
@@ -80,7 +83,15 @@ impl Kernel<'_> {
                 _ => Some(value),
             }
         };
-        let shown = dialog::show(&machine.dialogs, name, answer, &mut current);
+        let shown = match operator {
+            Some(operator) if answer.is_none() => {
+                let mut ask = |dialog: &Dialog, values: &[(String, answers::Value)], problem: Option<&str>| {
+                    operator.ask(&Question { channel, file, line, dialog, values, problem })
+                };
+                dialog::operator::converse(&machine.dialogs, name, &mut ask, &mut current)
+            }
+            _ => dialog::show(&machine.dialogs, name, answer, &mut current),
+        };
         let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
         for (variable, value) in shown.values {
             let Some(at) = self.bound(&variable) else {
