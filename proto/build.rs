@@ -2,12 +2,13 @@
 
 use prost::Message as _;
 
-const FILES: [&str; 5] = [
+const FILES: [&str; 6] = [
     "counterpoint/v1/event.proto",
     "counterpoint/v1/jobs.proto",
     "counterpoint/v1/blobs.proto",
     "counterpoint/v1/machines.proto",
     "counterpoint/v1/results.proto",
+    "counterpoint/v1/operator.proto",
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Submit(Submit),
     /// Follow a job to its end
     Watch(OneJob),
+    /// Answer the dialogs of a job that was submitted with --attend
+    Attend(OneJob),
     /// Wait for the end of a job
     Wait(OneJob),
     /// List the jobs of a server
@@ -75,6 +77,10 @@ pub(crate) struct Inputs {
     /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
+    /// Dialogs without an answer are put to the operator: here by `run` (which does so on a terminal anyway), by
+    /// `counterpoint attend` for `submit`. Without it they fail
+    #[arg(long)]
+    pub(crate) attend: bool,
     /// Simulated seconds after which the run is stopped
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,

@@ -9,6 +9,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
+use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
 use counterpoint_server::{options::Options, service};
 use tonic::transport::{Channel, Endpoint};
@@ -74,6 +75,10 @@ impl Client {
 
     pub(crate) fn machines(&self) -> MachinesClient<Channel> {
         MachinesClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
+    }
+
+    pub(crate) fn operator(&self) -> OperatorClient<Channel> {
+        OperatorClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }
 
     pub(crate) fn results(&self) -> ResultsClient<Channel> {

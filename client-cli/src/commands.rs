@@ -10,6 +10,7 @@ use counterpoint_proto::v1::watch_job_response::Content;
 use tonic::Code;
 
 use crate::arguments::{Arguments, Command, Jobs, Machine, OneJob, Part, ResultOf, State};
+use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -26,6 +27,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Run(arguments) => run::run(arguments).await,
         Command::Submit(arguments) => run::submit(arguments).await,
         Command::Watch(arguments) => watch(arguments).await,
+        Command::Attend(arguments) => attend(arguments).await,
         Command::Wait(arguments) => wait(arguments).await,
         Command::Jobs(arguments) => jobs(arguments).await,
         Command::Cancel(arguments) => cancel(arguments).await,
@@ -127,6 +129,18 @@ fn ended(status: &v1::JobStatus) -> u8 {
     let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
     say::talk(format_args!("{state}  {}  {}", time(status.makespan_ns), status.verdict));
     run::exit_code(status)
+}
+
+/// Answers the questions of a job until it ends.
+async fn attend(arguments: OneJob) -> Result<u8, Error> {
+    let client = Client::connect(&arguments.remote.server).await?;
+    let mut attendant = Attendant::start(&client, &arguments.job).await?;
+    loop {
+        match attendant.next().await? {
+            Next::Question(question) => attendant.answer(question).await?,
+            Next::Ended(status) => return Ok(ended(&status)),
+        }
+    }
 }
 
 async fn wait(arguments: OneJob) -> Result<u8, Error> {
@@ -232,7 +246,9 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
     let answer = client.machines().check_machine(request).await?.into_inner();
     say_findings(&answer.findings);
     let verdict = if answer.usable { "usable" } else { "cannot be used" };
-    say::data(format!("{machine}: {verdict}, {} findings\n", answer.findings.len()).as_bytes())?;
+    let count = answer.findings.len();
+    let plural = if count == 1 { "" } else { "s" };
+    say::data(format!("{machine}: {verdict}, {count} finding{plural}\n").as_bytes())?;
     Ok(if answer.usable { 0 } else { 2 })
 }
 

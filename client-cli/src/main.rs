@@ -5,6 +5,7 @@
 
 mod answers;
 mod arguments;
+mod attend;
 mod client;
 mod commands;
 mod error;

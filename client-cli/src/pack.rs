@@ -297,6 +297,7 @@ mod tests {
             ignore_waits: vec![],
             trace: String::new(),
             answers: None,
+            attend: false,
             threads: 0,
             max_time: None,
             max_blocks: None,

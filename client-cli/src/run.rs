@@ -1,11 +1,14 @@
 //! `run` and `submit`: pack, upload, submit; `run` then watches and reports.
 
+use std::cell::{Cell, RefCell};
+use std::io::IsTerminal as _;
 use std::path::Path;
 
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 
 use crate::arguments::{Format, Inputs, Run, Submit, What};
+use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -22,8 +25,10 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     let name = machine(&client, &arguments.inputs, arguments.quiet).await?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let id = uuid::Uuid::now_v7().to_string();
-    let job = submit_pack(&client, &arguments.inputs, pack, name, id).await?;
-    let status = follow(&client, &job, arguments.quiet).await?;
+    let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await?;
+    let status = follow(&client, &job, (arguments.quiet, attended)).await?;
     if let Some(code) = not_run(&status) {
         return Ok(code);
     }
@@ -55,7 +60,7 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let name = machine(&client, &arguments.inputs, false).await?;
     let id = arguments.request_id.unwrap_or_else(|| uuid::Uuid::now_v7().to_string());
-    let job = submit_pack(&client, &arguments.inputs, pack, name, id).await?;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, arguments.inputs.attend)).await?;
     say::data(format!("{job}\n").as_bytes())?;
     Ok(0)
 }
@@ -113,7 +118,7 @@ async fn submit_pack(
     inputs: &Inputs,
     pack: pack::Pack,
     machine: String,
-    request_id: String,
+    (request_id, attended): (String, bool),
 ) -> Result<String, Error> {
     let answers = inputs.answers.as_deref().map(crate::answers::read).transpose()?.unwrap_or_default();
     client.upload(&pack.files.blobs()).await?;
@@ -128,6 +133,7 @@ async fn submit_pack(
             opstop: inputs.opstop,
             trace: inputs.trace.clone(),
             answers,
+            attended,
             ignore_waits: inputs.ignore_waits.clone(),
             threads: inputs.threads,
             limits: limits(inputs),
@@ -138,18 +144,24 @@ async fn submit_pack(
 }
 
 /// Follows a job to its end; the first interrupt cancels it, the second leaves.
-async fn follow(client: &Client, job: &str, quiet: bool) -> Result<v1::JobStatus, Error> {
+async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
     let level = v1::WatchLevel::Progress.into();
     let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level };
     let mut stream = client.jobs().watch_job(request).await?.into_inner();
-    let mut progress = Progress::new(quiet);
+    let progress = RefCell::new(Progress::new(quiet));
+    let asking = Cell::new(false);
+    let attendant = if attended { Some(Attendant::start(client, job).await?) } else { None };
+    let mut attending = std::pin::pin!(attend(attendant, &progress, &asking));
     let mut interrupts = 0;
     loop {
         tokio::select! {
+            // Ends with an error only: the end of the job is told by the watch.
+            Err(error) = &mut attending => return Err(error),
             message = stream.message() => match message?.and_then(|m| m.content) {
-                Some(Content::Progress(now)) => progress.show(&now),
+                Some(Content::Progress(_)) if asking.get() => {}
+                Some(Content::Progress(now)) => progress.borrow_mut().show(&now),
                 Some(Content::Ended(status)) => {
-                    progress.clear();
+                    progress.borrow_mut().clear();
                     return Ok(status);
                 }
                 Some(_) => {}
@@ -163,6 +175,22 @@ async fn follow(client: &Client, job: &str, quiet: bool) -> Result<v1::JobStatus
                 client.jobs().cancel_job(v1::CancelJobRequest { job_id: job.to_owned() }).await?;
             }
         }
+    }
+}
+
+/// Has all questions answered, with no bars on the terminal meanwhile.
+async fn attend(
+    attendant: Option<Attendant>,
+    progress: &RefCell<Progress>,
+    asking: &Cell<bool>,
+) -> Result<std::convert::Infallible, Error> {
+    let Some(mut attendant) = attendant else { return std::future::pending().await };
+    loop {
+        let Next::Question(question) = attendant.next().await? else { return std::future::pending().await };
+        asking.set(true);
+        progress.borrow_mut().clear();
+        attendant.answer(question).await?;
+        asking.set(false);
     }
 }
 

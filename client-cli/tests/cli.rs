@@ -119,3 +119,54 @@ fn a_closed_pipe_is_no_panic() {
     let output = child.wait_with_output().unwrap();
     assert_eq!((code(&output), output.stderr.as_slice()), (0, &b""[..]));
 }
+
+/// Runs with lines on standard input.
+fn answering(arguments: &[&str], lines: &str) -> Output {
+    use std::io::Write as _;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+    let command = command.args(arguments).env_remove("COUNTERPOINT_SERVER");
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    child.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn dialogs_are_answered_line_by_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = folder.path().join("asks");
+    std::fs::create_dir(&machine).unwrap();
+    let definition = r#"extends = "fanuc-mill"
+[ce]
+name = "asks"
+[macros]
+program_startup = "start.mac"
+[[dialogs]]
+name = "Clamp"
+fields = [
+  { label = "Force, kN", variable = "%G01", kind = "number", min = 1, max = 40, whole = true, default = 20 },
+  { label = "Wet", variable = "%G02", kind = "check", default = false },
+]
+"#;
+    std::fs::write(machine.join("machine.toml"), definition).unwrap();
+    std::fs::write(machine.join("start.mac"), "%L01=$FDIALOG('Clamp')\nERROR/4,'!(*) !(*) !(*)',%L01,%G01,%G02\n")
+        .unwrap();
+    let path = program(folder.path(), "part.nc", "O1\nM30\n");
+    let machine = machine.display().to_string();
+    let run = ["run", "--json", "--machine", &machine, &path];
+    let attended = ["run", "--json", "--attend", "--machine", &machine, &path];
+    let texts = |output: &Output| {
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let texts = summary["diagnostics"].as_array().unwrap().iter();
+        texts.map(|d| d["text"].as_str().unwrap().to_owned()).collect::<Vec<_>>().join("|")
+    };
+    assert!(texts(&counterpoint(&run)).contains("no answer for the dialog 'Clamp'"), "nobody attends");
+    // Two lines that are refused here and by the machine, then the values, then the button.
+    let output = answering(&attended, "much\n99\nyes\n\n12\nyes\nok\n");
+    let talk = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(texts(&output).contains("OK 12"), "{} {talk}", texts(&output));
+    assert!(talk.contains("'much' is no number") && talk.contains("must be 1 to 40, not 99"), "{talk}");
+    assert!(talk.contains("Force, kN, 1 to 40, whole [20]:"), "{talk}");
+    let output = answering(&attended, "12\n");
+    assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");
+}

@@ -40,7 +40,8 @@ impl Control {
     }
 
     /// Who answers dialogs.
-    pub(crate) fn operator(&self) -> Option<&dyn Operator> {
+    #[must_use]
+    pub fn operator(&self) -> Option<&dyn Operator> {
         self.operator.as_deref()
     }
 

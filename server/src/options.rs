@@ -24,6 +24,8 @@ pub struct Options {
     pub attempts: u32,
     /// Seconds that running jobs get to end after a stop signal.
     pub grace_s: u64,
+    /// Seconds that a dialog of an attended job waits for the operator before it fails.
+    pub operator_wait_s: u64,
     /// Largest blob, bytes.
     pub max_blob_bytes: u64,
     /// Most files of one job or machine.
@@ -48,6 +50,7 @@ impl Default for Options {
             queue: 1000,
             attempts: 3,
             grace_s: 30,
+            operator_wait_s: 600,
             max_blob_bytes: 256 << 20,
             max_files: 1000,
             max_programs: 64,
@@ -134,6 +137,9 @@ pub struct Flags {
     /// Seconds that running jobs get to end after a stop signal
     #[arg(long, env = "COUNTERPOINT_GRACE_S", value_name = "SECONDS")]
     pub grace_s: Option<u64>,
+    /// Seconds that a dialog of an attended job waits for the operator before it fails
+    #[arg(long, env = "COUNTERPOINT_OPERATOR_WAIT_S", value_name = "SECONDS")]
+    pub operator_wait_s: Option<u64>,
     /// Largest blob, bytes
     #[arg(long, env = "COUNTERPOINT_MAX_BLOB_BYTES", value_name = "BYTES")]
     pub max_blob_bytes: Option<u64>,
@@ -160,6 +166,7 @@ impl Flags {
         set(&mut options.queue, self.queue);
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
+        set(&mut options.operator_wait_s, self.operator_wait_s);
         set(&mut options.max_blob_bytes, self.max_blob_bytes);
         set(&mut options.max_files, self.max_files);
         set(&mut options.max_programs, self.max_programs);

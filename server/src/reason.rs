@@ -58,6 +58,9 @@ pub enum Refusal {
     /// The job has not ended.
     #[error("job '{0}' has not ended")]
     JobNotEnded(String),
+    /// The job was submitted without an operator.
+    #[error("job '{0}' was submitted without options.attended, its dialogs are not put to an operator")]
+    NotAttended(String),
     /// The job has no log, because it could not be run.
     #[error("job '{0}' has no results: it was never run")]
     NoResults(String),
@@ -104,6 +107,7 @@ impl Refusal {
             Self::BlobTooLarge(_) => ("BLOB_TOO_LARGE", Code::InvalidArgument),
             Self::MachineInvalid(_) => ("MACHINE_INVALID", Code::InvalidArgument),
             Self::JobNotEnded(_) => ("JOB_NOT_ENDED", Code::FailedPrecondition),
+            Self::NotAttended(_) => ("NOT_ATTENDED", Code::FailedPrecondition),
             Self::NoResults(_) => ("NO_RESULTS", Code::FailedPrecondition),
             Self::CursorBeyondLog { .. } => ("CURSOR_BEYOND_LOG", Code::OutOfRange),
             Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),

@@ -12,6 +12,7 @@ use counterpoint_proto::DESCRIPTORS;
 use counterpoint_proto::v1::blobs_server::BlobsServer;
 use counterpoint_proto::v1::jobs_server::JobsServer;
 use counterpoint_proto::v1::machines_server::MachinesServer;
+use counterpoint_proto::v1::operator_server::OperatorServer;
 use counterpoint_proto::v1::results_server::ResultsServer;
 use tokio::net::TcpListener;
 use tonic::transport::Server;
@@ -161,6 +162,7 @@ impl Service {
             .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
+            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .serve_with_incoming_shutdown(incoming, async move { drop(closed.await) });
         let mut server = std::pin::pin!(server);
         let asked = stop.clone();
@@ -215,6 +217,7 @@ async fn serving(health: &HealthReporter) {
     health.set_serving::<BlobsServer<rpc::Blobs>>().await;
     health.set_serving::<MachinesServer<rpc::Machines>>().await;
     health.set_serving::<ResultsServer<rpc::Results>>().await;
+    health.set_serving::<OperatorServer<rpc::Operator>>().await;
 }
 
 async fn not_serving(health: &HealthReporter) {
@@ -223,4 +226,5 @@ async fn not_serving(health: &HealthReporter) {
     health.set_not_serving::<BlobsServer<rpc::Blobs>>().await;
     health.set_not_serving::<MachinesServer<rpc::Machines>>().await;
     health.set_not_serving::<ResultsServer<rpc::Results>>().await;
+    health.set_not_serving::<OperatorServer<rpc::Operator>>().await;
 }

@@ -136,11 +136,7 @@ pub fn show(
 }
 
 /// What an answer means; an error says why it is refused.
-fn evaluate(
-    dialog: &Dialog,
-    answer: &Answer,
-    current: &mut dyn FnMut(&str) -> Option<Value>,
-) -> Result<Shown, String> {
+fn evaluate(dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> Result<Shown, String> {
     let button = dialog.button(answer)?;
     let mut values = Vec::new();
     if button.kind == ButtonKind::Ok {

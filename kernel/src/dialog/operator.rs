@@ -33,15 +33,17 @@ pub trait Operator: Send + Sync {
     fn ask(&self, question: &Question<'_>) -> Option<Answer>;
 }
 
-/// Shows a dialog until a button ends it. `ask` gets the dialog, the values its fields begin with and the reason why
-/// the answer before was refused.
+/// Puts a dialog, the values that its fields begin with, and the reason why the answer before was refused.
+pub type Ask<'a> = dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Option<Answer> + 'a;
+
+/// Shows a dialog until a button ends it.
 ///
 /// # Errors
 /// There is no such dialog, nobody answers, or the answers stay wrong.
 pub fn converse(
     dialogs: &[Dialog],
     name: &str,
-    ask: &mut dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Option<Answer>,
+    ask: &mut Ask<'_>,
     current: &mut dyn FnMut(&str) -> Option<Value>,
 ) -> Result<Shown, Failure> {
     let mut called = Vec::new();
@@ -54,13 +56,15 @@ pub fn converse(
 fn open(
     dialogs: &[Dialog],
     name: &str,
-    ask: &mut dyn FnMut(&Dialog, &[(String, Value)], Option<&str>) -> Option<Answer>,
+    ask: &mut Ask<'_>,
     current: &mut dyn FnMut(&str) -> Option<Value>,
     called: &mut Vec<(String, Value)>,
     left: &mut u32,
 ) -> Result<Shown, Failure> {
     let dialog = find(dialogs, name).ok_or_else(|| Failure::Unknown(name.to_owned()))?;
     let mut problem: Option<String> = None;
+    // What was entered before another dialog was called.
+    let mut entered = Answer::default();
     loop {
         if *left == 0 {
             let why = problem.unwrap_or_else(|| format!("dialog '{name}': no button ended it in {MOST} answers"));
@@ -68,6 +72,9 @@ fn open(
         }
         *left -= 1;
         let mut now = |variable: &str| {
+            if let Some(value) = entered.value(variable) {
+                return Some(value.clone());
+            }
             let set = called.iter().rev().find(|(name, _)| name.eq_ignore_ascii_case(variable));
             set.map(|(_, value)| value.clone()).or_else(|| current(variable))
         };
@@ -83,9 +90,10 @@ fn open(
             Some(ButtonKind::Call(other)) => {
                 let shown = open(dialogs, other, ask, current, called, left)?;
                 called.extend(shown.values);
+                entered.values.extend(answer.values);
                 problem = None;
             }
-            Some(ButtonKind::Reset) => problem = None,
+            Some(ButtonKind::Reset) => (entered, problem) = (Answer::default(), None),
             _ => match evaluate(dialog, &answer, &mut now) {
                 Ok(shown) => return Ok(shown),
                 Err(why) => problem = Some(why),
@@ -110,12 +118,16 @@ mod tests {
 
     fn dialogs() -> Vec<Dialog> {
         let more = ButtonKind::Call("Inner".into());
-        let outer = [("OK", ButtonKind::Ok), ("Leave", ButtonKind::Cancel), ("More", more), ("Reset", ButtonKind::Reset)];
+        let outer =
+            [("OK", ButtonKind::Ok), ("Leave", ButtonKind::Cancel), ("More", more), ("Reset", ButtonKind::Reset)];
         vec![dialog("Outer", "A", &outer), dialog("Inner", "B", &[("Done", ButtonKind::Ok)])]
     }
 
+    /// Button and values.
+    type Said<'a> = (Option<&'a str>, &'a [(&'a str, f64)]);
+
     /// Answers in turn; gives what came out, and what was shown for each answer.
-    fn talk(answers: &[(Option<&str>, &[(&str, f64)])]) -> (Result<Shown, Failure>, Vec<String>) {
+    fn talk(answers: &[Said<'_>]) -> (Result<Shown, Failure>, Vec<String>) {
         let mut turn = answers.iter();
         let mut seen = Vec::new();
         let mut ask = |dialog: &Dialog, values: &[(String, Value)], problem: Option<&str>| {
@@ -145,10 +157,11 @@ mod tests {
 
     #[test]
     fn buttons_call_reset_and_leave() {
-        let (shown, seen) = talk(&[(Some("More"), &[]), (None, &[("B", 5.0)]), (Some("Reset"), &[]), (None, &[])]);
+        let (shown, seen) =
+            talk(&[(Some("More"), &[("A", 7.0)]), (None, &[("B", 5.0)]), (Some("Reset"), &[]), (None, &[])]);
         let shown = shown.unwrap();
         assert_eq!((shown.button.as_str(), shown.values), ("OK", vec![number("B", 5.0), number("A", 3.0)]));
-        assert_eq!(seen[1], "Inner B=3 -");
+        assert_eq!(seen, ["Outer A=3 -", "Inner B=3 -", "Outer A=7 -", "Outer A=3 -"]);
         let (shown, _) = talk(&[(Some("More"), &[]), (None, &[("B", 5.0)]), (Some("Leave"), &[])]);
         let shown = shown.unwrap();
         assert_eq!((shown.button.as_str(), shown.values), ("Leave", vec![number("B", 5.0)]), "the called one was OK");

@@ -12,6 +12,7 @@ use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
 
+use super::operator::Desk;
 use crate::ledger::record::{Record, State};
 use crate::log::tail::Tail;
 use crate::log::writer::Writer;
@@ -36,6 +37,8 @@ pub(crate) struct Live {
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
     writer: Mutex<Option<Writer>>,
+    /// Where dialogs wait for the operator.
+    pub(crate) desk: Arc<Desk>,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -49,6 +52,7 @@ impl Live {
             id: record.id.clone(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
+            desk: Arc::new(Desk::new(&record.answers)),
             record: Mutex::new(record),
             tail: Arc::new(Tail::new()),
             run: OnceLock::new(),
@@ -87,6 +91,7 @@ impl Live {
         let _ = self.run.set(run);
         if self.cancelled() {
             control.cancel();
+            self.desk.close();
         }
     }
 
@@ -105,6 +110,7 @@ impl Live {
         if let Some(run) = self.run.get() {
             run.control.cancel();
         }
+        self.desk.close();
     }
 
     /// Hands the log over for the time of the run.

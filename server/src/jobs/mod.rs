@@ -6,6 +6,7 @@
 pub(crate) mod describe;
 mod files;
 pub(crate) mod live;
+pub(crate) mod operator;
 pub(crate) mod progress;
 mod sink;
 pub(crate) mod worker;

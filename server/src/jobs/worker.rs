@@ -7,6 +7,7 @@ use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::time::Duration;
 
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::log::fold::Folds;
@@ -103,7 +104,12 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
         Err(findings) => return Ok(refused(findings)),
     };
     let info = prepared.info().clone();
-    let control = Arc::new(Control::new(info.channels.len()));
+    let mut control = Control::new(info.channels.len());
+    if record.options.attended {
+        live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
+        control = control.with_operator(live.desk.clone());
+    }
+    let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.log {
         let head = description(&info).encode_to_vec();

@@ -9,6 +9,7 @@ pub(crate) mod record;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
+use counterpoint_kernel::dialog::answers::Answer;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 use tokio::sync::{mpsc, oneshot};
 
@@ -164,6 +165,18 @@ impl Ledger {
     pub(crate) async fn flag_cancel(&self, id: String) -> Result<(), Refusal> {
         self.write(move |txn| match get(txn, &id)? {
             Some(record) if !record.state.ended() => put(txn, &Record { cancel: true, ..record }),
+            _ => Ok(()),
+        })
+        .await
+    }
+
+    /// Keeps what the operator said, unless the job has ended.
+    pub(crate) async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
+        self.write(move |txn| match get(txn, &id)? {
+            Some(mut record) if !record.state.ended() => {
+                record.answers.push((channel, answer));
+                put(txn, &record)
+            }
             _ => Ok(()),
         })
         .await

@@ -3,6 +3,7 @@
 //! Invariant: states only go forward (QUEUED → RUNNING → one of the three ends), but for a run that died or was
 //! interrupted by a shutdown: RUNNING → QUEUED.
 
+use counterpoint_kernel::dialog::answers::Answer;
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::Options;
@@ -74,6 +75,9 @@ pub struct Record {
     pub files: Vec<(String, String)>,
     /// Options.
     pub options: Options,
+    /// What the operator has answered so far, by channel in the order asked; taken again when the job is run again.
+    #[serde(default)]
+    pub answers: Vec<(u16, Option<Answer>)>,
     /// State.
     pub state: State,
     /// Runs begun.

@@ -5,6 +5,7 @@
 mod blobs;
 mod jobs;
 mod machines;
+mod operator;
 mod results;
 mod submit;
 mod watch;
@@ -29,6 +30,9 @@ pub(crate) struct Blobs(pub(crate) Arc<Core>);
 /// Service `Machines`.
 #[derive(Debug)]
 pub(crate) struct Machines(pub(crate) Arc<Core>);
+/// Service `Operator`.
+#[derive(Debug)]
+pub(crate) struct Operator(pub(crate) Arc<Core>);
 /// Service `Results`.
 #[derive(Debug)]
 pub(crate) struct Results(pub(crate) Arc<Core>);

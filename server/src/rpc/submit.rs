@@ -38,6 +38,7 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
         programs,
         files,
         options,
+        answers: Vec::new(),
         state: State::Queued,
         attempt: 0,
         cancel: false,
@@ -123,12 +124,14 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         ignore_waits: ignore.collect::<Result<_, _>>()?,
         trace: options.trace,
         answers: options.answers.into_iter().map(answer).collect(),
+        attended: options.attended,
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: limits(options.limits.unwrap_or_default())?,
     })
 }
 
-fn answer(answer: v1::DialogAnswer) -> Answer {
+/// An answer from the wire.
+pub(super) fn answer(answer: v1::DialogAnswer) -> Answer {
     use v1::dialog_value::Value as Wire;
     let value = |value: v1::DialogValue| match value.value {
         Some(Wire::Flag(flag)) => Value::Flag(flag),

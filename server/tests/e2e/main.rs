@@ -10,6 +10,7 @@
 )]
 
 mod life;
+mod operator;
 mod submit;
 mod support;
 mod watch;

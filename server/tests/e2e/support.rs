@@ -1,13 +1,16 @@
 //! A server in process with a scripted runner, and a client for it.
 //!
-//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `ALARM`, one per line.
+//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `ALARM`, `ASK name` (a dialog; what
+//! is pressed becomes a diagnostic), one per line.
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use counterpoint_kernel::control::Control;
+use counterpoint_kernel::dialog::Dialog;
+use counterpoint_kernel::dialog::operator::Question;
 use counterpoint_kernel::files::Files;
 use counterpoint_kernel::job::{Outcome, Sink};
 use counterpoint_kernel::log::event::*;
@@ -18,6 +21,7 @@ use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
+use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
 use counterpoint_server::options::Options;
 use counterpoint_server::runner::{Prepared, Runner, Task};
@@ -31,12 +35,14 @@ use tonic_types::StatusExt;
 #[derive(Clone)]
 pub struct Script {
     pub hang: Arc<AtomicBool>,
+    /// Dialogs that are over.
+    pub asked: Arc<AtomicU64>,
 }
 
 struct Ready {
     info: Arc<Info>,
     script: String,
-    hang: Arc<AtomicBool>,
+    own: Script,
 }
 
 impl Runner for Script {
@@ -67,7 +73,7 @@ impl Runner for Script {
             channels: vec![channel(1), channel(2)],
             files: vec![file],
         });
-        Ok(Box::new(Ready { info, script, hang: self.hang.clone() }))
+        Ok(Box::new(Ready { info, script, own: self.clone() }))
     }
 }
 
@@ -126,11 +132,23 @@ impl Prepared for Ready {
                     }
                 }
                 ("HANG", _) => {
-                    while self.hang.load(Ordering::SeqCst) && !control.cancelled() {
+                    while self.own.hang.load(Ordering::SeqCst) && !control.cancelled() {
                         std::thread::sleep(Duration::from_millis(2));
                     }
                 }
                 ("PANIC", _) => panic!("scripted"),
+                ("ASK", name) => {
+                    let dialog = Dialog { name: name.into(), title: name.into(), fields: vec![], buttons: vec![] };
+                    let question =
+                        Question { channel: 1, file: "main.nc", line: 1, dialog: &dialog, values: &[], problem: None };
+                    let answer = control.operator().and_then(|operator| operator.ask(&question));
+                    self.own.asked.fetch_add(1, Ordering::SeqCst);
+                    let text = answer.map_or("-".to_owned(), |answer| answer.button.unwrap_or_default());
+                    let text = format!("{name}: {text}");
+                    let kind = Kind::Diagnostic(Box::new(Diagnostic { number: 8, severity: 0, text: text.into() }));
+                    assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
+                    seq += 1;
+                }
                 ("ALARM", _) => {
                     assert!(sink.events(seq, &[self.alarm(seq)]));
                     seq += 1;
@@ -162,7 +180,7 @@ pub fn options(data: &Path) -> Options {
 
 impl Server {
     pub async fn start(options: Options) -> Self {
-        let script = Script { hang: Arc::new(AtomicBool::new(true)) };
+        let script = Script { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default() };
         let service = service::build_with(options, script.clone()).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
@@ -186,6 +204,10 @@ impl Server {
 
     pub fn machines(&self) -> MachinesClient<Connection> {
         MachinesClient::new(self.connection.clone())
+    }
+
+    pub fn operator(&self) -> OperatorClient<Connection> {
+        OperatorClient::new(self.connection.clone())
     }
 
     pub fn results(&self) -> ResultsClient<Connection> {

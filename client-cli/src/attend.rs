@@ -1,0 +1,284 @@
+//! A person at the terminal answers the dialogs of a running job.
+//!
+//! Invariants: questions go to standard error, answers come line by line from standard input; an empty line takes what
+//! is shown in brackets; the end of the input declines what is asked. A question that somebody else has answered is
+//! given up at once.
+
+use std::collections::VecDeque;
+use std::io::{BufRead as _, Write as _};
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::attend_request::Content as Say;
+use counterpoint_proto::v1::attend_response::Content;
+use counterpoint_proto::v1::dialog_field::Kind;
+use counterpoint_proto::v1::dialog_value::Value;
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+
+use crate::client::Client;
+use crate::error::Error;
+use crate::say::{self, BAD, DIM, WARN, styled};
+
+/// Somebody attends a job.
+pub(crate) struct Attendant {
+    say: mpsc::Sender<v1::AttendRequest>,
+    heard: tonic::Streaming<v1::AttendResponse>,
+    waiting: VecDeque<v1::Question>,
+    ended: Option<v1::JobStatus>,
+    /// Lines of standard input; read once somebody is asked.
+    lines: Option<mpsc::UnboundedReceiver<String>>,
+}
+
+/// What comes next.
+pub(crate) enum Next {
+    /// A dialog is open.
+    Question(v1::Question),
+    /// The job has ended.
+    Ended(v1::JobStatus),
+}
+
+/// What came of a prompt.
+enum Entry {
+    Line(String),
+    /// The input has ended.
+    End,
+    /// Somebody else has answered.
+    Closed,
+}
+
+impl Attendant {
+    /// Begins to attend.
+    pub(crate) async fn start(client: &Client, job: &str) -> Result<Self, Error> {
+        let (say, requests) = mpsc::channel(4);
+        let first = v1::AttendRequest { content: Some(Say::JobId(job.to_owned())) };
+        say.send(first).await.map_err(|_| gone())?;
+        let heard = client.operator().attend(ReceiverStream::new(requests)).await?.into_inner();
+        Ok(Self { say, heard, waiting: VecDeque::new(), ended: None, lines: None })
+    }
+
+    /// The next question, or the end of the job. May be dropped and called again.
+    pub(crate) async fn next(&mut self) -> Result<Next, Error> {
+        loop {
+            if let Some(question) = self.waiting.pop_front() {
+                return Ok(Next::Question(question));
+            }
+            if let Some(status) = &self.ended {
+                return Ok(Next::Ended(status.clone()));
+            }
+            self.listen().await?;
+        }
+    }
+
+    /// Takes one message in; gives the question that it closes.
+    async fn listen(&mut self) -> Result<Option<u64>, Error> {
+        match self.heard.message().await?.and_then(|message| message.content) {
+            Some(Content::Question(question)) => self.waiting.push_back(question),
+            Some(Content::Closed(id)) => {
+                self.waiting.retain(|question| question.id != id);
+                return Ok(Some(id));
+            }
+            Some(Content::Ended(status)) => self.ended = Some(status),
+            None if self.ended.is_some() => std::future::pending().await,
+            None => return Err(gone()),
+        }
+        Ok(None)
+    }
+
+    /// Puts a question to the person and sends the answer.
+    pub(crate) async fn answer(&mut self, question: v1::Question) -> Result<(), Error> {
+        let id = question.id;
+        let dialog = question.dialog.unwrap_or_default();
+        let who = if question.channel == 0 { "the master".to_owned() } else { format!("channel {}", question.channel) };
+        say::talk(format_args!(
+            "{} {}",
+            styled(WARN, &dialog.title),
+            styled(DIM, format!("({who}, {} line {})", question.file, question.line))
+        ));
+        if !question.problem.is_empty() {
+            say::talk(styled(BAD, &question.problem));
+        }
+        let mut values = std::collections::HashMap::new();
+        for field in &dialog.fields {
+            let Some(kind) = &field.kind else {
+                say::talk(format_args!("  {}", field.label));
+                continue;
+            };
+            let start = question.values.get(&field.variable).and_then(|value| value.value.as_ref());
+            let prompt =
+                format!("  {}{} [{}]: ", field.label, hint(kind), start.map_or_else(String::new, |v| shown(kind, v)));
+            loop {
+                match self.entry(&prompt, id).await? {
+                    Entry::Line(line) if line.is_empty() => break,
+                    Entry::Line(line) => match read(kind, &line) {
+                        Ok(value) => {
+                            values.insert(field.variable.clone(), v1::DialogValue { value: Some(value) });
+                            break;
+                        }
+                        Err(why) => say::talk(styled(BAD, why)),
+                    },
+                    Entry::End => return self.send(Say::Declined(id)).await,
+                    Entry::Closed => return Ok(()),
+                }
+            }
+        }
+        let button = match self.button(&dialog, id).await? {
+            Entry::Line(label) => label,
+            Entry::End => return self.send(Say::Declined(id)).await,
+            Entry::Closed => return Ok(()),
+        };
+        let answer = v1::DialogAnswer { dialog: dialog.name, button, values };
+        self.send(Say::Answer(v1::QuestionAnswer { question_id: id, answer: Some(answer) })).await
+    }
+
+    /// The button to press; no question where there is only one.
+    async fn button(&mut self, dialog: &v1::Dialog, id: u64) -> Result<Entry, Error> {
+        let labels: Vec<&str> = dialog.buttons.iter().map(|button| button.label.as_str()).collect();
+        let first = dialog.buttons.iter().find(|button| button.kind() == v1::ButtonKind::Ok);
+        let first = first.map_or("OK", |button| button.label.as_str());
+        if labels.len() <= 1 {
+            return Ok(Entry::Line(first.to_owned()));
+        }
+        loop {
+            match self.entry(&format!("  button, {} [{first}]: ", labels.join(", ")), id).await? {
+                Entry::Line(line) if line.is_empty() => return Ok(Entry::Line(first.to_owned())),
+                Entry::Line(line) if labels.iter().any(|label| label.eq_ignore_ascii_case(&line)) => {
+                    return Ok(Entry::Line(line));
+                }
+                Entry::Line(line) => {
+                    let one_of = labels.join(", ");
+                    say::talk(styled(BAD, format!("there is no button '{line}', it must be one of {one_of}")));
+                }
+                other => return Ok(other),
+            }
+        }
+    }
+
+    /// A line of the person.
+    async fn entry(&mut self, prompt: &str, id: u64) -> Result<Entry, Error> {
+        let mut out = anstream::stderr();
+        let _ = out.write_all(prompt.as_bytes()).and_then(|()| out.flush());
+        let mut lines = self.lines.take().unwrap_or_else(lines);
+        let entry = loop {
+            tokio::select! {
+                line = lines.recv() => break line.map_or(Entry::End, |line| Entry::Line(line.trim().to_owned())),
+                closed = self.listen() => {
+                    if closed? == Some(id) || self.ended.is_some() {
+                        break Entry::Closed;
+                    }
+                }
+            }
+        };
+        self.lines = Some(lines);
+        match entry {
+            Entry::Closed => say::talk(styled(DIM, "\n  is answered")),
+            Entry::End => say::talk(styled(DIM, "\n  declined: the input has ended")),
+            Entry::Line(_) => {}
+        }
+        Ok(entry)
+    }
+
+    async fn send(&mut self, content: Say) -> Result<(), Error> {
+        self.say.send(v1::AttendRequest { content: Some(content) }).await.map_err(|_| gone())
+    }
+}
+
+fn gone() -> Error {
+    Error::Connection("the server ended the stream".to_owned())
+}
+
+/// Reads standard input on a thread of its own: nothing waits for it at the end.
+fn lines() -> mpsc::UnboundedReceiver<String> {
+    let (send, receive) = mpsc::unbounded_channel();
+    let read = move || {
+        for line in std::io::stdin().lock().lines() {
+            let Ok(line) = line else { break };
+            if send.send(line).is_err() {
+                break;
+            }
+        }
+    };
+    // Without the thread the input has ended.
+    let _ = std::thread::Builder::new().name("input".to_owned()).spawn(read);
+    receive
+}
+
+/// What a field takes, behind its label.
+fn hint(kind: &Kind) -> String {
+    match kind {
+        Kind::LongestText(longest) => format!(", up to {longest} characters"),
+        Kind::Number(number) => {
+            let whole = if number.whole { ", whole" } else { "" };
+            match (number.min.abs() < 1e15, number.max.abs() < 1e15) {
+                (true, true) => format!(", {} to {}{whole}", number.min, number.max),
+                (true, false) => format!(", at least {}{whole}", number.min),
+                (false, true) => format!(", at most {}{whole}", number.max),
+                (false, false) => whole.to_owned(),
+            }
+        }
+        Kind::Check(_) => ", yes or no".to_owned(),
+        Kind::Choice(choice) => {
+            let labels = choice.choices.iter().zip(1..).map(|(choice, n)| format!("{n} {}", choice.label));
+            format!(", {}", labels.collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+/// A value as a person would write it.
+fn shown(kind: &Kind, value: &Value) -> String {
+    if let Kind::Choice(choice) = kind
+        && let Some(chosen) =
+            choice.choices.iter().find(|c| c.value.as_ref().and_then(|v| v.value.as_ref()) == Some(value))
+    {
+        return chosen.label.clone();
+    }
+    match value {
+        Value::Flag(flag) => if *flag { "yes" } else { "no" }.to_owned(),
+        Value::Number(number) => number.to_string(),
+        Value::Text(text) => text.clone(),
+    }
+}
+
+/// A line as the value of a field.
+fn read(kind: &Kind, line: &str) -> Result<Value, String> {
+    match kind {
+        Kind::LongestText(_) => Ok(Value::Text(line.to_owned())),
+        Kind::Number(_) => line.parse().map(Value::Number).map_err(|_| format!("'{line}' is no number")),
+        Kind::Check(_) => match line.to_lowercase().as_str() {
+            "y" | "yes" | "true" | "on" | "1" => Ok(Value::Flag(true)),
+            "n" | "no" | "false" | "off" | "0" => Ok(Value::Flag(false)),
+            _ => Err(format!("'{line}' is neither yes nor no")),
+        },
+        Kind::Choice(choice) => {
+            let by_label = choice.choices.iter().find(|choice| choice.label.eq_ignore_ascii_case(line));
+            let by_number = || choice.choices.get(line.parse::<usize>().ok()?.checked_sub(1)?);
+            let chosen = by_label.or_else(by_number);
+            let value = chosen.and_then(|choice| choice.value.clone()).and_then(|value| value.value);
+            value.ok_or_else(|| format!("'{line}' is none of them"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_read_as_the_field_takes_them() {
+        let choice = |label: &str, n| v1::Choice {
+            label: label.into(),
+            value: Some(v1::DialogValue { value: Some(Value::Number(n)) }),
+        };
+        let jaws = Kind::Choice(v1::ChoiceField { choices: vec![choice("soft", 10.0), choice("hard", 20.0)] });
+        assert_eq!(hint(&jaws), ", 1 soft, 2 hard");
+        assert_eq!(read(&jaws, "Hard"), Ok(Value::Number(20.0)));
+        assert_eq!(read(&jaws, "1"), Ok(Value::Number(10.0)));
+        assert!(read(&jaws, "3").is_err() && read(&jaws, "0").is_err());
+        assert_eq!(shown(&jaws, &Value::Number(20.0)), "hard");
+        let number = Kind::Number(v1::NumberField { min: 1.0, max: 40.0, whole: true });
+        assert_eq!(hint(&number), ", 1 to 40, whole");
+        assert_eq!(read(&number, "2.5"), Ok(Value::Number(2.5)), "limits are the server's to check");
+        assert!(read(&number, "two").is_err());
+        assert_eq!(read(&Kind::Check(v1::CheckField {}), "Yes"), Ok(Value::Flag(true)));
+        assert!(read(&Kind::Check(v1::CheckField {}), "maybe").is_err());
+    }
+}

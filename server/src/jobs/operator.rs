@@ -1,0 +1,261 @@
+//! The desk of a job: dialogs that wait for the operator.
+//!
+//! Invariants: a question is answered once, by whoever comes first; what was answered in a run before this one is
+//! answered again in the same order, so a job that is run again gives the same log; no question outlives the run, and
+//! none waits longer than the patience of the server.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use counterpoint_kernel::dialog::answers::{Answer, Value};
+use counterpoint_kernel::dialog::operator::{Operator, Question};
+use counterpoint_kernel::dialog::{Button, ButtonKind, Dialog, Field, FieldKind};
+use counterpoint_proto::v1;
+use tokio::sync::watch;
+
+use super::live::lock;
+
+/// Where dialogs wait.
+#[derive(Debug)]
+pub(crate) struct Desk {
+    inner: Mutex<Inner>,
+    /// For kernels: something was answered, or nothing will be.
+    answered: Condvar,
+    /// For those who attend: counts changes.
+    changes: watch::Sender<u64>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    /// Answers of runs before, by channel.
+    recorded: HashMap<u16, VecDeque<Option<Answer>>>,
+    open: BTreeMap<u64, Open>,
+    last_id: u64,
+    patience: Duration,
+    closed: bool,
+}
+
+/// A question that is open.
+#[derive(Debug)]
+struct Open {
+    channel: u16,
+    question: v1::Question,
+    /// Somebody's answer is being made durable.
+    claimed: bool,
+    /// The answer; `Some(None)` = declined.
+    answer: Option<Option<Answer>>,
+}
+
+impl Desk {
+    /// With what was answered before.
+    pub(crate) fn new(recorded: &[(u16, Option<Answer>)]) -> Self {
+        let mut by_channel: HashMap<u16, VecDeque<Option<Answer>>> = HashMap::new();
+        for (channel, answer) in recorded {
+            by_channel.entry(*channel).or_default().push_back(answer.clone());
+        }
+        let inner =
+            Inner { recorded: by_channel, open: BTreeMap::new(), last_id: 0, patience: Duration::ZERO, closed: false };
+        Self { inner: Mutex::new(inner), answered: Condvar::new(), changes: watch::Sender::new(0) }
+    }
+
+    /// How long a question waits.
+    pub(crate) fn set_patience(&self, patience: Duration) {
+        lock(&self.inner).patience = patience;
+    }
+
+    /// No question is answered any more.
+    pub(crate) fn close(&self) {
+        lock(&self.inner).closed = true;
+        self.answered.notify_all();
+        self.tell();
+    }
+
+    /// Counts changes of the open questions.
+    pub(crate) fn follow(&self) -> watch::Receiver<u64> {
+        self.changes.subscribe()
+    }
+
+    /// Questions that nobody has taken yet, in the order asked.
+    pub(crate) fn questions(&self) -> Vec<v1::Question> {
+        let inner = lock(&self.inner);
+        inner.open.values().filter(|open| !open.claimed).map(|open| open.question.clone()).collect()
+    }
+
+    /// Takes a question for an answer: its channel and the name of its dialog; `None` if it is closed.
+    pub(crate) fn claim(&self, id: u64) -> Option<(u16, String)> {
+        let mut inner = lock(&self.inner);
+        let open = inner.open.get_mut(&id).filter(|open| !open.claimed)?;
+        open.claimed = true;
+        let dialog = open.question.dialog.as_ref().map_or_else(String::new, |dialog| dialog.name.clone());
+        let claimed = (open.channel, dialog);
+        drop(inner);
+        self.tell();
+        Some(claimed)
+    }
+
+    /// Gives the answer to a question that was claimed; `None` = it is declined.
+    pub(crate) fn answer(&self, id: u64, answer: Option<Answer>) {
+        if let Some(open) = lock(&self.inner).open.get_mut(&id) {
+            open.answer = Some(answer);
+        }
+        self.answered.notify_all();
+    }
+
+    fn tell(&self) {
+        self.changes.send_modify(|changes| *changes += 1);
+    }
+}
+
+impl Operator for Desk {
+    fn ask(&self, question: &Question<'_>) -> Option<Answer> {
+        let mut inner = lock(&self.inner);
+        let recorded = inner.recorded.get_mut(&question.channel).and_then(VecDeque::pop_front);
+        if let Some(answer) = recorded {
+            return answer;
+        }
+        inner.last_id += 1;
+        let id = inner.last_id;
+        let open = Open { channel: question.channel, question: wire(id, question), claimed: false, answer: None };
+        inner.open.insert(id, open);
+        let until = Instant::now() + inner.patience;
+        drop(inner);
+        self.tell();
+        let mut inner = lock(&self.inner);
+        loop {
+            let open = inner.open.get_mut(&id);
+            let (answer, claimed) = open.map_or((None, false), |open| (open.answer.take(), open.claimed));
+            let left = until.saturating_duration_since(Instant::now());
+            // An answer that is being made durable is waited for: the record and the run must agree.
+            if answer.is_some() || inner.closed || left.is_zero() && !claimed {
+                inner.open.remove(&id);
+                drop(inner);
+                self.tell();
+                return answer.flatten();
+            }
+            let wait = if claimed { Duration::from_secs(1) } else { left };
+            inner = self.answered.wait_timeout(inner, wait).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+/// A question on the wire.
+fn wire(id: u64, question: &Question<'_>) -> v1::Question {
+    v1::Question {
+        id,
+        channel: u32::from(question.channel),
+        file: question.file.to_owned(),
+        line: question.line,
+        dialog: Some(dialog(question.dialog)),
+        values: question.values.iter().map(|(variable, v)| (variable.clone(), value(v))).collect(),
+        problem: question.problem.unwrap_or_default().to_owned(),
+    }
+}
+
+fn value(value: &Value) -> v1::DialogValue {
+    use v1::dialog_value::Value as Wire;
+    let value = match value {
+        Value::Flag(flag) => Wire::Flag(*flag),
+        Value::Number(number) => Wire::Number(*number),
+        Value::Text(text) => Wire::Text(text.clone()),
+    };
+    v1::DialogValue { value: Some(value) }
+}
+
+fn dialog(dialog: &Dialog) -> v1::Dialog {
+    v1::Dialog {
+        name: dialog.name.clone(),
+        title: dialog.title.clone(),
+        fields: dialog.fields.iter().map(field).collect(),
+        buttons: dialog.buttons.iter().map(button).collect(),
+    }
+}
+
+fn field(field: &Field) -> v1::DialogField {
+    use v1::dialog_field::Kind;
+    let choice = |(label, v): &(String, Value)| v1::Choice { label: label.clone(), value: Some(value(v)) };
+    let kind = match &field.kind {
+        FieldKind::Label => None,
+        FieldKind::Text { longest } => Some(Kind::LongestText(u32::try_from(*longest).unwrap_or(u32::MAX))),
+        FieldKind::Number { min, max, whole } => {
+            Some(Kind::Number(v1::NumberField { min: *min, max: *max, whole: *whole }))
+        }
+        FieldKind::Check => Some(Kind::Check(v1::CheckField {})),
+        FieldKind::Choice(choices) => {
+            Some(Kind::Choice(v1::ChoiceField { choices: choices.iter().map(choice).collect() }))
+        }
+    };
+    v1::DialogField { label: field.label.clone(), variable: field.variable.clone(), required: field.required, kind }
+}
+
+fn button(button: &Button) -> v1::DialogButton {
+    let kind = match button.kind {
+        ButtonKind::Ok => v1::ButtonKind::Ok,
+        ButtonKind::Cancel => v1::ButtonKind::Cancel,
+        ButtonKind::Reset => v1::ButtonKind::Reset,
+        ButtonKind::Call(_) => v1::ButtonKind::Call,
+    };
+    v1::DialogButton { label: button.label.clone(), kind: kind.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    fn plain() -> Dialog {
+        Dialog { name: "D".into(), title: "D".into(), fields: Vec::new(), buttons: Vec::new() }
+    }
+
+    fn ask(desk: &Desk, channel: u16) -> Option<Answer> {
+        let dialog = plain();
+        desk.ask(&Question { channel, file: "p.nc", line: 3, dialog: &dialog, values: &[], problem: None })
+    }
+
+    fn answer(dialog: &str) -> Answer {
+        Answer { dialog: dialog.into(), ..Answer::default() }
+    }
+
+    #[test]
+    fn the_first_answer_counts() {
+        let desk = Arc::new(Desk::new(&[]));
+        desk.set_patience(Duration::from_secs(60));
+        let mut changes = desk.follow();
+        let kernel = std::thread::spawn({
+            let desk = desk.clone();
+            move || ask(&desk, 2)
+        });
+        while desk.questions().is_empty() {
+            assert!(changes.has_changed().is_ok());
+            std::thread::yield_now();
+        }
+        let question = desk.questions().remove(0);
+        assert_eq!((question.channel, question.line, question.id), (2, 3, 1));
+        assert_eq!(desk.claim(1), Some((2, "D".into())));
+        assert_eq!(desk.claim(1), None, "it is somebody's already");
+        assert!(desk.questions().is_empty());
+        desk.answer(1, Some(answer("D")));
+        assert_eq!(kernel.join().unwrap(), Some(answer("D")));
+        assert_eq!(desk.claim(1), None);
+        assert!(changes.borrow_and_update().ge(&1));
+    }
+
+    #[test]
+    fn what_was_answered_before_is_answered_again() {
+        let desk = Desk::new(&[(1, Some(answer("A"))), (2, None), (1, Some(answer("B")))]);
+        assert_eq!(ask(&desk, 1), Some(answer("A")));
+        assert_eq!(ask(&desk, 2), None);
+        assert_eq!(ask(&desk, 1), Some(answer("B")));
+        assert!(desk.questions().is_empty());
+    }
+
+    #[test]
+    fn nobody_waits_for_ever() {
+        let desk = Desk::new(&[]);
+        assert_eq!(ask(&desk, 1), None, "no patience at all");
+        desk.set_patience(Duration::from_secs(3600));
+        desk.close();
+        assert_eq!(ask(&desk, 1), None, "the run is over");
+    }
+}

@@ -1,0 +1,153 @@
+//! Dialogs and those who attend a job.
+
+use std::sync::atomic::Ordering;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::attend_request::Content as Say;
+use counterpoint_proto::v1::attend_response::Content;
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Code, Status, Streaming};
+
+use crate::support::*;
+
+/// One who attends.
+struct Person {
+    say: mpsc::Sender<v1::AttendRequest>,
+    heard: Streaming<v1::AttendResponse>,
+}
+
+impl Person {
+    async fn come(server: &Server, first: Say) -> Result<Self, Status> {
+        let (say, requests) = mpsc::channel(8);
+        say.send(v1::AttendRequest { content: Some(first) }).await.unwrap();
+        let heard = server.operator().attend(ReceiverStream::new(requests)).await?.into_inner();
+        Ok(Self { say, heard })
+    }
+
+    async fn attend(server: &Server, job: &str) -> Self {
+        Self::come(server, Say::JobId(job.into())).await.unwrap()
+    }
+
+    async fn hear(&mut self) -> Content {
+        let message = tokio::time::timeout(std::time::Duration::from_secs(20), self.heard.message());
+        message.await.expect("in time").unwrap().expect("not the end").content.unwrap()
+    }
+
+    /// The next question: its number and the name of its dialog.
+    async fn question(&mut self) -> (u64, String) {
+        match self.hear().await {
+            Content::Question(question) => (question.id, question.dialog.unwrap().name),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    async fn answer(&self, id: u64, button: &str) {
+        let answer = v1::DialogAnswer { button: button.into(), ..Default::default() };
+        let answer = v1::QuestionAnswer { question_id: id, answer: Some(answer) };
+        self.say.send(v1::AttendRequest { content: Some(Say::Answer(answer)) }).await.unwrap();
+    }
+}
+
+async fn attended(server: &Server, script: &str) -> String {
+    let mut request = server.request("attended", script).await;
+    request.options = Some(v1::JobOptions { attended: true, ..Default::default() });
+    server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
+}
+
+/// Texts of all diagnostics of a job.
+async fn said(server: &Server, job: &str) -> Vec<String> {
+    let mut watch = server.watch(job, 0, v1::WatchLevel::Diagnostics).await;
+    let mut texts = Vec::new();
+    while let Some(message) = watch.message().await.unwrap() {
+        if let Some(v1::watch_job_response::Content::Batch(batch)) = message.content {
+            texts.extend(batch.events.into_iter().filter_map(|event| match event.kind {
+                Some(v1::event::Kind::Diagnostic(diagnostic)) => Some(diagnostic.text),
+                _ => None,
+            }));
+        }
+    }
+    texts
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_first_answer_counts_and_all_hear_of_it() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let job = attended(&server, "ASK Clamp\nASK Turn").await;
+    let (mut one, mut other) = (Person::attend(&server, &job).await, Person::attend(&server, &job).await);
+    let (id, dialog) = one.question().await;
+    assert_eq!((id, dialog.as_str()), (1, "Clamp"));
+    assert_eq!(other.question().await, (1, "Clamp".into()));
+    one.answer(1, "OK").await;
+    assert_eq!(one.hear().await, Content::Closed(1));
+    assert_eq!(other.hear().await, Content::Closed(1));
+    other.answer(1, "Cancel").await; // Too late: nothing comes of it.
+    assert_eq!(other.question().await, (2, "Turn".into()));
+    other.say.send(v1::AttendRequest { content: Some(Say::Declined(2)) }).await.unwrap();
+    assert_eq!(other.hear().await, Content::Closed(2));
+    let Content::Ended(status) = other.hear().await else { panic!("the job must have ended") };
+    assert_eq!(status.state(), v1::JobState::Succeeded);
+    assert_eq!(said(&server, &job).await, ["Clamp: OK", "Turn: -"]);
+    let mut late = Person::attend(&server, &job).await;
+    assert!(matches!(late.hear().await, Content::Ended(_)));
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_cannot_be_attended_is_refused() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let job = server.submit("background", "ASK Clamp").await;
+    let refusals = [
+        (Say::JobId(job.clone()), "NOT_ATTENDED", Code::FailedPrecondition),
+        (Say::JobId("nothing".into()), "UNKNOWN_JOB", Code::NotFound),
+        (Say::Declined(1), "INVALID_REQUEST", Code::InvalidArgument),
+    ];
+    for (first, expected, code) in refusals {
+        let status = Person::come(&server, first).await.err().unwrap();
+        assert_eq!((reason(&status).as_str(), status.code()), (expected, code));
+    }
+    server.wait(&job).await;
+    assert_eq!(said(&server, &job).await, ["Clamp: -"], "it is not asked and does not wait");
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cancelled_job_asks_no_more() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let job = attended(&server, "ASK Clamp\nASK Turn").await;
+    let mut one = Person::attend(&server, &job).await;
+    assert_eq!(one.question().await.0, 1);
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
+    assert_eq!(one.hear().await, Content::Closed(1));
+    let Content::Ended(status) = one.hear().await else { panic!("the job must have ended") };
+    assert_eq!(status.state(), v1::JobState::Cancelled);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_that_is_run_again_has_its_answers() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(options(data.path())).await;
+    let job = attended(&server, "ASK Clamp\nHANG\nASK Turn").await;
+    let mut one = Person::attend(&server, &job).await;
+    let (id, _) = one.question().await;
+    one.answer(id, "OK").await;
+    assert_eq!(one.hear().await, Content::Closed(1));
+    // The question is closed when the answer is taken; it is in the ledger once the kernel has it.
+    while server.script.asked.load(Ordering::SeqCst) == 0 {
+        tokio::task::yield_now().await;
+    }
+    server.stop().await;
+    let server = Server::start(options(data.path())).await;
+    server.script.hang.store(false, Ordering::SeqCst);
+    let mut one = Person::attend(&server, &job).await;
+    let (id, dialog) = one.question().await;
+    assert_eq!(dialog, "Turn", "the first one is answered from the ledger");
+    one.answer(id, "Leave").await;
+    server.wait(&job).await;
+    assert_eq!(said(&server, &job).await, ["Clamp: OK", "Turn: Leave"]);
+    server.stop().await;
+}
