@@ -130,7 +130,7 @@ impl Kernel<'_> {
     }
 
     /// The program around a line of a file of the job.
-    fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
+    pub(super) fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
         // Files stored with the machine are found whatever the letter case.
         let stored =
             name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));

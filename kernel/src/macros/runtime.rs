@@ -19,7 +19,7 @@ use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::channel::block::{Block, Firing};
 use crate::channel::{Halt, Kernel};
-use crate::log::event::{Motion, ToolAction};
+use crate::log::event::{FileId, Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -70,6 +70,17 @@ pub(crate) enum Later {
     Text(Arc<String>, bool),
     /// Identifiers with values.
     Items(Arc<[Value]>, bool),
+}
+
+/// Where the run goes on after the shutdown macro.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Restart {
+    /// File of the job.
+    pub(crate) file: FileId,
+    /// First line.
+    pub(crate) line: u32,
+    /// As if it were the first file; else counters, tool and modal codes carry on.
+    pub(crate) reset: bool,
 }
 
 /// Macros of one kernel.
@@ -146,6 +157,8 @@ pub(crate) struct Runtime {
     pub(crate) before: crate::log::event::Position,
     /// What the identification macro gave is being evaluated; it is not asked again.
     pub(crate) identifying: bool,
+    /// Another file that the shutdown macro goes on with.
+    pub(crate) restart: Option<Restart>,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
 }
@@ -197,6 +210,7 @@ impl Runtime {
             tools: Vec::new(),
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
+            restart: None,
             closing: false,
         };
         runtime.measure();
