@@ -18,6 +18,7 @@ use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::channel::block::{Block, Firing};
+use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{FileId, Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
@@ -127,6 +128,8 @@ pub(crate) struct Runtime {
     pub(crate) operations: Operations,
     /// Sequence number of the last block that had one.
     pub(crate) last_sequence: u32,
+    /// The scanner with levels of optional skip that a macro has switched.
+    pub(crate) scanner: Option<Arc<Scanner>>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -195,6 +198,7 @@ impl Runtime {
             dialogs: FxHashMap::default(),
             operations: Operations::default(),
             last_sequence: 0,
+            scanner: None,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),
