@@ -45,6 +45,8 @@ pub(crate) enum Task {
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
     Tool(ToolAction, u32, u32, i64),
+    /// A head is loaded.
+    Head(u32),
     /// A diagnostic is issued.
     Diagnostic,
 }

@@ -13,6 +13,9 @@ use crate::channel::Kernel;
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;
 
+/// Characters of a name that a row keeps.
+const LONGEST_NAME: usize = 200;
+
 /// An operation.
 #[derive(Debug)]
 struct Operation {
@@ -69,16 +72,17 @@ impl Kernel<'_> {
     /// `$OPNAME` is assigned.
     pub(super) fn name_operation(&mut self, name: &str) {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
+        let name: String = name.chars().take(LONGEST_NAME).collect();
         let merge = runtime.store.get(names().operation_merge).as_logical() == Some(true);
         let operations = &mut runtime.operations;
         operations.assigned += 1;
         if operations.assigned > 1 && !merge {
             operations.name.clear();
-            return self.begin_operation(name.to_owned());
+            return self.begin_operation(name);
         }
         match operations.rows.last_mut().filter(|row| row.name.trim().is_empty()) {
-            Some(row) => name.clone_into(&mut row.name),
-            None => name.clone_into(&mut operations.name),
+            Some(row) => row.name = name,
+            None => operations.name = name,
         }
     }
 
