@@ -167,6 +167,7 @@ impl Kernel<'_> {
 
     /// Gives a loaded tool its row of the tool table, with the name that waits for it.
     fn tool_row(&mut self, tool: u32) {
+        let clock = self.clock;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let known = runtime.tools.iter().position(|known| *known == tool);
         let at = known.unwrap_or(runtime.tools.len());
@@ -179,6 +180,7 @@ impl Kernel<'_> {
         }
         let (names, store) = (names(), &mut runtime.store);
         let row = at as i64 + 2;
+        runtime.tool_sums.switch(at + 2, clock);
         store.set_element(names.tool_table, (1, row), Value::Real(f64::from(tool)));
         store.set(names.tool_row, Value::Real(row as f64));
         store.set(names.tool_rows, Value::Real(runtime.tools.len() as f64 + 1.0));

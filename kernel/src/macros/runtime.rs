@@ -14,6 +14,7 @@ use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
 use super::host::operations::Operations;
+use super::host::sums::Sums;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
@@ -128,6 +129,10 @@ pub(crate) struct Runtime {
     pub(crate) dialogs: FxHashMap<String, usize>,
     /// Operations of the program.
     pub(crate) operations: Operations,
+    /// `$TLSUM`
+    pub(crate) tool_sums: Sums,
+    /// `$OPSUM`
+    pub(crate) operation_sums: Sums,
     /// Sequence number of the last block that had one.
     pub(crate) last_sequence: u32,
     /// The scanner with levels of optional skip that a macro has switched.
@@ -199,6 +204,8 @@ impl Runtime {
             data_codes: Vec::new(),
             dialogs: FxHashMap::default(),
             operations: Operations::default(),
+            tool_sums: Sums::default(),
+            operation_sums: Sums::default(),
             last_sequence: 0,
             scanner: None,
             embedded: FxHashMap::default(),

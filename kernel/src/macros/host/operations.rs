@@ -87,7 +87,8 @@ impl Kernel<'_> {
     }
 
     fn begin_operation(&mut self, name: String) {
-        let (now, sequence) = (self.clock as f64 / 1e9, self.block.sequence);
+        let (clock, sequence) = (self.clock, self.block.sequence);
+        let now = clock as f64 / 1e9;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let tool = runtime.store.get(names().tool_row).clone();
         let last = runtime.last_sequence;
@@ -102,6 +103,7 @@ impl Kernel<'_> {
         }
         let number = sequence.unwrap_or(last);
         operations.rows.push(Operation { tool, name, times: (now, None), blocks: (number, number), severity: 0 });
+        runtime.operation_sums.switch(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
         }

@@ -293,6 +293,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
+        "$TLSUM" => (|k, at| k.sum_value(true, at), None),
+        "$OPSUM" => (|k, at| k.sum_value(false, at), None),
         "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),
         _ => return None,
     };
