@@ -41,8 +41,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts as a
-    /// block, so that a macro that restarts for ever comes to a limit.
+    /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts
+    /// as a block, so that a macro that restarts for ever comes to a limit.
     pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
         let runtime = self.macros.as_deref_mut()?;
         let Restart { file, line, reset } = runtime.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;

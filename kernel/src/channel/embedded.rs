@@ -1,7 +1,7 @@
 //! Embedded macro code: what stands between `#{` or `!{` and `}` is run and replaced by its value.
 //!
-//! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped portion of
-//! a block is not run.
+//! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
+//! portion of a block is not run.
 
 use std::sync::Arc;
 
