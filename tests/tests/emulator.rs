@@ -1,12 +1,13 @@
 //! Runs the emulator guide: every page of `tests/spec/emulator`.
 //!
-//! An example begins with a `toml` block, the machine, and goes up to the next one. `macro NAME` is a file of the machine's
-//! folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job, `options` options of
-//! the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each (with the channel in front
-//! on machines with several), `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace`
-//! the whole trace of channel 1, `ran` the program of each channel in the summary, `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given; no diagnostics and no
-//! findings are expected where none are given. Every example is run with one thread, with results only, and with shared
-//! operations out of step; all must agree.
+//! An example begins with a `toml` block, the machine, and goes up to the next one. `macro NAME` is a file of the
+//! machine's folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job,
+//! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
+//! (with the channel in front on machines with several), `diagnostics` one line `number line` for each diagnostic,
+//! `texts` their texts, `trace` the whole trace of channel 1, `ran` the program of each channel in the summary,
+//! `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given;
+//! no diagnostics and no findings are expected where none are given. Every example is run with one thread, with
+//! results only, and with shared operations out of step; all must agree.
 
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -9,6 +9,9 @@ mod fast;
 mod flow;
 mod names;
 mod statement;
+mod traced;
+
+pub use traced::traced;
 
 use crate::ast::{Macro, Scope, StatementKind};
 use crate::bytecode::{Code, Declaration, MAX_CODE, Op, Shared, Slot};
@@ -172,54 +175,6 @@ pub fn embedded(program: &mut Program, environment: &mut dyn Environment, source
             added
         }
         None => extend(program, environment, Arc::new(source), options),
-    }
-}
-
-/// The program compiled once more, with trace instructions in it: every macro has the index that it has here. `program`
-/// holds no embedded code.
-#[must_use]
-pub fn traced(program: &Program, environment: &mut dyn Environment) -> Program {
-    let mut kept = Kept { environment, included: &program.included };
-    let mut again = Program::new();
-    for (source, options) in &program.sources {
-        let options = Options { trace: true, ..*options };
-        load(&mut again, &mut kept, source, options, &mut Added::default(), 0);
-    }
-    // With trace instructions a macro may have become too large; then it goes without.
-    for (traced, plain) in again.macros.iter_mut().zip(&program.macros) {
-        if traced.ops.is_empty() {
-            *traced = Arc::clone(plain);
-        }
-    }
-    again
-}
-
-/// An environment whose included files are those of an earlier compilation.
-struct Kept<'a> {
-    environment: &'a mut dyn Environment,
-    included: &'a [(String, Option<Arc<Source>>)],
-}
-
-impl Environment for Kept<'_> {
-    fn system(&self) -> &[crate::host::SystemVariable] {
-        self.environment.system()
-    }
-
-    fn code(&self, name: &str) -> Option<u32> {
-        self.environment.code(name)
-    }
-
-    fn register(&self, name: &str) -> Option<u32> {
-        self.environment.register(name)
-    }
-
-    fn identifiers(&self) -> Vec<String> {
-        self.environment.identifiers()
-    }
-
-    fn include(&mut self, name: &str, _: &str) -> Option<Source> {
-        let (_, source) = self.included.iter().find(|(known, _)| known == name)?;
-        source.as_deref().cloned()
     }
 }
 

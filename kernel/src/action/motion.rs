@@ -152,6 +152,7 @@ impl Kernel<'_> {
                 *time += seconds;
             }
             runtime.store.moving += Self::ns(seconds);
+            self.sum_motion(rapid == 1, seconds, motion.length);
         }
         self.block.moved = true;
         self.flow.pass.effects = true;

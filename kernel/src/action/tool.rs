@@ -1,4 +1,4 @@
-//! Tools: preselect, load, offsets.
+//! Tools: preselect, load, offsets; heads.
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
@@ -41,6 +41,17 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
         kernel.reframe();
     }
     Ok(())
+}
+
+/// Loads a head: main 1, side 2, or the one that the word names.
+pub(super) fn head(kernel: &mut Kernel<'_>, number: Option<u32>) -> Acted {
+    let word = number.map(f64::from).or_else(|| kernel.take(data::HEAD_ID).map(|d| d.value));
+    let Some(id) = word.filter(|id| (0.0..=99_999_999.0).contains(id)) else {
+        let text = format!("no head is named in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+        return Ok(());
+    };
+    kernel.head_event(id as u32)
 }
 
 fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {

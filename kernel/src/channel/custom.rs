@@ -9,7 +9,7 @@ use counterpoint_lang::value::Value;
 
 use super::block::Block;
 use super::custom_codes::Origin;
-use super::scan::Kind as LineKind;
+use super::scan::{Kind as LineKind, Scanner};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::machine::model::Point;
@@ -123,7 +123,9 @@ impl Kernel<'_> {
             Some(text) => text.as_bytes(),
             None => edited.as_deref().unwrap_or_else(as_read),
         };
-        match self.plan.scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
+        let (plan, switched) = (self.plan, self.switched_scanner());
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        match scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
             LineKind::Words => {
                 if self.trace.is_some() && !self.has_embedded(1) {
                     self.trace_deleted(bytes);
@@ -185,11 +187,33 @@ impl Kernel<'_> {
         }
     }
 
+    /// The scanner to be used in place of the plan's, once a macro has switched a level of optional skip.
+    #[inline]
+    pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
+        self.macros.as_deref().and_then(|runtime| runtime.scanner.clone())
+    }
+
+    /// `$OPSKIPL`: switches a level of optional skip from the next block on.
+    pub(crate) fn switch_level(&mut self, level: u8, on: bool) {
+        let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
+        let wanted = if on { before | 1 << level } else { before & !(1 << level) };
+        let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
+        let machine = self.machine;
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.scanner = Some(Arc::new(Scanner::new(machine, &levels)));
+        }
+        // Lines compiled before have the parts that were skipped then.
+        self.flow.compiled.clear();
+        self.flow.pairs.clear();
+    }
+
     /// Splits the text of the block again; the pre-processor has had its turn.
     fn scan_again(&mut self) {
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
         if let Some(text) = own {
-            self.plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
+            let (plan, switched) = (self.plan, self.switched_scanner());
+            let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+            scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         }
     }
 

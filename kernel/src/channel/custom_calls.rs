@@ -1,8 +1,9 @@
 //! Subprogram startup and shutdown macros: once for each pass.
 //!
-//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers in `$P3` and
-//! `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number, `$P10` counts lines before the
-//! program, so that 0 is the top of the file; a startup macro can send a call to any file of the job.
+//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers in
+//! `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number,
+//! `$P10` counts lines before the program, so that 0 is the top of the file; a startup macro can send a call to any
+//! file of the job.
 
 use counterpoint_lang::value::Value;
 
@@ -130,7 +131,7 @@ impl Kernel<'_> {
     }
 
     /// The program around a line of a file of the job.
-    fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
+    pub(super) fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
         // Files stored with the machine are found whatever the letter case.
         let stored =
             name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));

@@ -4,10 +4,15 @@
 
 use counterpoint_lang::value::Value;
 
+use super::custom_calls::{Called, Callee};
+use super::flow::{Flow, Frame};
+use super::state::Modal;
 use super::{Acted, Halt, Kernel};
+use crate::diag;
 use crate::dialect::fanuc::{Fault, Statement, compile, number};
+use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
-use crate::macros::runtime::Task;
+use crate::macros::runtime::{Restart, Task};
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -34,6 +39,62 @@ impl Kernel<'_> {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
         }
+    }
+
+    /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts
+    /// as a block, so that a macro that restarts for ever comes to a limit.
+    pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
+        let runtime = self.macros.as_deref_mut()?;
+        let Restart { file, line, reset } = runtime.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
+        runtime.closing = false;
+        if let Halt::End(Some(stop)) = halt {
+            self.emit(0, Kind::Stop(stop));
+        }
+        self.blocks += 1;
+        self.idle_blocks += 1;
+        let done = self.check_limits().and_then(|()| self.load(file));
+        Some(match done.and_then(|()| self.start_over(file, line, reset)) {
+            Ok(()) => self.program(),
+            Err(halt) => halt,
+        })
+    }
+
+    fn start_over(&mut self, file: FileId, line: u32, reset: bool) -> Acted {
+        let name = self.info.file_name(file).to_owned();
+        let Some((file, range)) = self.place_in_file(&name, line)? else {
+            let text = format!("the run cannot go on at line {line} of {name}");
+            return Err(self.alarm(&diag::FILE_UNREADABLE, text));
+        };
+        if reset {
+            self.modal = Modal::new(self.machine);
+            self.initial_codes();
+            (self.place.tool, self.place.selected) = (0, 0);
+            if let Some(runtime) = self.macros.as_deref_mut() {
+                (runtime.store.counts, runtime.operations) = Default::default();
+                runtime.store.listed.clear();
+                runtime.tools.clear();
+            }
+        }
+        self.block.clear();
+        (self.file, self.line) = (file, 0);
+        let main = Called { what: Callee::Program(0), passes: 1 };
+        for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
+            self.variables.leave();
+        }
+        self.flow = Flow::default();
+        self.flow.frames.push(Frame {
+            file,
+            range,
+            next: range.first,
+            offset: 0,
+            repeats: 0,
+            closes: false,
+            own_variables: false,
+            called: main,
+            name: name.into(),
+        });
+        self.plain_macro(Hook::ProgramStartup)?;
+        self.follow()
     }
 
     /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.

@@ -1,7 +1,7 @@
 //! Embedded macro code: what stands between `#{` or `!{` and `}` is run and replaced by its value.
 //!
-//! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped portion of
-//! a block is not run.
+//! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
+//! portion of a block is not run.
 
 use std::sync::Arc;
 
@@ -26,7 +26,9 @@ impl Kernel<'_> {
         }
         let text = self.text_bytes().into_owned();
         let seen = self.without_code(&text);
-        let Some((active, left)) = self.plan.scanner.without_deleted(&text, &seen) else { return };
+        let (plan, switched) = (self.plan, self.switched_scanner());
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let Some((active, left)) = scanner.without_deleted(&text, &seen) else { return };
         let left = String::from_utf8_lossy(&left).into_owned();
         let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
         self.trace('E', |_| trace::edited(stage, left.trim()));

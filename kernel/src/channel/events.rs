@@ -152,8 +152,22 @@ impl Kernel<'_> {
         self.run_macro(code, Task::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
     }
 
+    /// A head is loaded: the tool event macro sees it with `$P2` 1.
+    pub(crate) fn head_event(&mut self, id: u32) -> Acted {
+        let Some(code) = self.hook(Hook::Tool) else { return self.load_head(id) };
+        let mut arguments = [Value::Real(2.0), Value::Real(1.0), Value::Real(f64::from(id))];
+        self.run_macro(code, Task::Head(id), &mut arguments).map(|_| ())
+    }
+
+    /// The event itself: only the listing shows it.
+    pub(crate) fn load_head(&mut self, id: u32) -> Acted {
+        self.emit(0, Kind::Mode { text: format!("load head n={id}").into() });
+        Ok(())
+    }
+
     /// Gives a loaded tool its row of the tool table, with the name that waits for it.
     fn tool_row(&mut self, tool: u32) {
+        let clock = self.clock;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let known = runtime.tools.iter().position(|known| *known == tool);
         let at = known.unwrap_or(runtime.tools.len());
@@ -166,6 +180,7 @@ impl Kernel<'_> {
         }
         let (names, store) = (names(), &mut runtime.store);
         let row = at as i64 + 2;
+        runtime.tool_sums.switch(at + 2, clock);
         store.set_element(names.tool_table, (1, row), Value::Real(f64::from(tool)));
         store.set(names.tool_row, Value::Real(row as f64));
         store.set(names.tool_rows, Value::Real(runtime.tools.len() as f64 + 1.0));

@@ -37,7 +37,10 @@ impl Kernel<'_> {
             Ok(()) => self.program(),
             Err(halt) => halt,
         };
-        let halt = self.end_macros(halt);
+        let mut halt = self.end_macros(halt);
+        while let Some(next) = self.restarted(halt) {
+            halt = self.end_macros(next);
+        }
         self.finish(halt);
         halt
     }

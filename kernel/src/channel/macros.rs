@@ -30,7 +30,8 @@ impl Kernel<'_> {
             return Ok(Arc::clone(line));
         }
         let mut stripped = std::mem::take(&mut self.stripped);
-        self.plan.scanner.strip(text, &mut stripped, &mut self.block);
+        let (plan, switched) = (self.plan, self.switched_scanner());
+        switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut self.block);
         if self.trace.is_some() {
             self.trace_deleted(text);
         }
@@ -116,6 +117,7 @@ impl Kernel<'_> {
         if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
             return Arc::clone(pairs);
         }
+        let (plan, switched) = (self.plan, self.switched_scanner());
         let mut stripped = Vec::new();
         let mut statements = Vec::new();
         if let Some(source) = info.source(file) {
@@ -125,7 +127,7 @@ impl Kernel<'_> {
                 if !has_bracketing(text) {
                     continue;
                 }
-                self.plan.scanner.strip(text, &mut stripped, &mut scratch);
+                switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut scratch);
                 if let Ok(compiled) = fanuc::compile(&stripped) {
                     statements.push((line, compiled.statement));
                 }

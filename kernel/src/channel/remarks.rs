@@ -1,9 +1,9 @@
 //! Comments and operator messages as codes, on a kernel with macros.
 //!
-//! Facts: reference control-emulator.md 5.4, 5.6: both act before everything else on their block (order 100). A pre-processor
-//! takes them off, unless `$FCEPP` says otherwise; a message is shown all the same. Decision: they need no row of the code
-//! table, the delimiters of the machine's format are enough. Invariant: `$TPRINT` or `$DISPLY` holds the text before a macro
-//! of the code runs.
+//! Facts: reference control-emulator.md 5.4, 5.6: both act before everything else on their block (order 100). A
+//! pre-processor takes them off, unless `$FCEPP` says otherwise; a message is shown all the same. Decision: they need
+//! no row of the code table, the delimiters of the machine's format are enough. Invariant: `$TPRINT` or `$DISPLY`
+//! holds the text before a macro of the code runs.
 
 use std::sync::Arc;
 

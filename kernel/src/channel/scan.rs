@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 1.4 (reading a number), 5.5 (block delete), 5.6 (comments). Invariant: one
 //! pass over the line, nothing copied; whatever is not a word of a register is kept as unknown text.
 
+mod marks;
+
 use super::block::{Block, Word};
 use super::special::{self, Early};
 use crate::machine::Machine;
@@ -270,40 +272,6 @@ impl Scanner {
         end
     }
 
-    /// The line without skipped portions and marks, and whether a level was active; `None` without a mark. As for the
-    /// pre-processor a skip character inside brackets and in statements is a division. Marks are looked for in `seen`,
-    /// which has the length of the line.
-    pub(super) fn without_deleted(&self, line: &[u8], seen: &[u8]) -> Option<(bool, Vec<u8>)> {
-        let mark = self.opskip.filter(|mark| memchr::memchr(*mark, seen).is_some())?;
-        let (mut out, mut found, mut at) = (Vec::with_capacity(line.len()), None, 0);
-        let (mut depth, mut statement) = (0_usize, false);
-        let kept = line;
-        let line = seen;
-        while let Some(&byte) = line.get(at) {
-            match byte {
-                b'[' => depth += 1,
-                b']' => depth = depth.saturating_sub(1),
-                b'#' => statement = true,
-                _ => statement |= self.macros && is_keyword(line, at),
-            }
-            let end = match self.comment_end(line, at) {
-                Some(end) => end,
-                None if byte == mark && (!self.macros || depth == 0 && !statement) => {
-                    let mut scratch = Block::default();
-                    let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
-                    let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
-                    found = Some(found.unwrap_or(false) || active);
-                    at = next;
-                    continue;
-                }
-                None => at + 1,
-            };
-            out.extend_from_slice(kept.get(at..end).unwrap_or_default());
-            at = end;
-        }
-        found.map(|active| (active, out))
-    }
-
     /// Place of the first character that ends a block, outside comments and messages.
     pub(super) fn block_end(&self, line: &[u8]) -> Option<usize> {
         let mut at = 0;
@@ -314,35 +282,6 @@ impl Scanner {
             at = self.comment_end(line, at).unwrap_or(at + 1);
         }
         None
-    }
-
-    /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for both
-    /// means a comment.
-    pub(super) fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
-        let mut found = Vec::new();
-        let (mut at, mut depth) = (0, 0_usize);
-        while let Some(&byte) = line.get(at) {
-            let rest = line.get(at..).unwrap_or_default();
-            let kinds = [(false, &self.comment), (true, &self.message)];
-            let kinds = kinds.into_iter().filter_map(|(message, pair)| Some((message, pair.as_ref()?)));
-            let starts = |(_, (start, _)): &(bool, &(Vec<u8>, Vec<u8>))| !start.is_empty() && rest.starts_with(start);
-            // Inside brackets of an expression nothing begins.
-            let found_here = if self.macros && depth > 0 { None } else { kinds.into_iter().find(starts) };
-            let Some((message, (start, end))) = found_here else {
-                match byte {
-                    b'[' => depth += 1,
-                    b']' => depth = depth.saturating_sub(1),
-                    _ => {}
-                }
-                at += 1;
-                continue;
-            };
-            let inside = at + start.len();
-            let close = if end.is_empty() { None } else { find(line, inside, end) };
-            found.push((message, inside, close.unwrap_or(line.len())));
-            at = close.map_or(line.len(), |close| close + end.len());
-        }
-        found
     }
 
     /// Position after the comment or message that begins at `at`: a mark inside is none.

@@ -13,7 +13,10 @@ pub(crate) mod group {
     pub(crate) const POSITION: u16 = 3;
     pub(crate) const FEED: u16 = 5;
     pub(crate) const UNITS: u16 = 6;
+    pub(crate) const DIAMETER: u16 = 7;
     pub(crate) const EXACT_STOP: u16 = 15;
+    pub(crate) const COOLANT: u16 = 54;
+    pub(crate) const HEAD: u16 = 68;
 }
 
 /// Modal codes and data.

@@ -54,8 +54,10 @@ impl Kernel<'_> {
 
     /// The trace of block delete.
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
+        let (plan, switched) = (self.plan, self.switched_scanner());
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         if self.traces('E')
-            && let Some((active, left)) = self.plan.scanner.without_deleted(text, text)
+            && let Some((active, left)) = scanner.without_deleted(text, text)
         {
             let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
             self.trace('E', |_| crate::trace::edited(stage, String::from_utf8_lossy(&left).trim()));

@@ -11,6 +11,7 @@ mod files;
 mod functions;
 pub(crate) mod operations;
 mod search;
+pub(crate) mod sums;
 mod trace;
 pub(crate) mod variables;
 

@@ -14,12 +14,14 @@ use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
 use super::host::operations::Operations;
+use super::host::sums::Sums;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::channel::block::{Block, Firing};
+use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
-use crate::log::event::{Motion, ToolAction};
+use crate::log::event::{FileId, Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -44,6 +46,8 @@ pub(crate) enum Task {
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
     Tool(ToolAction, u32, u32, i64),
+    /// A head is loaded.
+    Head(u32),
     /// A diagnostic is issued.
     Diagnostic,
 }
@@ -70,6 +74,17 @@ pub(crate) enum Later {
     Text(Arc<String>, bool),
     /// Identifiers with values.
     Items(Arc<[Value]>, bool),
+}
+
+/// Where the run goes on after the shutdown macro.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Restart {
+    /// File of the job.
+    pub(crate) file: FileId,
+    /// First line.
+    pub(crate) line: u32,
+    /// As if it were the first file; else counters, tool and modal codes carry on.
+    pub(crate) reset: bool,
 }
 
 /// Macros of one kernel.
@@ -114,8 +129,14 @@ pub(crate) struct Runtime {
     pub(crate) dialogs: FxHashMap<String, usize>,
     /// Operations of the program.
     pub(crate) operations: Operations,
+    /// `$TLSUM`
+    pub(crate) tool_sums: Sums,
+    /// `$OPSUM`
+    pub(crate) operation_sums: Sums,
     /// Sequence number of the last block that had one.
     pub(crate) last_sequence: u32,
+    /// The scanner with levels of optional skip that a macro has switched.
+    pub(crate) scanner: Option<Arc<Scanner>>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -146,6 +167,8 @@ pub(crate) struct Runtime {
     pub(crate) before: crate::log::event::Position,
     /// What the identification macro gave is being evaluated; it is not asked again.
     pub(crate) identifying: bool,
+    /// Another file that the shutdown macro goes on with.
+    pub(crate) restart: Option<Restart>,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
 }
@@ -181,7 +204,10 @@ impl Runtime {
             data_codes: Vec::new(),
             dialogs: FxHashMap::default(),
             operations: Operations::default(),
+            tool_sums: Sums::default(),
+            operation_sums: Sums::default(),
             last_sequence: 0,
+            scanner: None,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),
@@ -197,6 +223,7 @@ impl Runtime {
             tools: Vec::new(),
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
+            restart: None,
             closing: false,
         };
         runtime.measure();

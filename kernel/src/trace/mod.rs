@@ -19,7 +19,8 @@ use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::StoredFile;
 use crate::machine::number::written;
 
-/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask for.
+/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask
+/// for.
 pub const LISTING: char = 'L';
 
 impl Kernel<'_> {

@@ -112,6 +112,7 @@ impl Kernel<'_> {
             Task::Tool(action, tool, offset, ns) => {
                 self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
             }
+            Task::Head(id) => self.meanwhile(state, |kernel| kernel.load_head(id)),
             Task::Diagnostic => {
                 let values = [2, 3, 5].map(|at| argument(at).cloned());
                 self.output_diagnostic(&values)

@@ -14,8 +14,10 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::log::event::FileId;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 use crate::macros::model::{FIRST_HOOK_ID, Hook};
+use crate::macros::runtime::Restart;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
@@ -68,7 +70,8 @@ impl Kernel<'_> {
                 Value::Real(if state.status == 0 { 0.0 } else { -1.0 })
             }
             "$FGETCWD" => Value::text("/"),
-            "$FAPPLY" | "$FCETIMESYNC" | "$FCERST" | "$FSETCWD" | "$FPAUSE" | "$FDOC" | "$FTMPFILE" => {
+            "$FCERST" => self.restart_with(state, arguments)?,
+            "$FAPPLY" | "$FCETIMESYNC" | "$FSETCWD" | "$FPAUSE" | "$FDOC" | "$FTMPFILE" => {
                 let message = format!("{} does nothing here", function.name);
                 state.warn(Fault::new(Number::NO_MODEL, message));
                 nothing(function)
@@ -106,6 +109,25 @@ impl Kernel<'_> {
             *slot = on;
         }
         Value::Logical(true)
+    }
+
+    /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
+    fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        if !self.inside(Hook::ProgramShutdown) {
+            return Self::not_here("$FCERST");
+        }
+        let name = text(arguments, 0).trim();
+        let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);
+        let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
+        let file = self.info.files.iter().position(|file| file.name == name);
+        let good = (1.0..=f64::from(u32::MAX)).contains(&line);
+        let (Some(file), true, Some(runtime)) = (file, good, self.macros.as_deref_mut()) else {
+            state
+                .warn(Fault::new(Number::NO_FILE, format!("the job has no file '{name}' with a line {line} to go on")));
+            return Ok(Value::Logical(false));
+        };
+        runtime.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
+        Ok(Value::Logical(true))
     }
 
     fn kinematic_position(&self, arguments: &[Value]) -> Outcome<Vec<f64>> {

@@ -1,8 +1,8 @@
 //! Operations: rows of `$OPTAB`, begun by tool changes and by assigning `$OPNAME`.
 //!
-//! Facts: reference system-variables.md 14. Decisions: the first assignment behind a tool change names the operation that
-//! the change has begun, if that has no name yet; else it waits for the next change. Rows count from 2, row 1 is no
-//! operation. Invariant: what a macro writes into the table stands before what is known here.
+//! Facts: reference system-variables.md 14. Decisions: the first assignment behind a tool change names the operation
+//! that the change has begun, if that has no name yet; else it waits for the next change. Rows count from 2, row 1 is
+//! no operation. Invariant: what a macro writes into the table stands before what is known here.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
@@ -12,6 +12,9 @@ use crate::channel::Kernel;
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;
+
+/// Characters of a name that a row keeps.
+const LONGEST_NAME: usize = 200;
 
 /// An operation.
 #[derive(Debug)]
@@ -69,21 +72,23 @@ impl Kernel<'_> {
     /// `$OPNAME` is assigned.
     pub(super) fn name_operation(&mut self, name: &str) {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
+        let name: String = name.chars().take(LONGEST_NAME).collect();
         let merge = runtime.store.get(names().operation_merge).as_logical() == Some(true);
         let operations = &mut runtime.operations;
         operations.assigned += 1;
         if operations.assigned > 1 && !merge {
             operations.name.clear();
-            return self.begin_operation(name.to_owned());
+            return self.begin_operation(name);
         }
         match operations.rows.last_mut().filter(|row| row.name.trim().is_empty()) {
-            Some(row) => name.clone_into(&mut row.name),
-            None => name.clone_into(&mut operations.name),
+            Some(row) => row.name = name,
+            None => operations.name = name,
         }
     }
 
     fn begin_operation(&mut self, name: String) {
-        let (now, sequence) = (self.clock as f64 / 1e9, self.block.sequence);
+        let (clock, sequence) = (self.clock, self.block.sequence);
+        let now = clock as f64 / 1e9;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let tool = runtime.store.get(names().tool_row).clone();
         let last = runtime.last_sequence;
@@ -98,6 +103,7 @@ impl Kernel<'_> {
         }
         let number = sequence.unwrap_or(last);
         operations.rows.push(Operation { tool, name, times: (now, None), blocks: (number, number), severity: 0 });
+        runtime.operation_sums.switch(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
         }

@@ -61,7 +61,7 @@ fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
 }
 
 fn levels(kernel: &Kernel<'_>) -> u16 {
-    kernel.plan.scanner.levels()
+    kernel.switched_scanner().map_or(kernel.plan.scanner.levels(), |scanner| scanner.levels())
 }
 
 /// How a variable is read and written.
@@ -92,7 +92,13 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$OPSKIP" => (|k, _| number(levels(k).count_ones()), None),
         "$OPSKIPL" => (
             |k, at| Value::Logical(at.first().is_some_and(|&level| levels(k) & 1u16.wrapping_shl(level as u32) != 0)),
-            None,
+            Some(|k, at, value| {
+                if let Some(level) = at.first().and_then(|&level| u8::try_from(level).ok()).filter(|level| *level < 10)
+                {
+                    k.switch_level(level, value.as_logical().unwrap_or(false));
+                }
+                Ok(())
+            }),
         ),
         "$EMBMAC" => (
             |k, at| {

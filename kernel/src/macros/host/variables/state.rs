@@ -22,6 +22,32 @@ fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) 
     Value::Real(found.map_or(none, |(_, number)| *number))
 }
 
+const DIAMETER: [(CodeId, f64); 3] =
+    [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
+const COOLANTS: [(CodeId, f64); 5] = [
+    (codes::COOLANT_OFF, 0.0),
+    (codes::COOLANT_FLOOD, 1.0),
+    (codes::COOLANT_MIST, 2.0),
+    (codes::COOLANT_TAPKUL, 3.0),
+    (codes::COOLANT_THRU, 4.0),
+];
+const COOLANT_WORDS: [(CodeId, &str); 5] = [
+    (codes::COOLANT_OFF, "OFF"),
+    (codes::COOLANT_FLOOD, "FLOOD"),
+    (codes::COOLANT_MIST, "MIST"),
+    (codes::COOLANT_TAPKUL, "TAPKUL"),
+    (codes::COOLANT_THRU, "THRU"),
+];
+const HEADS: [(CodeId, &str); 2] = [(codes::HEAD_MAIN, "MAIN"), (codes::HEAD_SIDE, "SIDE")];
+
+/// Keyword of the active code of a group in a list; the first one without one.
+fn keyword(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, &str)]) -> Value {
+    let active = kernel.modal.code(group);
+    let found = list.iter().find(|(code, _)| Some(*code) == active).or(list.first());
+    let code = found.and_then(|(_, word)| counterpoint_lang::ident::minor_code(word));
+    code.map_or(Value::Null, Value::Keyword)
+}
+
 const PLANES: [(CodeId, f64); 3] = [(codes::PLANE_XY, 1.0), (codes::PLANE_ZX, 2.0), (codes::PLANE_YZ, 3.0)];
 const POSITIONING: [(CodeId, f64); 2] = [(codes::POSITION_ABSOLUTE, 0.0), (codes::POSITION_RELATIVE, 1.0)];
 
@@ -159,6 +185,36 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
             None,
         ),
+        "$DCOMP" => {
+            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| set_group(k, &DIAMETER, value)))
+        }
+        "$DCOMPM" => (
+            |k, _| {
+                let active = k.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+                number(u8::from(active))
+            },
+            None,
+        ),
+        "$COOLTYP" => {
+            (|k, _| of_group(k, group::COOLANT, &COOLANTS, 0.0), Some(|k, _, value| set_group(k, &COOLANTS, value)))
+        }
+        "$COOLNT" => (
+            |k, _| keyword(k, group::COOLANT, &COOLANT_WORDS),
+            Some(|k, _, value| {
+                let is = |word: &str| {
+                    matches!(value, Value::Keyword(code)
+                    if counterpoint_lang::ident::minor_code(word) == Some(*code))
+                };
+                match COOLANT_WORDS.iter().find(|(_, word)| is(word)) {
+                    Some((code, _)) => {
+                        k.activate_code(*code);
+                        Ok(())
+                    }
+                    None => Err(Fault::new(Number::BAD_VALUE, "there is no coolant of this name")),
+                }
+            }),
+        ),
+        "$HEAD" => (|k, _| keyword(k, group::HEAD, &HEADS), None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
         "$RAPID" => (
             |k, _| Value::Logical(k.modal.code(group::MOTION) == Some(codes::RAPID)),
@@ -237,6 +293,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
+        "$TLSUM" => (|k, at| k.sum_value(true, at), None),
+        "$OPSUM" => (|k, at| k.sum_value(false, at), None),
         "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),
         _ => return None,
     };
