@@ -13,6 +13,8 @@ pub(crate) mod group {
     pub(crate) const POSITION: u16 = 3;
     pub(crate) const FEED: u16 = 5;
     pub(crate) const UNITS: u16 = 6;
+    pub(crate) const CYCLE: u16 = 9;
+    pub(crate) const RETRACT: u16 = 10;
     pub(crate) const EXACT_STOP: u16 = 15;
 }
 

@@ -16,6 +16,7 @@ use rustc_hash::FxHashMap;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
+use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{Motion, ToolAction};
@@ -42,6 +43,8 @@ pub(crate) enum Task {
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
     Tool(ToolAction, u32, u32, i64),
+    /// A hole of a canned cycle is made.
+    Cycle(Box<Hole>),
     /// A diagnostic is issued.
     Diagnostic,
 }
