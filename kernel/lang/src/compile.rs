@@ -104,6 +104,13 @@ impl Program {
     pub fn function(&self, name: &str) -> Option<u16> {
         self.functions.get(name).map(|symbol| symbol.index)
     }
+
+    /// A single GLOBAL or OBJECT variable that was declared, with its type.
+    #[must_use]
+    pub fn shared_variable(&self, name: &str) -> Option<(Shared, Option<Kind>)> {
+        let symbol = self.shared.get(name).filter(|symbol| symbol.indices == 0 && !symbol.channel)?;
+        Some((symbol.shared, symbol.kind))
+    }
 }
 
 /// What became of a source.

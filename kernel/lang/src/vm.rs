@@ -111,7 +111,7 @@ impl State {
     }
 
     /// A variable of the object's store.
-    fn object(&mut self, index: u32) -> Option<&mut Value> {
+    pub fn object(&mut self, index: u32) -> Option<&mut Value> {
         let index = index as usize;
         if self.objects.len() <= index {
             self.objects.resize(index + 1, Value::Unset);

@@ -6,6 +6,7 @@
 mod block;
 mod commands;
 mod diagnostics;
+mod dialogs;
 mod files;
 mod functions;
 mod search;

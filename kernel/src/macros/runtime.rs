@@ -109,6 +109,8 @@ pub(crate) struct Runtime {
     pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
+    /// How often each dialog was shown, by name.
+    pub(crate) dialogs: FxHashMap<String, usize>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -172,6 +174,7 @@ impl Runtime {
             left: None,
             saved: Vec::new(),
             data_codes: Vec::new(),
+            dialogs: FxHashMap::default(),
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),

@@ -10,6 +10,8 @@ use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
 use crate::diag;
+use crate::files::Bytes;
+use crate::machine::model::StoredFile;
 
 /// Files that the macros of a kernel may write.
 const MOST_FILES: usize = 200;
@@ -38,6 +40,9 @@ fn inside(path: &str) -> Option<String> {
 
 impl Kernel<'_> {
     pub(super) fn openable(&mut self, state: &mut State, path: &str) -> i32 {
+        if self.stored_file(path).is_some() {
+            return 0;
+        }
         if inside(path).is_some() {
             return 0;
         }
@@ -45,7 +50,17 @@ impl Kernel<'_> {
         FORBIDDEN
     }
 
+    /// A file stored with the machine, named in full.
+    fn stored_file(&self, path: &str) -> Option<&Bytes> {
+        let path = path.replace('\\', "/");
+        let root = path.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
+        if root { StoredFile::find(&self.machine.storage, &path) } else { None }
+    }
+
     pub(super) fn file_text(&mut self, path: &str) -> Option<String> {
+        if let Some(stored) = self.stored_file(path) {
+            return Some(String::from_utf8_lossy(stored).into_owned());
+        }
         let path = inside(path)?;
         let written = self.macros.as_deref().and_then(|runtime| runtime.files.get(&path).cloned());
         written.or_else(|| Some(String::from_utf8_lossy(&self.files.read(&path).ok()?).into_owned()))
@@ -69,11 +84,16 @@ impl Kernel<'_> {
     /// `$FACCESS`: 4 may be read, 2 may be written; every bit asked for must be allowed.
     pub(super) fn file_access(&mut self, path: &str, wanted: u8) -> bool {
         let exists = self.file_status(path) == 0;
-        exists && wanted & 1 == 0
+        // What is stored with the machine is never written.
+        let writes = wanted & 2 != 0 && self.stored_file(path).is_some();
+        exists && wanted & 1 == 0 && !writes
     }
 
     /// 0, or why there is no such file.
     pub(super) fn file_status(&mut self, path: &str) -> i32 {
+        if self.stored_file(path).is_some() {
+            return 0;
+        }
         match inside(path) {
             None => FORBIDDEN,
             Some(inner) => {

@@ -75,10 +75,7 @@ impl Kernel<'_> {
                 state.warn(Fault::new(Number::NO_MODEL, message));
                 nothing(function)
             }
-            "$FDIALOG" => {
-                let message = format!("the dialog '{}' has no answers", text(arguments, 0));
-                return Err(Fault::new(Number::NO_DIALOG, message));
-            }
+            "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
             "$FDK" | "$FIK" => {
                 let mut numbers: Vec<f64> = self.kinematic_position(arguments)?;
                 let direction = if function.name == "$FDK" { [0.0, 0.0, 1.0] } else { [0.0; 3] };

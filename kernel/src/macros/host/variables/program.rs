@@ -144,6 +144,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
+        "$BACK" => (|k, _| Value::Logical(k.options.answers.is_empty()), None),
         "$UNIPRI" => (|k, _| unit(k, false), None),
         "$UNISEC" => (|k, _| unit(k, true), None),
         "$UNITS" | "$UNIMCH" => (|k, _| unit(k, k.secondary), None),
