@@ -1,8 +1,8 @@
 //! Canned cycles: a code that makes a hole at each position until it is cancelled.
 //!
 //! Facts: reference control-emulator.md 6.4 (data, order, modality); the moves of each kind are those of the emulated
-//! system's cycles. Invariants: the values of a cycle live from its first block to its cancellation and can be read until
-//! the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block. Decisions:
+//! system's cycles. Invariants: the values of a cycle live from its first block to its cancellation and can be read
+//! until the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block. Decisions:
 //! docs/emulation.md, "Canned cycles".
 
 mod event;

@@ -1,7 +1,7 @@
 //! What a channel remembers of its cycle.
 //!
-//! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that sets
-//! a value before the first code begins that run. Facts: reference system-variables.md 8.
+//! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
+//! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
 use super::Kind;
 use crate::log::event::FeedUnit;

@@ -23,7 +23,7 @@ fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
 
 #[test]
 fn all_machines_load_without_a_finding() {
-    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill"]);
+    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill", "tern-bar-lathe"]);
     for name in package::shipped_names() {
         assert_eq!(shipped(&name).name, name);
     }
