@@ -49,7 +49,7 @@ pub(crate) struct State {
     pub(crate) retract: Option<Height>,
     pub(crate) bottom: Option<Height>,
     /// The feed is the cycle's own, not that of the feed mode.
-    pub(super) own_feed: bool,
+    pub(crate) own_feed: bool,
     pub(crate) feed: (Option<f64>, FeedUnit),
     /// First step, its decrement, smallest step, way back: geometry units.
     pub(crate) step: Option<f64>,

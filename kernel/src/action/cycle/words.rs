@@ -6,7 +6,7 @@
 use super::{Height, Kind};
 use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::state::group;
+use crate::channel::state::{feed_of, group};
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{Dimension, Heights};
@@ -57,7 +57,7 @@ pub(super) fn take_position(kernel: &mut Kernel<'_>) -> Words {
     words
 }
 
-/// A feed of the cycle's own lasts as long as the cycle; else the feed of the mode counts.
+/// A feed of the cycle's own lasts until another one is programmed or the cycle ends; else that of the mode counts.
 fn take_feed(kernel: &mut Kernel<'_>) {
     let own = [
         (data::CYCLE_UPM, FeedUnit::PerMinute),
@@ -74,8 +74,15 @@ fn take_feed(kernel: &mut Kernel<'_>) {
             return;
         }
     }
-    if !kernel.cycle.own_feed {
-        kernel.cycle.feed = kernel.feed();
+    let (id, unit) = feed_of(kernel.modal.code(group::FEED));
+    if let Some(datum) = kernel.take(id) {
+        kernel.modal.remember(id, datum.value);
+        kernel.cycle.feed = (Some(datum.value), unit);
+        kernel.cycle.own_feed = false;
+    } else if !kernel.cycle.own_feed {
+        // Inverse time belongs to its block alone.
+        let known = if unit == FeedUnit::InverseTime { None } else { kernel.modal.value(id) };
+        kernel.cycle.feed = (known, unit);
     }
 }
 

@@ -154,7 +154,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$CYFEDT" => (feed_kind, Some(set_feed_kind)),
         "$CYFEDV" => (
             |k, _| Value::Real(k.cycle.feed.0.unwrap_or(0.0)),
-            Some(|k, _, value| set(k, |cycle| cycle.feed.0 = real(value))),
+            Some(|k, _, value| set(k, |cycle| (cycle.feed.0, cycle.own_feed) = (real(value), true))),
         ),
         "$CYORNT" => {
             (|k, _| Value::Real(k.cycle.orient), Some(|k, _, value| set(k, |cycle| cycle.orient = number(value))))
