@@ -3,11 +3,12 @@
 //! An example begins with a `toml` block, the machine, and goes up to the next one. `macro NAME` is a file of the
 //! machine's folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job,
 //! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
-//! (with the channel in front on machines with several), `diagnostics` one line `number line` for each diagnostic,
-//! `texts` their texts, `trace` the whole trace of channel 1, `ran` the program of each channel in the summary,
-//! `findings` what loading the machine finds. `events`, `texts` and `trace` are only compared where they are given;
-//! no diagnostics and no findings are expected where none are given. Every example is run with one thread, with
-//! results only, and with shared operations out of step; all must agree.
+//! (with the channel in front on machines with several), `timed` the same with the second of their end in front,
+//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace` the whole trace of channel
+//! 1, `ran` the program of each channel in the summary, `findings` what loading the machine finds. `events`, `timed`,
+//! `texts` and `trace` are only compared where they are given; no diagnostics and no findings are expected where none
+//! are given. Every example is run with one thread, with results only, and with shared operations out of step; all
+//! must agree.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -29,6 +30,7 @@ struct Example {
     files: Vec<(String, String)>,
     options: Options,
     events: Option<String>,
+    timed: Option<String>,
     texts: Option<String>,
     trace: Option<String>,
     ran: Option<String>,
@@ -57,6 +59,7 @@ fn examples(page: &str) -> Vec<Example> {
             ("file", name) => example.files.push((name.to_owned(), text)),
             ("options", _) => example.options = toml::from_str(&text).expect("options"),
             ("events", _) => example.events = Some(text),
+            ("timed", _) => example.timed = Some(text),
             ("texts", _) => example.texts = Some(text),
             ("trace", _) => example.trace = Some(text),
             ("ran", _) => example.ran = Some(text),
@@ -176,11 +179,12 @@ fn the_guide_is_true() {
             compare("findings", &findings, &example.findings);
             let Some(machine) = machine.filter(|_| !example.programs.is_empty()) else { continue };
             let (done, info) = run(&example, &machine);
-            let mut events = String::new();
+            let (mut events, mut timed) = (String::new(), String::new());
             let (mut diagnostics, mut texts) = (String::new(), String::new());
             for one in &done.events {
                 if let Some(text) = event(&info, one) {
                     let _ = writeln!(events, "{text}");
+                    let _ = writeln!(timed, "{} {text}", (one.t_ns + one.dur_ns) as f64 / 1e9);
                 }
                 if let Kind::Diagnostic(diagnostic) = &one.kind {
                     let _ = writeln!(diagnostics, "{:08} {}", diagnostic.number, one.line);
@@ -190,6 +194,9 @@ fn the_guide_is_true() {
             compare("diagnostics", &diagnostics, &example.diagnostics);
             if let Some(expected) = &example.events {
                 compare("events", &events, expected);
+            }
+            if let Some(expected) = &example.timed {
+                compare("timed", &timed, expected);
             }
             if let Some(expected) = &example.texts {
                 compare("texts", &texts, expected);

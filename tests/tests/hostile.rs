@@ -130,6 +130,10 @@ fn piece() -> impl Strategy<Value = String> {
         Just("G2".to_owned()),
         Just("G28 U0".to_owned()),
         Just("M101".to_owned()),
+        Just("S100 M3".to_owned()),
+        Just("G83 Z-5. R-2. Q2. F100".to_owned()),
+        Just("G84 Z-3. H9. K2".to_owned()),
+        Just("G80".to_owned()),
         Just("M98 P1".to_owned()),
         Just("M99".to_owned()),
         Just("IF[#1LT".to_owned()),
@@ -147,6 +151,40 @@ fn piece() -> impl Strategy<Value = String> {
         "[#\\[\\]A-Z0-9.+*/=-]{0,12}",
         any::<char>().prop_map(|c| c.to_string()),
     ]
+}
+
+/// Pieces of programs with canned cycles.
+fn cycle_piece() -> impl Strategy<Value = String> {
+    let codes = ["G81", "G82", "G83", "G73", "G84", "G74", "G76", "G85", "G86", "G87", "G88", "G89", "G80", "G79"];
+    let others =
+        ["G98", "G99", "G90", "G91", "G0", "G1", "G17", "G18", "G19", "G94", "G95", "G93", "M3", "M5", "M29", "\n"];
+    prop_oneof![
+        prop::sample::select(codes.to_vec()).prop_map(str::to_owned),
+        prop::sample::select(others.to_vec()).prop_map(str::to_owned),
+        "[XYZRQPFKLIJS]-?[0-9]{1,3}(\\.[0-9]{0,3})?",
+        "[XYZRQK]-?(0|0\\.0001|99999999)",
+        Just("\nG28 Z0\n".to_owned()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_cycles_end(pieces in prop::collection::vec(cycle_piece(), 1..120), activator in any::<bool>()) {
+        let overlay = if activator { "[[codes]]\nid = \"CODE_CYCLE_ON\"\nword = \"G79\"\n" } else { "" };
+        let text = pieces.join(" ") + "\nM30\n";
+        let done = Work::texts(machine("fanuc-mill", overlay), &[text], limited()).run(None).unwrap();
+        prop_assert!(done.summary.makespan_ns >= 0);
+    }
+}
+
+#[test]
+fn a_step_of_almost_nothing_and_many_repeats_end_at_a_limit() {
+    let text = "G90 G94 F1000\nG83 X1. Z-400. R2. Q0.001 K9999\nG80\nM30\n";
+    let done = Work::texts(machine("fanuc-mill", ""), &[text], limited()).run(None).unwrap();
+    let numbers = numbers(&done);
+    assert!(numbers.contains(&2900092) && numbers.contains(&2900070), "{numbers:?}");
 }
 
 proptest! {

@@ -23,6 +23,10 @@ pub(super) fn revolutions(kernel: &mut Kernel<'_>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
+    turns(kernel, datum.value)
+}
+
+fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
     let rpm = match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
         Some(Turning::Surface(surface)) => surface.rpm(kernel.radius(&kernel.place.position)),
@@ -32,7 +36,15 @@ pub(super) fn revolutions(kernel: &mut Kernel<'_>) -> Acted {
             return Ok(());
         }
     };
-    dwell(kernel, datum.value * 60.0 / rpm)
+    dwell(kernel, revolutions * 60.0 / rpm)
+}
+
+/// A dwell of a cycle: positive seconds, negative revolutions, 0 none.
+pub(super) fn of_cycle(kernel: &mut Kernel<'_>, amount: f64) -> Acted {
+    if amount < 0.0 {
+        return turns(kernel, -amount);
+    }
+    if amount > 0.0 { dwell(kernel, amount) } else { Ok(()) }
 }
 
 fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {

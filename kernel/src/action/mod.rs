@@ -4,6 +4,7 @@
 //! axes) and never touches another channel except through a shared operation.
 
 mod arc;
+pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
 mod home;
@@ -68,6 +69,10 @@ pub(crate) enum Action {
     Return,
     Sync,
     Function,
+    Cycle(cycle::Kind),
+    CycleOn,
+    CycleOff,
+    Rigid(bool),
 }
 
 impl Action {
@@ -92,7 +97,10 @@ impl Action {
             codes::FEED_1T => A::Mode("feed inverse time"),
             codes::EXACTSTOP_ON => A::Mode("exact stop on"),
             codes::EXACTSTOP_OFF => A::Mode("exact stop off"),
-            codes::CYCLE_OFF => A::Mode("cycle off"),
+            codes::CYCLE_OFF => A::CycleOff,
+            codes::CYCLE_ON => A::CycleOn,
+            codes::RIGID_ON => A::Rigid(true),
+            codes::RIGID_OFF => A::Rigid(false),
             codes::CYCLE_RETRACT_INITIAL => A::Mode("cycle retract initial"),
             codes::CYCLE_RETRACT_R => A::Mode("cycle retract r"),
             codes::UNITS_PRIMARY => A::Units { secondary: false },
@@ -132,7 +140,7 @@ impl Action {
             codes::CALSUB_RETURN => A::Return,
             codes::SYNC_REG => A::Sync,
             codes::FUNCTION => A::Function,
-            _ => return spindle_code(id),
+            _ => return cycle::Kind::of(id).map(A::Cycle).or_else(|| spindle_code(id)),
         })
     }
 }
@@ -160,6 +168,12 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 
 /// Carries out an action.
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
+    if kernel.cycle.running
+        && !firing.implied
+        && matches!(action, Action::Rapid | Action::Linear | Action::Arc { .. } | Action::Thread)
+    {
+        cycle::meets_motion(kernel)?;
+    }
     match action {
         Action::Rapid => motion::rapid(kernel),
         Action::Linear => motion::linear(kernel),
@@ -194,5 +208,9 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::Return => subprogram::give_back(kernel),
         Action::Sync => sync::meet(kernel, row),
         Action::Function => mode::function(kernel, row, firing),
+        Action::Cycle(kind) => cycle::cycle(kernel, kind, row, firing),
+        Action::CycleOn => cycle::on(kernel, row, firing),
+        Action::CycleOff => cycle::off(kernel),
+        Action::Rigid(on) => cycle::rigid(kernel, on),
     }
 }

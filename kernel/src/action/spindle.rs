@@ -86,6 +86,14 @@ pub(super) fn driver(kernel: &mut Kernel<'_>, channel: u16) -> Acted {
     command(kernel, |c| c.driver = channel)
 }
 
+/// Stops, orients or reverses the spindle inside of a cycle; it stays as it is when it stands.
+pub(super) fn turn_inside(kernel: &mut Kernel<'_>, direction: Direction) -> Acted {
+    if kernel.spindle.index.is_none() {
+        return Ok(());
+    }
+    command(kernel, |c| c.direction = direction)
+}
+
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
     let css = kernel.current()?.css;

@@ -128,7 +128,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
-            self.queue_modal(group::MOTION);
+            self.imply_motion();
         }
         if self.modal.refires.is_empty() {
             return;

@@ -84,7 +84,7 @@ impl Kernel<'_> {
                 name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
             });
             if moves && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
-                self.queue_modal(group::MOTION);
+                self.imply_motion();
             }
         }
         let count = self.macros.as_deref().map_or(0, |runtime| runtime.data_codes.len());

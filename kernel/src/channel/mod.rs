@@ -118,6 +118,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) raised: rustc_hash::FxHashMap<u32, u32>,
     /// Text of the block, when it is not the line as it stands in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
+    /// Canned cycle.
+    pub(crate) cycle: crate::action::cycle::State,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

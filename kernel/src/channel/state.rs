@@ -14,6 +14,8 @@ pub(crate) mod group {
     pub(crate) const FEED: u16 = 5;
     pub(crate) const UNITS: u16 = 6;
     pub(crate) const DIAMETER: u16 = 7;
+    pub(crate) const CYCLE: u16 = 9;
+    pub(crate) const RETRACT: u16 = 10;
     pub(crate) const EXACT_STOP: u16 = 15;
     pub(crate) const COOLANT: u16 = 54;
     pub(crate) const HEAD: u16 = 68;

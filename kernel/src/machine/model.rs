@@ -50,6 +50,8 @@ pub struct Machine {
     pub sync: Sync,
     /// Times.
     pub time: Time,
+    /// Canned cycles.
+    pub cycles: Cycles,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -265,6 +267,8 @@ pub struct CodeRow {
     pub without: Vec<u8>,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
+    /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
+    pub axis: Option<u8>,
     /// Line in `file` where the row is defined.
     pub line: u32,
     /// File where the row is defined (relative to the machines folder).
@@ -534,6 +538,47 @@ pub struct Time {
     pub rapid: RapidPath,
     /// Seconds of an S word that changes speed.
     pub spindle_speed: f64,
+}
+
+/// What canned cycles do on this machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cycles {
+    /// How the tool comes to the clearance height.
+    pub approach: Approach,
+    /// How clearance, return and bottom heights are read.
+    pub clearance: Heights,
+    /// How depths are read.
+    pub depth: Heights,
+    /// A deep or chip-breaking cycle without a step is a mistake, not a plain cycle.
+    pub step_required: bool,
+    /// Way back of a chip-breaking cycle, distance above the last depth of a deep one, in geometry units.
+    pub step_back: f64,
+    /// Smallest step, geometry units.
+    pub min_step: f64,
+    /// A cycle has to be cancelled before another one or a motion code.
+    pub cancel_required: bool,
+    /// A motion code of the program cancels the cycle.
+    pub motion_cancels: bool,
+}
+
+/// Way of a cycle to its clearance height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Approach {
+    /// All axes in one move.
+    Direct,
+    /// First to the position, then along the axis of the cycle.
+    PositionFirst,
+}
+
+/// How heights of a cycle are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heights {
+    /// By absolute or incremental positioning.
+    Mode,
+    /// Always positions.
+    Absolute,
+    /// Always distances.
+    Incremental,
 }
 
 /// Path of a rapid move.

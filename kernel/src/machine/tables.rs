@@ -344,6 +344,7 @@ mod tests {
             with: Vec::new(),
             without: Vec::new(),
             seconds: 0.0,
+            axis: None,
             line: 0,
             file: String::new(),
         }

@@ -18,6 +18,7 @@ use super::host::sums::Sums;
 use super::host::variables::Store;
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
+use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
@@ -48,6 +49,8 @@ pub(crate) enum Task {
     Tool(ToolAction, u32, u32, i64),
     /// A head is loaded.
     Head(u32),
+    /// A hole of a canned cycle is made.
+    Cycle(Box<Hole>),
     /// A diagnostic is issued.
     Diagnostic,
 }

@@ -343,6 +343,7 @@ impl<'a> Shop<'a> {
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),
             raised: rustc_hash::FxHashMap::default(),
             edited: None,
+            cycle: crate::action::cycle::State::new(machine),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros())

@@ -222,6 +222,7 @@ pub const TABLE: &[DataFacts] = &[
     DataFacts { name: "REG_FUNCTION", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_STEP", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_STEP_DECR", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_REPEAT", built_in: true, own: true },
 ];
 
 /// `REG_AIR`.
@@ -656,3 +657,5 @@ pub const FUNCTION: DataId = DataId(213);
 pub const CYCLE_STEP: DataId = DataId(214);
 /// `REG_CYCLE_STEP_DECR`: named by the variable pages, missing in the annex.
 pub const CYCLE_STEP_DECR: DataId = DataId(215);
+/// `REG_CYCLE_REPEAT`: how often a cycle is carried out (Fanuc K or L).
+pub const CYCLE_REPEAT: DataId = DataId(216);

@@ -4,7 +4,9 @@
 
 use super::chain::Merged;
 use super::names::Names;
-use super::{axes, channels, codes, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers};
+use super::{
+    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers,
+};
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
 use crate::machine::model::Machine;
@@ -31,6 +33,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let channels = channels::read(&mut top, &axes, &spindles, check);
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
+    let cycles = cycles::read(&mut top, head.unit);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -67,6 +70,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         subprograms,
         sync,
         time,
+        cycles,
         variables,
         tool,
         work_offsets,

@@ -55,6 +55,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         section.error("without", "a register cannot be both in `with` and in `without`");
     }
     let seconds = section.at_least_zero("seconds").unwrap_or(0.0);
+    let axis = section.choice("axis", &[("X", 0), ("Y", 1), ("Z", 2)]);
     section.node("alias");
     let (id, swallow) = id?;
     let facts = ident::code_facts(id);
@@ -75,6 +76,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         with,
         without,
         seconds,
+        axis,
         line: section.place().line,
         file: section.place().file.to_string(),
     })

@@ -8,6 +8,7 @@ mod build;
 mod chain;
 mod channels;
 mod codes;
+mod cycles;
 mod data;
 mod defaults;
 mod diagnostics;

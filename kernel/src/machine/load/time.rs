@@ -92,6 +92,7 @@ fn function_row(entry: &Entry, register: u8, value: f64, seconds: f64) -> CodeRo
         with: Vec::new(),
         without: Vec::new(),
         seconds,
+        axis: None,
         line: entry.place.line,
         file: entry.place.file.to_string(),
     }

@@ -32,6 +32,7 @@ pub fn json(machine: &Machine) -> Value {
         "subprograms": subprograms(machine),
         "sync": sync(machine),
         "time": time(machine),
+        "cycles": cycles(machine),
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
@@ -115,6 +116,7 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
         "with": names(&row.with),
         "without": names(&row.without),
         "seconds": row.seconds,
+        "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
         "file": row.file,
         "line": row.line,
     })
@@ -204,6 +206,20 @@ fn time(machine: &Machine) -> Value {
         "stations": time.stations,
         "rapid": word(time.rapid),
         "spindle_speed": time.spindle_speed,
+    })
+}
+
+fn cycles(machine: &Machine) -> Value {
+    let cycles = &machine.cycles;
+    json!({
+        "approach": word(cycles.approach),
+        "clearance": word(cycles.clearance),
+        "depth": word(cycles.depth),
+        "step": if cycles.step_required { "required" } else { "optional" },
+        "step_back": cycles.step_back,
+        "min_step": cycles.min_step,
+        "cancel": if cycles.cancel_required { "required" } else { "optional" },
+        "motion_cancels": cycles.motion_cancels,
     })
 }
 

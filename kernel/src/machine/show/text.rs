@@ -3,7 +3,7 @@
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
 use super::{axis, register, word, written};
-use crate::machine::model::{CodeForm, Machine, NumberFormat};
+use crate::machine::model::{CodeForm, Cycles, Machine, NumberFormat};
 
 /// Rows of cells with a heading, aligned to the left.
 pub(super) struct Grid(Vec<Vec<String>>);
@@ -91,12 +91,34 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("tool change", format!("{} s, {} s a step, {} stations", time.tool_change, time.tool_step, time.stations));
     line("rapid", word(time.rapid));
     line("spindle speed", format!("{} s", time.spindle_speed));
+    if machine.codes.iter().any(|row| row.enable && machine.code_name(row.id).starts_with("CODE_CYCLE_")) {
+        line("cycles", cycles(&machine.cycles));
+    }
     line("shared", ranges(&machine.variables.shared));
     line("per channel", ranges(&machine.variables.channel));
     line("offset digits", machine.tool.offset_digits.to_string());
     line("tool offsets", machine.tool.offsets.len().to_string());
     line("initial", initial.join(", "));
     grid.text()
+}
+
+/// Settings of canned cycles; what is only worth a word if it is on comes last.
+fn cycles(cycles: &Cycles) -> String {
+    let mut text = format!(
+        "{}, clearance {}, depth {}, step {}, {} back",
+        word(cycles.approach),
+        word(cycles.clearance),
+        word(cycles.depth),
+        if cycles.step_required { "required" } else { "optional" },
+        cycles.step_back
+    );
+    if cycles.motion_cancels {
+        text.push_str(", motion cancels");
+    }
+    if cycles.cancel_required {
+        text.push_str(", cancel required");
+    }
+    text
 }
 
 pub(super) fn registers(machine: &Machine) -> String {
@@ -136,7 +158,15 @@ pub(super) fn codes(machine: &Machine) -> String {
         if !row.without.is_empty() {
             conditions.push(format!("without {}", names(&row.without)));
         }
-        let notes = [(super::is_alias(machine, row), "alias"), (!row.enable, "off"), (!row.process, "swallowed")];
+        let along = |axis| row.axis == Some(axis);
+        let notes = [
+            (super::is_alias(machine, row), "alias"),
+            (!row.enable, "off"),
+            (!row.process, "swallowed"),
+            (along(0), "along X"),
+            (along(1), "along Y"),
+            (along(2), "along Z"),
+        ];
         let notes: Vec<&str> = notes.iter().filter(|(on, _)| *on).map(|(_, note)| *note).collect();
         grid.row([
             written(machine, &row.form),

@@ -28,6 +28,7 @@ impl Kernel<'_> {
         let group = self.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
         let before = self.modal.code(group);
         self.modal.activate(group, id, row);
+        self.follow_cycle();
         before
     }
 

@@ -63,6 +63,7 @@ impl Kernel<'_> {
                     return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
                 };
                 self.modal.restore(&groups);
+                self.follow_cycle();
                 self.secondary = self.modal.code(crate::channel::state::group::UNITS)
                     == Some(crate::machine::ident::codes::UNITS_SECONDARY);
             }
@@ -113,6 +114,10 @@ impl Kernel<'_> {
                 self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
             }
             Task::Head(id) => self.meanwhile(state, |kernel| kernel.load_head(id)),
+            Task::Cycle(hole) => {
+                let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(Value::as_real));
+                self.meanwhile(state, |kernel| kernel.output_cycle(*hole, heights))
+            }
             Task::Diagnostic => {
                 let values = [2, 3, 5].map(|at| argument(at).cloned());
                 self.output_diagnostic(&values)

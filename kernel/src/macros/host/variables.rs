@@ -4,6 +4,7 @@
 //! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
 //! positions and decisions: docs/emulation.md.
 
+mod cycles;
 mod positions;
 mod program;
 mod state;
@@ -62,7 +63,7 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    match program::find(name).or_else(|| state::find(name)) {
+    match program::find(name).or_else(|| state::find(name)).or_else(|| cycles::find(name)) {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,
     }

@@ -23,7 +23,7 @@ fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
 
 #[test]
 fn all_machines_load_without_a_finding() {
-    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill"]);
+    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill", "tern-bar-lathe"]);
     for name in package::shipped_names() {
         assert_eq!(shipped(&name).name, name);
     }
@@ -67,6 +67,13 @@ G53 CODE_POSITION_MACHINE 100 0
 G54-G59 CODE_COMP_WORKP_ON 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
+G80 CODE_CYCLE_OFF 400 9
+G83 CODE_CYCLE_DEEP 400 9
+G84 CODE_CYCLE_TAP 400 9
+G85 CODE_CYCLE_REAM_DWELL 400 9
+G87 CODE_CYCLE_DEEP 400 9
+G88 CODE_CYCLE_TAP 400 9
+G89 CODE_CYCLE_REAM_DWELL 400 9
 G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
 G98 CODE_FEED_UPM 100 5
@@ -81,6 +88,7 @@ M5 CODE_SPINDLE_OFF 700 64
 M8 CODE_COOLANT_FLOOD 300 54
 M9 CODE_COOLANT_OFF 700 54
 M19 CODE_SPINDLE_ORIENT 700 64
+M29 CODE_RIGID_ON 400 101
 M30 CODE_REWIND 900 0
 M98 CODE_CALSUB_ID 300 0
 M99 CODE_CALSUB_RETURN 300 0
@@ -117,12 +125,16 @@ fn the_two_path_lathe_has_these_data() {
         "I REG_ARC_CENTER_X - - length",
         "J REG_ARC_CENTER_Y - - length",
         "K REG_ARC_CENTER_Z - - length",
+        "K REG_CYCLE_REPEAT - - none",
         "R REG_ARC_RADIUS - - length",
+        "R REG_CYCLE_CLEAR - - length",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
+        "P REG_CYCLE_DWELL - *0.001 time",
         "P REG_SYNC_PATHS - - none",
         "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
+        "Q REG_CYCLE_STEP - - length",
         "L REG_CALSUB_REPEAT - - none",
         "F REG_FEED_UPM yes - feed",
         "F REG_FEED_UPR yes - feed",
@@ -180,6 +192,8 @@ fn the_other_machines_differ_where_they_should() {
     assert_eq!((mill.kind, mill.channels.len(), mill.sync.dialect), (MachineKind::Mill, 1, SyncDialect::None));
     assert_eq!(meaning(&mill, 'G', 91.0), ["CODE_POSITION_RELATIVE"]);
     assert_eq!(meaning(&mill, 'G', 98.0), ["CODE_CYCLE_RETRACT_INITIAL"]);
+    assert_eq!(meaning(&mill, 'G', 85.0), ["CODE_CYCLE_REAM"]);
+    assert_eq!(meaning(&mill, 'G', 86.0), ["CODE_CYCLE_BORE"]);
     assert_eq!(meaning(&mill, 'T', 12.0), ["CODE_TOOL_SELECT"]);
     assert_eq!(meaning(&mill, 'M', 6.0), ["CODE_TOOL_LOAD"]);
     assert_eq!(mill.tables.letter[usize::from(b'U')], None);

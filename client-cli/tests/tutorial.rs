@@ -1,0 +1,122 @@
+//! docs/tutorial-control.md is true: its files are written and its commands are run from top to bottom.
+//!
+//! Fences of the page: a language and a file name write a file (`more` at its end, `first` at its beginning, `after KEY`
+//! behind the line of a key); `console` holds commands behind `$`, each with what it prints, standard output first. The
+//! folder that comes out is the shipped machine, and the programs are those of the examples.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// What a command of the page prints.
+fn run(folder: &Path, command: &str) -> String {
+    let words: Vec<&str> = command.split(' ').collect();
+    let printed = match words.as_slice() {
+        ["cat", file] => std::fs::read_to_string(folder.join(file)).unwrap(),
+        ["counterpoint", arguments @ ..] => {
+            let mut program = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+            program.args(arguments).current_dir(folder).env_remove("COUNTERPOINT_SERVER").stdin(Stdio::null());
+            let output = program.output().unwrap();
+            let [out, talk] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+            out + &talk
+        }
+        _ => panic!("the page may not run '{command}'"),
+    };
+    printed.trim_end().lines().fold(String::new(), |mut text, line| {
+        let _ = writeln!(text, "{}", line.trim_end());
+        text
+    })
+}
+
+/// Writes a file of the page, or changes one.
+fn write(folder: &Path, name: &str, how: &[&str], text: &str) {
+    let path = folder.join(name);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let old = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = match how {
+        [] => text.to_owned(),
+        ["more"] => old + text,
+        ["first"] => text.to_owned() + &old,
+        ["after", key] => {
+            let begin = format!("{key} =");
+            let at = old.lines().position(|line| line.starts_with(&begin)).expect(key);
+            let lines: Vec<&str> = old.lines().collect();
+            let (before, behind) = lines.split_at(at + 1);
+            format!("{}\n{text}{}\n", before.join("\n"), behind.join("\n"))
+        }
+        other => panic!("no file is written like {other:?}"),
+    };
+    std::fs::write(path, text).unwrap();
+}
+
+/// Files below a folder, by path, with their texts.
+fn files(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                found.push((name, std::fs::read_to_string(path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn every_step_of_the_tutorial_is_true() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = std::fs::read_to_string(project().join("docs/tutorial-control.md")).unwrap();
+    let mut lines = page.lines();
+    let (mut found, mut steps) = (String::new(), 0);
+    while let Some(line) = lines.next() {
+        let _ = writeln!(found, "{line}");
+        let Some(info) = line.strip_prefix("```") else { continue };
+        let body: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+        match info.split(' ').collect::<Vec<_>>().as_slice() {
+            ["console"] => {
+                steps += 1;
+                for command in body.iter().filter_map(|line| line.strip_prefix("$ ")) {
+                    let _ = write!(found, "$ {command}\n{}", run(folder.path(), command));
+                }
+            }
+            [_, name, how @ ..] => {
+                let text = body.join("\n") + "\n";
+                write(folder.path(), name, how, &text);
+                found.push_str(&text);
+            }
+            other => panic!("no fence is called {other:?}"),
+        }
+        found.push_str("```\n");
+    }
+    assert!(steps >= 9, "{steps}");
+    for (number, (found, shown)) in found.lines().zip(page.lines()).enumerate() {
+        assert_eq!(found, shown, "line {}", number + 1);
+    }
+    assert_eq!(found.lines().count(), page.lines().count());
+    assert_eq!(files(&folder.path().join("tern")), files(&project().join("machines/tern-bar-lathe")));
+    for (name, text) in files(&project().join("examples/bar-part")) {
+        assert_eq!(text, std::fs::read_to_string(folder.path().join(&name)).unwrap(), "{}", name.display());
+    }
+}
+
+#[test]
+fn the_shipped_machine_runs_its_example() {
+    let example = project().join("examples/bar-part");
+    let [program, answers] = ["pin.nc", "answers.toml"].map(|name| example.join(name).display().to_string());
+    let machine = ["run", "--machine", "tern-bar-lathe", "--answers", &answers, "--no-timeline", &program];
+    let output = Command::new(env!("CARGO_BIN_EXE_counterpoint")).args(machine).stdin(Stdio::null()).output().unwrap();
+    let out = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && out.starts_with("SUCCEEDED"), "{out}");
+}

@@ -1,0 +1,45 @@
+//! The event of a cycle: its macro sees the heights before the first move, and the hole is made where it says OUTPUT.
+//!
+//! Facts: reference control-emulator.md 4.3. Decision: `$P3` to `$P6` may be changed, in the frame of the motion macro.
+
+use counterpoint_lang::value::Value;
+
+use super::Hole;
+use crate::channel::{Acted, Kernel};
+use crate::macros::host::code_value;
+use crate::macros::model::Hook;
+use crate::macros::runtime::Task;
+
+impl Kernel<'_> {
+    /// Makes a hole, by way of its macro if there is one.
+    pub(super) fn cycle_event(&mut self, hole: &Hole) -> Acted {
+        let Some(code) = self.hook(Hook::Cycle) else { return self.make_hole(hole) };
+        let preset = self.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
+        let reference = self.cycle.activator.then_some(self.cycle.reference);
+        let mut arguments = [
+            code_value(self.cycle.code),
+            height(reference),
+            height(Some(hole.clear)),
+            height(Some(hole.back)),
+            height(hole.depth),
+            height(hole.bottom),
+        ];
+        self.run_macro(code, Task::Cycle(Box::new(*hole)), &mut arguments).map(|_| ())
+    }
+
+    /// OUTPUT of the cycle macro: clearance, return, depth and lower clearance as they are now.
+    pub(crate) fn output_cycle(&mut self, hole: Hole, heights: [Option<f64>; 4]) -> Acted {
+        let preset = self.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let [clear, back, depth, bottom] =
+            heights.map(|height| height.filter(|value| value.is_finite()).map(|value| value - preset));
+        let hole = Hole {
+            clear: clear.unwrap_or(hole.clear),
+            back: back.unwrap_or(hole.back),
+            depth: depth.or(hole.depth),
+            bottom: bottom.or(hole.bottom),
+            ..hole
+        };
+        self.make_hole(&hole)
+    }
+}

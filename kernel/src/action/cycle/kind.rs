@@ -1,0 +1,152 @@
+//! The kinds of cycles and what tells them apart.
+//!
+//! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
+
+use crate::machine::ident::{CodeId, codes};
+
+/// A kind of drilling cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Kind(u8);
+
+/// How the depth is reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Steps {
+    /// In one go.
+    None,
+    /// Back to the clearance height after each step.
+    Full,
+    /// A little back after each step.
+    Small,
+}
+
+/// How the tool comes out of the hole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Out {
+    /// At rapid.
+    Rapid,
+    /// At feed.
+    Feed,
+    /// At feed with the spindle reversed.
+    Reversed,
+    /// At rapid with the spindle stopped.
+    Stopped,
+    /// At rapid beside the centre, with the spindle oriented.
+    Oriented,
+}
+
+impl Kind {
+    /// The kind of a code.
+    pub(crate) fn of(id: CodeId) -> Option<Self> {
+        Some(Self(match id {
+            codes::CYCLE_DRILL => 1,
+            codes::CYCLE_DRILL_DWELL => 2,
+            codes::CYCLE_TAP => 3,
+            codes::CYCLE_TAP_CCLW => 4,
+            codes::CYCLE_BORE => 5,
+            codes::CYCLE_BORE_DWELL => 6,
+            codes::CYCLE_BORE_ORIENT => 7,
+            codes::CYCLE_BORE_BACK => 8,
+            codes::CYCLE_REAM => 9,
+            codes::CYCLE_REAM_DWELL => 10,
+            codes::CYCLE_DEEP => 11,
+            codes::CYCLE_BRKCHP => 12,
+            codes::CYCLE_THRU => 13,
+            codes::CYCLE_RIGID => 14,
+            codes::CYCLE_RIGID_CCLW => 15,
+            codes::CYCLE_RIGID_DEEP => 16,
+            codes::CYCLE_RIGID_DEEP_CCLW => 17,
+            codes::CYCLE_RIGID_BRKCHP => 18,
+            codes::CYCLE_RIGID_BRKCHP_CCLW => 19,
+            _ => return None,
+        }))
+    }
+
+    /// The kind of a number in `$CYTYPE`.
+    pub(super) fn numbered(number: f64) -> Option<Self> {
+        (1..=19_u8).find(|&kind| f64::from(kind) == number).map(Self)
+    }
+
+    /// Its number in `$CYTYPE`.
+    pub(super) fn number(self) -> f64 {
+        f64::from(self.0)
+    }
+
+    /// The kind under rigid tapping: a tap becomes a rigid one, with steps one that breaks chips.
+    pub(super) fn rigid(self, steps: bool) -> Self {
+        match (self.0, steps) {
+            (3, false) => Self(14),
+            (4, false) => Self(15),
+            (3 | 14, true) => Self(18),
+            (4 | 15, true) => Self(19),
+            _ => self,
+        }
+    }
+
+    pub(super) fn steps(self) -> Steps {
+        match self.0 {
+            11 | 16 | 17 => Steps::Full,
+            12 | 18 | 19 => Steps::Small,
+            _ => Steps::None,
+        }
+    }
+
+    pub(super) fn out(self) -> Out {
+        match self.0 {
+            3 | 4 | 14..=19 => Out::Reversed,
+            5 | 6 => Out::Stopped,
+            7 | 8 => Out::Oriented,
+            9 | 10 => Out::Feed,
+            _ => Out::Rapid,
+        }
+    }
+
+    /// Feeds upwards from below.
+    pub(super) fn bores_back(self) -> bool {
+        self.0 == 8
+    }
+
+    /// Taps.
+    pub(super) fn taps(self) -> bool {
+        self.out() == Out::Reversed
+    }
+
+    /// A rigid tap.
+    pub(super) fn is_rigid(self) -> bool {
+        self.0 >= 14
+    }
+
+    /// Dwells at depth.
+    pub(super) fn dwells(self) -> bool {
+        !matches!(self.0, 1 | 5 | 9)
+    }
+
+    /// `$CYDIR`: in-feed of a tap clockwise 1, counter-clockwise 2.
+    pub(super) fn direction(self) -> f64 {
+        match self.0 {
+            3 | 14 | 16 | 18 => 1.0,
+            4 | 15 | 17 | 19 => 2.0,
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_their_numbers() {
+        assert_eq!(Kind::of(codes::CYCLE_DRILL).map(Kind::number), Some(1.0));
+        assert_eq!(Kind::of(codes::CYCLE_RIGID_BRKCHP_CCLW).map(Kind::number), Some(19.0));
+        assert_eq!(Kind::of(codes::CYCLE_OFF), None);
+        assert_eq!([0.0, 20.0, 100.0, -2.0, 1.5, f64::NAN].map(Kind::numbered), [None; 6]);
+        assert_eq!(Kind::numbered(11.0).map(Kind::steps), Some(Steps::Full));
+    }
+
+    #[test]
+    fn a_tap_under_rigid_tapping() {
+        let rigid = |number: f64, steps| Kind::numbered(number).map(|kind| kind.rigid(steps).number());
+        assert_eq!([rigid(3.0, false), rigid(4.0, false), rigid(3.0, true)], [Some(14.0), Some(15.0), Some(18.0)]);
+        assert_eq!([rigid(1.0, false), rigid(16.0, true)], [Some(1.0), Some(16.0)]);
+    }
+}

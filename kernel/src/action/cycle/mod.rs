@@ -1,0 +1,258 @@
+//! Canned cycles: a code that makes a hole at each position until it is cancelled.
+//!
+//! Facts: reference control-emulator.md 6.4 (data, order, modality); the moves of each kind are those of the emulated
+//! system's cycles. Invariants: the values of a cycle live from its first block to its cancellation and can be read
+//! until the next one begins; every move inside a cycle is an ordinary motion; nothing is allocated per block. Decisions:
+//! docs/emulation.md, "Canned cycles".
+
+mod event;
+mod kind;
+mod path;
+mod state;
+mod words;
+
+pub(crate) use kind::Kind;
+pub(crate) use state::{Height, State};
+
+use super::Action;
+use crate::channel::block::Firing;
+use crate::channel::state::group;
+use crate::channel::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::{Kind as EventKind, Position};
+use crate::machine::ident::codes;
+use crate::machine::model::{CodeRow, Heights, MachineKind};
+
+/// Order of a cycle that position words fire: after the codes that take such words for themselves.
+const IMPLIED_ORDER: u16 = 500;
+
+/// One hole: where it is and between which heights, all in the work frame as programmed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hole {
+    /// Position; its value along the axis of the cycle does not count.
+    pub(crate) target: Position,
+    /// Axes that were coded, bit by axis.
+    pub(crate) coded: u8,
+    /// Axis of the cycle in channel order.
+    pub(crate) axis: usize,
+    /// Height where feeding begins.
+    pub(crate) clear: f64,
+    /// Height where the tool is left.
+    pub(crate) back: f64,
+    /// Depth; none if nothing has ever told it.
+    pub(crate) depth: Option<f64>,
+    /// Lower clearance of back boring.
+    pub(crate) bottom: Option<f64>,
+}
+
+/// A cycle code: takes its data, and makes its holes if the block has a position.
+pub(super) fn cycle(kernel: &mut Kernel<'_>, kind: Kind, row: &CodeRow, firing: Firing) -> Acted {
+    if kernel.cycle.activator && firing.implied {
+        return Ok(());
+    }
+    let positioned = has_position(kernel);
+    let Some((role, axis)) = axis_of(kernel, row) else {
+        let text = format!("channel {} has no axis for the depth of '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::CYCLE_AXIS, text);
+        return Ok(());
+    };
+    let other = kernel.cycle.running && kernel.cycle.code != Some(row.id);
+    if other && kernel.machine.cycles.cancel_required {
+        not_cancelled(kernel);
+    }
+    if kind.bores_back() && kernel.cycle.code != Some(row.id) {
+        // Its clearance is the level where it stands unless it says so itself.
+        kernel.cycle.clear = None;
+    }
+    let level = kernel.place.position.get(axis).copied().unwrap_or(0.0);
+    kernel.cycle.begin(kernel.machine, kind, row.id, ((role, axis), level));
+    kernel.cycle.block = kernel.blocks;
+    let (kind, words) = words::take(kernel, kind);
+    if kernel.cycle.activator || !positioned {
+        return Ok(());
+    }
+    holes(kernel, kind, &words)
+}
+
+/// The code that carries out the cycle that was defined before.
+pub(super) fn on(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acted {
+    if firing.implied && !has_position(kernel) {
+        return Ok(());
+    }
+    let (Some(kind), Some((_, axis))) = (Kind::numbered(kernel.cycle.number), kernel.cycle.axis) else {
+        let text = format!("no cycle has been defined for '{}'", kernel.block_text());
+        kernel.diagnose(&diag::NO_CYCLE, text);
+        return Ok(());
+    };
+    if !kernel.cycle.running {
+        kernel.cycle.initial = kernel.place.position.get(axis).copied().unwrap_or(0.0);
+    }
+    kernel.cycle.block = kernel.blocks;
+    kernel.cycle.running = true;
+    kernel.cycle.code = kernel.cycle.code.or(Some(row.id));
+    let words = words::take_position(kernel);
+    if words.coded & 1 << axis != 0 {
+        kernel.cycle.reference = words.target.get(axis).copied().unwrap_or(0.0);
+    }
+    holes(kernel, kind, &words)
+}
+
+/// Cancels the cycle.
+pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.cycle.end();
+    super::mode::mode(kernel, "cycle off")
+}
+
+/// Rigid tapping on or off.
+pub(super) fn rigid(kernel: &mut Kernel<'_>, on: bool) -> Acted {
+    kernel.cycle.rigid = if on { 2.0 } else { 0.0 };
+    super::mode::mode(kernel, if on { "rigid tapping on" } else { "rigid tapping off" })
+}
+
+/// A motion code of the program while a cycle is in effect. One that stands on the block of the cycle, or that a macro
+/// gives, belongs to the cycle.
+#[cold]
+pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
+    let inside = kernel.macros.as_deref().is_some_and(|runtime| !runtime.calls.is_empty());
+    if inside || kernel.cycle.block == kernel.blocks {
+        return Ok(());
+    }
+    if kernel.machine.cycles.cancel_required {
+        not_cancelled(kernel);
+    }
+    if kernel.machine.cycles.motion_cancels {
+        kernel.cycle.end();
+        kernel.modal.activate(group::CYCLE, codes::CYCLE_OFF, kernel.cycle.off);
+        kernel.emit(0, EventKind::Mode { text: "cycle off".into() });
+    }
+    Ok(())
+}
+
+fn not_cancelled(kernel: &mut Kernel<'_>) {
+    let text =
+        format!("the cycle is still active in '{}', this control wants it cancelled before", kernel.block_text());
+    kernel.diagnose(&diag::CYCLE_NOT_CANCELLED, text);
+}
+
+/// Words of a position or a height are free on the block.
+fn has_position(kernel: &Kernel<'_>) -> bool {
+    kernel.has_any(kernel.plan.motion_registers) || !kernel.block.added.is_empty()
+}
+
+/// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
+fn axis_of(kernel: &Kernel<'_>, row: &CodeRow) -> Option<(usize, usize)> {
+    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)));
+    if let Some(role) = row.axis {
+        return axis(usize::from(role));
+    }
+    let turning = matches!(kernel.machine.kind, MachineKind::Lathe | MachineKind::MergingLathe);
+    let role = match kernel.modal.code(group::PLANE) {
+        _ if turning => 2,
+        Some(codes::PLANE_ZX) => 1,
+        Some(codes::PLANE_YZ) => 0,
+        _ => 2,
+    };
+    axis(role).or_else(|| axis(2))
+}
+
+/// Makes the holes of a block: one, or as many as it says.
+fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
+    if words.times == 0 {
+        return Ok(());
+    }
+    let from = kernel.place.position;
+    let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
+    for pass in 0..words.times {
+        if pass > 0 {
+            further(kernel)?;
+            for (index, slot) in hole.target.iter_mut().enumerate() {
+                if words.relative & 1 << index != 0 {
+                    let change = |of: &Position| of.get(index).copied().unwrap_or(0.0);
+                    *slot += change(&words.target) - change(&from);
+                }
+            }
+        }
+        kernel.cycle_event(&hole)?;
+    }
+    Ok(())
+}
+
+/// Between two holes of a block: others see how far this kernel is, and the limits of the job count.
+fn further(kernel: &mut Kernel<'_>) -> Acted {
+    if !kernel.coordinator.publish(kernel.rank, kernel.clock) || kernel.control.cancelled() {
+        return Err(Halt::Stopped);
+    }
+    kernel.check_limits()
+}
+
+/// The heights of a hole from what the cycle knows.
+fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<Hole> {
+    let state = kernel.cycle;
+    let (_, axis) = state.axis?;
+    let base = if state.activator { state.reference } else { state.initial };
+    let bottom = state.bottom.map(|height| height.from(base));
+    let distance = kernel.machine.cycles.clearance == Heights::Incremental;
+    if state.clear.is_none() && !kind.bores_back() && !distance {
+        let text = format!("a cycle needs its clearance height, '{}' starts where it stands", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+    }
+    if kind.bores_back() && bottom.is_none() {
+        let text = format!("back boring needs its lower clearance in '{}', nothing is bored", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+    }
+    let clear = state.clear.map_or(base, |height| height.from(base));
+    let start = if kind.bores_back() { bottom.unwrap_or(clear) } else { clear };
+    let depth = state.depth.map(|height| height.from(start));
+    if depth.is_none() {
+        let text = format!("a cycle needs its depth in '{}', nothing is drilled", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+    }
+    let stays = kernel.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
+    let wanted = if stays { clear } else { state.retract.map_or(state.initial, |height| height.from(base)) };
+    // Never nearer to the hole than the clearance height.
+    let back = match depth {
+        Some(depth) if depth < clear => wanted.max(clear),
+        Some(depth) if depth > clear => wanted.min(clear),
+        _ => wanted,
+    };
+    Some(Hole { target: words.target, coded: words.coded, axis, clear, back, depth, bottom })
+}
+
+impl Kernel<'_> {
+    /// Position words fire the active cycle, else the active motion code.
+    #[inline]
+    pub(crate) fn imply_motion(&mut self) {
+        let action = |row: u16| self.plan.actions.get(usize::from(row)).copied().flatten();
+        for firing in &self.block.firings {
+            match action(firing.row) {
+                Some(Action::Cycle(_) | Action::CycleOn) => return,
+                Some(Action::CycleOff) => return self.queue_modal(group::MOTION),
+                _ => {}
+            }
+        }
+        if !self.cycle_repeats() {
+            return self.queue_modal(group::MOTION);
+        }
+        self.queue_modal(group::CYCLE);
+        if let Some(firing) = self.block.firings.last_mut() {
+            firing.order = firing.order.max(IMPLIED_ORDER);
+        }
+    }
+
+    /// The active code of the cycle group acts on every position.
+    fn cycle_repeats(&self) -> bool {
+        let row = self.modal.row(group::CYCLE);
+        match row.and_then(|row| self.plan.actions.get(usize::from(row)).copied().flatten()) {
+            Some(Action::Cycle(_)) => !self.cycle.activator,
+            Some(Action::CycleOn) => true,
+            _ => false,
+        }
+    }
+
+    /// Follows active codes that were set without acting: no cycle code, no cycle.
+    pub(crate) fn follow_cycle(&mut self) {
+        if self.cycle.running && !self.cycle_repeats() {
+            self.cycle.end();
+        }
+    }
+}

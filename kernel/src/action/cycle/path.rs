@@ -1,0 +1,244 @@
+//! The moves of one hole.
+//!
+//! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
+//! counted from the clearance height. Facts: reference control-emulator.md 6.4.
+
+use super::kind::{Kind, Out, Steps};
+use super::{Hole, State};
+use crate::action::{dwell, spindle};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Direction, Position};
+use crate::machine::model::Approach;
+
+/// Most steps of a hole.
+const MOST_STEPS: u32 = 10_000;
+
+/// A hole being made.
+struct Drill<'h> {
+    hole: &'h Hole,
+    kind: Kind,
+    cycle: State,
+    /// Direction of the spindle when the hole began.
+    turning: Direction,
+}
+
+impl Kernel<'_> {
+    /// Makes a hole with what the cycle knows now.
+    pub(super) fn make_hole(&mut self, hole: &Hole) -> Acted {
+        let cycle = self.cycle;
+        let Some(kind) = Kind::numbered(cycle.number) else { return Ok(()) };
+        let turning = self.current()?.direction;
+        let drill = Drill { hole, kind, cycle, turning };
+        self.approach(hole)?;
+        let Some(depth) = hole.depth else { return Ok(()) };
+        if kind.bores_back() {
+            return match hole.bottom {
+                Some(bottom) => self.bore_back(&drill, depth, bottom),
+                None => Ok(()),
+            };
+        }
+        self.go_down(&drill, depth)?;
+        self.rest(&drill, 0)?;
+        self.come_out(&drill)
+    }
+
+    /// To the position at the clearance height.
+    fn approach(&mut self, hole: &Hole) -> Acted {
+        let along = 1 << hole.axis;
+        let mut target = hole.target;
+        if self.machine.cycles.approach == Approach::PositionFirst {
+            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.place.position.get(hole.axis)) {
+                *slot = *level;
+            }
+            self.rapid_to(hole.coded & !along, target)?;
+            return self.rapid_to(along, self.level(hole.axis, hole.clear));
+        }
+        if let Some(slot) = target.get_mut(hole.axis) {
+            *slot = hole.clear;
+        }
+        self.rapid_to(hole.coded | along, target)
+    }
+
+    fn level(&self, axis: usize, level: f64) -> Position {
+        let mut target = self.place.position;
+        if let Some(slot) = target.get_mut(axis) {
+            *slot = level;
+        }
+        target
+    }
+
+    /// Along the axis of the cycle at rapid.
+    fn lift(&mut self, drill: &Drill<'_>, level: f64) -> Acted {
+        self.rapid_to(1 << drill.hole.axis, self.level(drill.hole.axis, level))
+    }
+
+    /// Along the axis of the cycle at feed.
+    fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
+        let (feed, unit) = drill.cycle.feed;
+        let target = self.level(drill.hole.axis, level);
+        self.feed_to(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)
+    }
+
+    /// Dwell at depth (0), per step (1), at the top (2).
+    fn rest(&mut self, drill: &Drill<'_>, place: usize) -> Acted {
+        let amount = drill.cycle.dwell.get(place).copied().filter(|_| drill.kind.dwells());
+        dwell::of_cycle(self, amount.unwrap_or(0.0))
+    }
+
+    /// From the clearance height to the depth, in steps if the kind has them.
+    fn go_down(&mut self, drill: &Drill<'_>, depth: f64) -> Acted {
+        let steps = drill.kind.steps();
+        let step = drill.cycle.step.filter(|step| *step > 0.0 && step.is_finite());
+        let Some(step) = step.filter(|_| steps != Steps::None) else {
+            if steps != Steps::None && self.machine.cycles.step_required {
+                let text = format!("a cycle needs its step in '{}', it is drilled in one go", self.block_text());
+                self.diagnose(&diag::DATA_MISSING, text);
+            }
+            return self.plunge(drill, depth, 1.0);
+        };
+        self.in_steps(drill, depth, step)
+    }
+
+    fn in_steps(&mut self, drill: &Drill<'_>, depth: f64, first: f64) -> Acted {
+        let (hole, cycle) = (drill.hole, &drill.cycle);
+        let scale = self.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
+        let at = |reached: f64| hole.clear + down * reached / scale;
+        let (mut reached, mut step) = (0.0, first);
+        for _ in 0..MOST_STEPS {
+            let next = reached + step;
+            if next >= whole - 1e-9 {
+                return self.plunge(drill, depth, 1.0);
+            }
+            self.plunge(drill, at(next), 1.0)?;
+            self.rest(drill, 1)?;
+            let above = (next - cycle.step_back).max(0.0);
+            self.between(drill, at(above))?;
+            reached = next;
+            let less = (step - cycle.decrement).max(cycle.least);
+            step = if less > 0.0 { less } else { step };
+        }
+        let text = format!(
+            "the cycle of '{}' has more than {MOST_STEPS} steps, the rest is drilled in one go",
+            self.block_text()
+        );
+        self.diagnose(&diag::CYCLE_STEPS, text);
+        self.plunge(drill, depth, 1.0)
+    }
+
+    /// Between two steps: fully out and back to `above`, or only up to there.
+    fn between(&mut self, drill: &Drill<'_>, above: f64) -> Acted {
+        let full = drill.kind.steps() == Steps::Full;
+        let ratio = drill.cycle.ratio;
+        if !drill.kind.taps() {
+            if full {
+                self.lift(drill, drill.hole.clear)?;
+                self.rest(drill, 2)?;
+            }
+            return self.lift(drill, above);
+        }
+        self.reverse(drill)?;
+        self.plunge(drill, if full { drill.hole.clear } else { above }, ratio)?;
+        self.turn_again(drill)?;
+        if full {
+            self.rest(drill, 2)?;
+            self.plunge(drill, above, ratio)?;
+        }
+        Ok(())
+    }
+
+    fn come_out(&mut self, drill: &Drill<'_>) -> Acted {
+        let (hole, ratio) = (drill.hole, drill.cycle.ratio);
+        match drill.kind.out() {
+            Out::Rapid => self.lift(drill, hole.back),
+            Out::Feed => {
+                self.plunge(drill, hole.clear, ratio)?;
+                self.lift(drill, hole.back)
+            }
+            Out::Reversed => {
+                self.reverse(drill)?;
+                self.plunge(drill, hole.clear, ratio)?;
+                self.turn_again(drill)?;
+                self.rest(drill, 2)?;
+                self.lift(drill, hole.back)
+            }
+            Out::Stopped => {
+                self.turn(drill, Direction::Off)?;
+                self.lift(drill, hole.back)?;
+                self.turn_again(drill)
+            }
+            Out::Oriented => {
+                self.turn(drill, Direction::Oriented)?;
+                self.shift_aside(drill, 1.0)?;
+                self.lift(drill, hole.back)?;
+                self.shift_aside(drill, -1.0)?;
+                self.turn_again(drill)
+            }
+        }
+    }
+
+    /// Beside the centre down to the lower clearance, up at feed, and out beside the centre.
+    fn bore_back(&mut self, drill: &Drill<'_>, depth: f64, bottom: f64) -> Acted {
+        self.turn(drill, Direction::Oriented)?;
+        self.shift_aside(drill, 1.0)?;
+        self.lift(drill, bottom)?;
+        self.shift_aside(drill, -1.0)?;
+        self.turn_again(drill)?;
+        self.plunge(drill, depth, 1.0)?;
+        self.rest(drill, 0)?;
+        self.come_out(drill)
+    }
+
+    /// The shift of oriented boring, away from the centre (1) or back (−1).
+    fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
+        let cycle = &drill.cycle;
+        let mut target = self.place.position;
+        let mut coded = 0_u8;
+        let given = cycle.shifts.iter().any(Option::is_some);
+        let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));
+        for (role, axis) in self.place.cartesian.iter().enumerate() {
+            let part = match cycle.shifts.get(role).copied().flatten() {
+                Some(part) => part,
+                None if !given && Some(role) == first => cycle.shift,
+                None => 0.0,
+            };
+            let Some(axis) = axis.map(usize::from).filter(|_| part != 0.0) else { continue };
+            let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            if let Some(slot) = target.get_mut(axis) {
+                *slot += way * part / scale;
+                coded |= 1 << axis;
+            }
+        }
+        self.rapid_to(coded, target)
+    }
+
+    /// Stops or orients a spindle that turned when the hole began.
+    fn turn(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
+        match drill.turning {
+            Direction::Clockwise | Direction::CounterClockwise => spindle::turn_inside(self, direction),
+            Direction::Off | Direction::Oriented => Ok(()),
+        }
+    }
+
+    /// The direction that the hole began with.
+    fn turn_again(&mut self, drill: &Drill<'_>) -> Acted {
+        self.change_direction(drill, drill.turning)
+    }
+
+    fn reverse(&mut self, drill: &Drill<'_>) -> Acted {
+        let opposite = match drill.turning {
+            Direction::Clockwise => Direction::CounterClockwise,
+            _ => Direction::Clockwise,
+        };
+        self.change_direction(drill, opposite)
+    }
+
+    /// Through a standstill if the spindle turns the other way.
+    fn change_direction(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
+        if drill.kind.taps() {
+            self.turn(drill, Direction::Off)?;
+        }
+        self.turn(drill, direction)
+    }
+}
