@@ -22,6 +22,7 @@ use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
+use crate::macros::runtime::Task;
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;
@@ -230,13 +231,23 @@ impl Kernel<'_> {
                 _ => {}
             }
         }
-        if !self.cycle_repeats() {
+        if !self.cycle_repeats() || self.inside_cycle_macro() {
             return self.queue_modal(group::MOTION);
         }
         self.queue_modal(group::CYCLE);
         if let Some(firing) = self.block.firings.last_mut() {
             firing.order = firing.order.max(IMPLIED_ORDER);
         }
+    }
+
+    /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
+    fn inside_cycle_macro(&self) -> bool {
+        let calls = self.macros.as_deref().map_or(&[][..], |runtime| runtime.calls.as_slice());
+        calls.iter().any(|call| match &call.task {
+            Task::Code(_, id) => Kind::of(*id).is_some() || *id == codes::CYCLE_ON,
+            Task::Cycle(_) => true,
+            _ => false,
+        })
     }
 
     /// The active code of the cycle group acts on every position.
