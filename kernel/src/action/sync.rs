@@ -132,11 +132,12 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();
+    let all = kernel.coordinator.is_pair(spec.parts);
     let (file, line, info) = (kernel.file, kernel.line, kernel.info);
     let waiting = Waiting { spec, tag, file, line };
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
     kernel.control.disturb(kernel.rank);
-    let met = kernel.coordinator.meet(&waiting, || kernel.emitter.work());
+    let met = kernel.coordinator.meet(&waiting, |look| kernel.emitter.work(look));
     kernel.control.disturb(kernel.rank);
     let wake = match met {
         Met::Woken(wake) => wake,
@@ -167,6 +168,9 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     match wake {
         Wake::Released { tag, meeting } => {
             kernel.progress.set_state(State::Running);
+            if all {
+                kernel.emitter.all_reached(tag.t);
+            }
             go_on(kernel, (tag.t, tag.micro), release(meeting));
             Ok(())
         }

@@ -84,11 +84,24 @@ impl<'a> Emitter<'a> {
         Some(slot)
     }
 
-    /// Does a little of the work that was put off; `false` when there is none.
-    pub(crate) fn work(&mut self) -> bool {
+    /// Does a little of the work that was put off; `false` when there is none. `look`: the others may have come so far
+    /// that there is more.
+    pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
-            Target::Lane(feed) => feed.work(|| self.coordinator.floor(self.rank)),
+            Target::Lane(feed) => {
+                if look {
+                    feed.look(self.coordinator.floor(self.rank));
+                }
+                feed.work()
+            }
             Target::Queue(_) | Target::Direct { .. } | Target::Kept(_) => false,
+        }
+    }
+
+    /// No other kernel does anything before this time.
+    pub(crate) fn all_reached(&mut self, t: i64) {
+        if let Target::Lane(feed) = &mut self.target {
+            feed.look(t);
         }
     }
 

@@ -108,7 +108,7 @@ pub(crate) struct Coordinator {
     inner: Mutex<Inner>,
     /// Where the only two kernels of a job meet.
     pair: pair::Pair,
-    /// Meetings so far.
+    /// Meetings so far, but for those of a pair since; changed under the lock.
     meetings: AtomicU64,
     /// Time from the last arrival to the release, ns.
     release_ns: i64,
@@ -381,7 +381,7 @@ impl Coordinator {
         let seen = self.slot(tag.rank)?.signal.load(SeqCst);
         if !self.eligible(&inner, tag) {
             drop(inner);
-            self.spin_for_signal(tag.rank, seen, || false);
+            self.spin_for_signal(tag.rank, seen, |_| false);
             inner = self.lock();
             if !self.eligible(&inner, tag) {
                 return None;

@@ -11,6 +11,8 @@ use crate::log::lane::Lane;
 
 /// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
 const MOST: usize = 1024;
+/// Chunks after which a kernel looks how far the others are: looking slows them down.
+const LOOK_EVERY: usize = 8;
 /// Chunks that wait for a moment when the kernel has nothing better to do.
 const PUT_OFF: usize = 16;
 
@@ -43,7 +45,7 @@ impl Feed {
         if self.floor < i64::MAX {
             return false;
         }
-        while self.work(&floor) {}
+        while self.work() {}
         self.keep(events);
         true
     }
@@ -56,21 +58,33 @@ impl Feed {
         }
         let next = self.spare.pop().unwrap_or_default();
         self.waiting.push_back(std::mem::replace(chunk, next));
-        while self.waiting.len() > PUT_OFF && self.work(&floor) {}
+        while self.waiting.len() > PUT_OFF {
+            if self.work() {
+                continue;
+            }
+            if !self.waiting.len().is_multiple_of(LOOK_EVERY) {
+                break;
+            }
+            self.look(floor());
+            if !self.work() {
+                break;
+            }
+        }
         self.waiting.len() >= MOST
     }
 
+    /// No other kernel can stop the job before this time.
+    pub(crate) fn look(&mut self, floor: i64) {
+        self.floor = self.floor.max(floor);
+    }
+
     /// Takes one chunk in that waits, if it may; `false` if there is none.
-    pub(crate) fn work(&mut self, floor: impl Fn() -> i64) -> bool {
-        let Some(front) = self.waiting.pop_front() else { return false };
-        let last = front.last().map_or(0, |event| event.t_ns);
-        if last >= self.floor {
-            self.floor = floor();
-        }
-        if last >= self.floor {
-            self.waiting.push_front(front);
+    pub(crate) fn work(&mut self) -> bool {
+        let may = |events: &Vec<Event>| events.last().map_or(0, |event| event.t_ns) < self.floor;
+        if !self.waiting.front().is_some_and(may) {
             return false;
         }
+        let Some(front) = self.waiting.pop_front() else { return false };
         self.keep(&front);
         self.spare.push(front);
         true

@@ -12,6 +12,9 @@ use crate::log::work::Work;
 /// Bars a channel has at most.
 pub const MOST: usize = 20_000;
 
+/// Bars that are looked at to find the grain.
+const SAMPLES: usize = 2000;
+
 /// A stretch of time spent on one thing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Bar {
@@ -109,7 +112,9 @@ impl Bars {
 
     fn thin(&mut self) {
         while self.bars.len() > MOST {
-            let mut durations: Vec<i64> = self.bars.iter().map(|b| b.dur_ns).collect();
+            // Some of them are enough to tell what is short, and are done with in a moment: others wait meanwhile.
+            let step = self.bars.len().div_ceil(SAMPLES);
+            let mut durations: Vec<i64> = self.bars.iter().step_by(step).map(|b| b.dur_ns).collect();
             let middle = durations.len() / 2;
             let (_, median, _) = durations.select_nth_unstable(middle);
             self.grain_ns = self.grain_ns.saturating_mul(2).max(median.saturating_add(1));

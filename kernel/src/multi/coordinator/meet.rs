@@ -24,7 +24,7 @@ pub(crate) enum Met {
 impl Coordinator {
     /// Arrives, and waits for a moment until the meeting takes place, with `work` to do meanwhile as long as there is
     /// some.
-    pub(crate) fn meet(&self, waiting: &Waiting, mut work: impl FnMut() -> bool) -> Met {
+    pub(crate) fn meet(&self, waiting: &Waiting, mut work: impl FnMut(bool) -> bool) -> Met {
         if let Some(wake) = self.meet_pair(waiting, &mut work) {
             return Met::Woken(wake);
         }
@@ -61,7 +61,9 @@ impl Coordinator {
     pub(crate) fn count_meeting(&self, inner: &mut Inner, channels: Set) -> u64 {
         inner.shared.met(channels);
         self.set_orders(inner.shared.has_orders(channels));
-        self.meetings.fetch_add(1, SeqCst) + 1
+        let meeting = self.meetings.load(SeqCst).max(self.pair_meetings()) + 1;
+        self.meetings.store(meeting, SeqCst);
+        meeting
     }
 
     /// Carries out the arrival of a parked kernel that is next in tag order; `false` if its own attention is needed.

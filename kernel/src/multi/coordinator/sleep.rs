@@ -8,7 +8,10 @@ use std::sync::atomic::Ordering::SeqCst;
 use super::{Coordinator, Guard, Slot};
 
 /// Turns of the core given away before a waiting thread is put to sleep.
-pub(super) const YIELDS: u32 = 30;
+pub(super) const YIELDS: u32 = 300;
+
+/// Turns after which a kernel that waits looks again how far the others are: looking slows them down.
+pub(super) const LOOK_EVERY: u32 = 64;
 
 impl Slot {
     fn sleep<'a>(&'a self, inner: Guard<'a>) -> Guard<'a> {
@@ -33,7 +36,7 @@ impl Coordinator {
         let seen = slot.signal.load(SeqCst);
         if self.spin > 0 {
             drop(inner);
-            self.spin_for_signal(rank, seen, || false);
+            self.spin_for_signal(rank, seen, |_| false);
             let inner = self.lock();
             if slot.signal.load(SeqCst) != seen {
                 return inner;
@@ -43,12 +46,12 @@ impl Coordinator {
         slot.sleep(inner)
     }
 
-    /// Does what there is to do and spins, until the slot is signalled or the patience is over.
-    pub(super) fn spin_for_signal(&self, rank: u16, seen: u32, mut work: impl FnMut() -> bool) {
+    /// Does what there is to do (`work(true)`: with a look at how far the others are) and spins, until the slot is signalled or the patience is over.
+    pub(super) fn spin_for_signal(&self, rank: u16, seen: u32, mut work: impl FnMut(bool) -> bool) {
         let Some(slot) = self.slot(rank) else { return };
         let signalled = || slot.signal.load(SeqCst) != seen;
-        for _ in 0..self.spin {
-            while !signalled() && work() {}
+        for turn in 0..self.spin {
+            while !signalled() && work(turn % LOOK_EVERY == LOOK_EVERY - 1) {}
             if signalled() {
                 return;
             }
