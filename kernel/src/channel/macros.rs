@@ -13,37 +13,41 @@ use crate::log::event::Kind;
 impl Kernel<'_> {
     /// A line with variables or statements.
     pub(crate) fn macro_line(&mut self, text: &[u8]) -> Acted {
-        let line = self.compiled(text)?;
+        if self.trace.is_some() {
+            self.trace_deleted(text);
+        }
+        let line = self.compiled(text, true)?;
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
         self.statement(&line.statement)
     }
 
-    /// The compiled form of the current line; kept once the program has jumped back or called.
-    fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
+    /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
+    /// be seen: on every pass, but once for a line that is looked at twice.
+    fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
         // A text of its own is compiled each time: the line number does not stand for it.
         let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
         if as_read && let Some(line) = self.flow.compiled.get(&key) {
+            let line = Arc::clone(line);
             self.block.clear();
-            return Ok(Arc::clone(line));
+            if !line.messages.is_empty() {
+                self.block.messages.extend_from_slice(&line.messages);
+                self.messages_of_line(text, shows);
+            }
+            return Ok(line);
         }
         let mut stripped = std::mem::take(&mut self.stripped);
         let (plan, switched) = (self.plan, self.switched_scanner());
         switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut self.block);
-        if self.trace.is_some() {
-            self.trace_deleted(text);
-        }
-        if self.macros.is_none() {
-            self.show_messages(text);
-        }
-        self.block.messages.clear();
+        let messages = self.block.messages.as_slice().into();
+        self.messages_of_line(text, shows);
         let result = fanuc::compile(&stripped);
         self.stripped = stripped;
         match result {
             Ok(line) => {
-                let line = Arc::new(line);
+                let line = Arc::new(Line { messages, ..line });
                 if self.flow.caching && as_read {
                     self.flow.compiled.insert(key, Arc::clone(&line));
                 }
@@ -54,6 +58,14 @@ impl Kernel<'_> {
                 Err(self.alarm(&diag::MACRO_SYNTAX, text))
             }
         }
+    }
+
+    /// Messages of the current line, which a machine with macros has seen to before.
+    fn messages_of_line(&mut self, text: &[u8], shows: bool) {
+        if shows && self.macros.is_none() {
+            self.show_messages(text);
+        }
+        self.block.messages.clear();
     }
 
     fn statement(&mut self, statement: &Statement) -> Acted {
@@ -226,10 +238,10 @@ impl Kernel<'_> {
     pub(crate) fn macro_call(&mut self) -> Acted {
         let line = if self.macros.is_some() || self.edited.is_some() {
             let text = self.text_bytes().into_owned();
-            self.compiled(&text)?
+            self.compiled(&text, false)?
         } else {
             let info = self.info;
-            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)))?
+            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
         };
         let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();

@@ -37,7 +37,7 @@ pub(crate) fn compile(text: &[u8]) -> Result<Line, Error> {
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement })
+    Ok(Line { sequence, statement, messages: Box::default() })
 }
 
 struct Parser<'a> {

@@ -9,6 +9,8 @@ pub(crate) struct Line {
     pub(crate) sequence: Option<u32>,
     /// What it does.
     pub(crate) statement: Statement,
+    /// Places of its messages to the operator.
+    pub(crate) messages: Box<[(u32, u32)]>,
 }
 
 /// What a line does.
