@@ -165,15 +165,22 @@ impl Kernel<'_> {
         }
         for word in &self.block.words {
             let Some(register) = self.machine.registers.get(usize::from(word.register)) else { continue };
-            let name = match &register.second {
+            let before = match &register.second {
                 Some(second) if word.incremental => second,
-                _ => &register.name,
+                _ => &register.before,
             };
-            text.push_str(&format!("{name}{}", word.value));
+            text.push_str(&format!("{before}{}", word.value));
             if word.value.fract() == 0.0 && register.format.frac > 0 && register.format.point != Point::Fractional {
                 text.push('.');
             }
+            text.push_str(&register.after);
             text.push(' ');
+        }
+        for &row in &self.block.texts {
+            if let Some(literal) = self.literal_of(row) {
+                text.push_str(literal);
+                text.push(' ');
+            }
         }
         let line = self.text_bytes();
         for &(start, end) in &self.block.unknown {

@@ -7,7 +7,7 @@ use super::flow::Pending;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
-use crate::dialect::fanuc::{self, Expr, Fault, Line, Statement, TemplateWord, is_vacant, number};
+use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
 
 impl Kernel<'_> {
@@ -40,10 +40,11 @@ impl Kernel<'_> {
         }
         let mut stripped = std::mem::take(&mut self.stripped);
         let (plan, switched) = (self.plan, self.switched_scanner());
-        switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut self.block);
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        scanner.strip(text, &mut stripped, &mut self.block);
         let messages = self.block.messages.as_slice().into();
         self.messages_of_line(text, shows);
-        let result = fanuc::compile(&stripped);
+        let result = fanuc::compile(&stripped, scanner.names());
         self.stripped = stripped;
         match result {
             Ok(line) => {
@@ -139,8 +140,9 @@ impl Kernel<'_> {
                 if !has_bracketing(text) {
                     continue;
                 }
-                switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut scratch);
-                if let Ok(compiled) = fanuc::compile(&stripped) {
+                let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+                scanner.strip(text, &mut stripped, &mut scratch);
+                if let Ok(compiled) = fanuc::compile(&stripped, scanner.names()) {
                     statements.push((line, compiled.statement));
                 }
             }
@@ -213,7 +215,16 @@ impl Kernel<'_> {
             if is_vacant(value) {
                 continue;
             }
-            match self.plan.scanner.register(word.letter) {
+            let register = match word.name {
+                Name::Letter(letter) => self.plan.scanner.register(letter),
+                Name::Register(register, _) if self.sequence_word(register, value) => continue,
+                Name::Register(register, incremental) => Some((register, incremental)),
+                Name::Text(row) => {
+                    self.block.texts.push(row);
+                    continue;
+                }
+            };
+            match register {
                 Some((register, incremental)) => self.block.push(Word {
                     register,
                     incremental,
@@ -234,6 +245,15 @@ impl Kernel<'_> {
         self.act_block()
     }
 
+    /// The first word of the register of sequence numbers is no word.
+    fn sequence_word(&mut self, register: u8, value: f64) -> bool {
+        let is = Some(register) == self.plan.scanner.sequence() && self.block.sequence.is_none() && value >= 0.0;
+        if is {
+            self.block.sequence = Some(value as u32);
+        }
+        is
+    }
+
     /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let line = if self.macros.is_some() || self.edited.is_some() {
@@ -248,8 +268,9 @@ impl Kernel<'_> {
         let (mut program, mut passes) = (None, 1.0);
         let mut levels = [0_u8; 3];
         for word in words {
+            let Name::Letter(letter) = word.name else { continue };
             let value = self.eval(&word.value)?;
-            match word.letter {
+            match letter {
                 b'G' | b'N' | b'O' => {}
                 b'P' if program.is_none() => program = Some(number(value)),
                 b'L' => passes = number(value),
