@@ -39,8 +39,8 @@ impl Kernel<'_> {
             return Ok(line);
         }
         let mut stripped = std::mem::take(&mut self.stripped);
-        let (plan, switched) = (self.plan, self.switched_scanner());
-        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (plan, own) = (self.plan, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&plan.scanner);
         scanner.strip(text, &mut stripped, &mut self.block);
         let messages = self.block.messages.as_slice().into();
         self.messages_of_line(text, shows);

@@ -140,6 +140,12 @@ pub(crate) struct Runtime {
     pub(crate) last_sequence: u32,
     /// The scanner with levels of optional skip that a macro has switched.
     pub(crate) scanner: Option<Arc<Scanner>>,
+    /// The scanner without marks of optional skip, once EXEC has issued a text.
+    pub(crate) unmarked: Option<Arc<Scanner>>,
+    /// The block in process is a text that EXEC issued.
+    pub(crate) issued: bool,
+    /// Level of its first mark of optional skip, if the machine has data for that.
+    pub(crate) mark: Option<u8>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -211,6 +217,9 @@ impl Runtime {
             operation_sums: Sums::default(),
             last_sequence: 0,
             scanner: None,
+            unmarked: None,
+            issued: false,
+            mark: None,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),
