@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::block::Block;
@@ -15,6 +16,7 @@ use crate::log::event::FileId;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};
 use crate::machine::number::written;
+use crate::macros::host::variables;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
 
@@ -169,7 +171,10 @@ impl Kernel<'_> {
     /// The file of this subprogram alone, and the file of all of them.
     fn subprogram_files(&self, number: u32) -> (String, String) {
         let (folder, stem) = self.main_program();
-        let extension = &self.machine.subprograms.extension;
+        let extension = match self.macros.as_deref().map(|runtime| runtime.store.get(variables::names().extension)) {
+            Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
+            _ => self.machine.subprograms.extension.as_str(),
+        };
         (format!("{folder}{stem}_{number}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
 
