@@ -1,4 +1,4 @@
-//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, `$MFICHN`.
+//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, and the names of the files, `$MFINAM`.
 //!
 //! Invariant: there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
 //! later assignment wins. Facts: reference system-variables.md 17.
