@@ -224,13 +224,24 @@ fn acceleration_counts_for_rapids_and_exact_stop() {
 fn operator_messages_reach_the_log() {
     let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
     let done = run_on("fanuc-mill", overlay, "G0 X1. {CHECK CLAMP} (remark)\nM30\n", Options::default());
-    let messages: Vec<&str> = done
-        .events
-        .iter()
-        .filter_map(|e| if let Kind::Message { text } = &e.kind { Some(&**text) } else { None })
-        .collect();
-    assert_eq!(messages, ["CHECK CLAMP"]);
+    assert_eq!(messages(&done), ["CHECK CLAMP"]);
     assert_eq!(numbers(&mill("G0 X1. (no end\nM30\n")), [2900010]);
+}
+
+fn messages(done: &Done) -> Vec<&str> {
+    let events = done.events.iter();
+    events.filter_map(|e| if let Kind::Message { text } = &e.kind { Some(&**text) } else { None }).collect()
+}
+
+#[test]
+fn messages_of_statements_show_on_every_pass() {
+    let overlay = "[format]\nmessage = [\"{\", \"}\"]\n";
+    let text = "O1\n#1=0\nWHILE[#1LT3]DO1\n#1=#1+1 {COUNT}\nG0 X#1 {MOVE}\nG65 P50 A#1 {CALL}\nEND1\n\
+                G65 P50 {LAST}\nM30\nO50\nG4 P1\nM99\n";
+    let done = run_on("fanuc-mill", overlay, text, Options::default());
+    let pass = ["COUNT", "MOVE", "CALL"];
+    assert_eq!(messages(&done), [&pass[..], &pass, &pass, &["LAST"]].concat());
+    assert_eq!(numbers(&done), [0_u32; 0]);
 }
 
 #[test]

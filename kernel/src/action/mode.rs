@@ -14,6 +14,16 @@ pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
     Ok(())
 }
 
+/// A state with the words of its code.
+pub(super) fn state(kernel: &mut Kernel<'_>, row: &CodeRow) -> Acted {
+    if kernel.mode_changed {
+        let name = kernel.machine.code_name(row.id);
+        let text = name.strip_prefix("CODE_").unwrap_or(name).to_lowercase().replace('_', " ");
+        kernel.emit(0, Kind::Mode { text: text.into() });
+    }
+    Ok(())
+}
+
 /// Primary or secondary units.
 pub(super) fn units(kernel: &mut Kernel<'_>, secondary: bool) -> Acted {
     use crate::log::info::Unit;

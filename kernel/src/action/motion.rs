@@ -153,6 +153,7 @@ impl Kernel<'_> {
             }
             runtime.store.moving += Self::ns(seconds);
             self.sum_motion(rapid == 1, seconds, motion.length);
+            self.note_travel(motion);
         }
         self.block.moved = true;
         self.flow.pass.effects = true;

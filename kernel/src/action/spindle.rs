@@ -170,6 +170,23 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
     kernel.follow_radius()
 }
 
+/// Changes the commanded state as a macro wants it: without an event and without time.
+pub(crate) fn set_command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
+    let Some(index) = kernel.spindle.index else { return Ok(()) };
+    if !kernel.spindle.shared {
+        change(&mut kernel.spindle.command);
+        return Ok(());
+    }
+    let now = kernel.shared(|inner, _| {
+        inner.shared.spindles.get_mut(index).map(|spindle| {
+            change(&mut spindle.command);
+            spindle.command
+        })
+    })?;
+    kernel.spindle.command = now.unwrap_or_default();
+    kernel.follow_radius()
+}
+
 /// Logs the state and takes the run-up time.
 fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
     let Some(spindle) = kernel.machine.spindles.get(index) else { return Ok(()) };

@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
 //! acts first.
 
+use crate::channel::custom_calls::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
@@ -28,18 +29,22 @@ pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
     Ok(())
 }
 
-/// Call of the blocks from one sequence number to another in the current file.
+/// Call of the blocks from one sequence number or label to another in the current file.
 pub(super) fn call_range(kernel: &mut Kernel<'_>) -> Acted {
-    let first = kernel.take(data::CALSUB_BLOCK_START).map(|d| d.value);
-    let last = kernel.take(data::CALSUB_BLOCK_END).map(|d| d.value);
+    let numbers = [data::CALSUB_BLOCK_START, data::CALSUB_BLOCK_END].map(|id| kernel.take(id).map(|d| d.value));
+    let labels = [data::LABEL, data::LABEL_END].map(|id| kernel.take(id).map(|d| d.value));
     let repeat = kernel.take(data::RANGE_REPEAT).map(|d| d.value);
+    let by_labels = numbers == [None; 2] && labels != [None; 2];
     let number = |v: f64| (v >= 0.0 && v <= f64::from(u32::MAX) && v.fract() == 0.0).then_some(v as u32);
-    let (Some(first), Some(last)) = (first.and_then(number), last.and_then(number)) else {
-        let text = format!("a range call needs its first and last sequence number in '{}'", kernel.block_text());
+    let [first, last] = if by_labels { labels } else { numbers }.map(|value| value.and_then(number));
+    let (Some(first), Some(last)) = (first, last) else {
+        let what = if by_labels { "label" } else { "sequence number" };
+        let text = format!("a range call needs its first and last {what} in '{}'", kernel.block_text());
         return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
-    let passes = repeat.map_or(1, |count| passes(kernel, count));
-    kernel.flow.pending = Some(Pending::CallRange { first, last, passes: passes.max(1) });
+    let passes = repeat.map_or(1, |count| passes(kernel, count)).max(1);
+    let what = if by_labels { Callee::Labels(first, last) } else { Callee::Blocks(first, last) };
+    kernel.flow.pending = Some(Pending::CallRange { what, passes });
     Ok(())
 }
 

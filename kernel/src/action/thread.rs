@@ -2,11 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 6.1; lead along the axis with the longer travel as on the real control.
 
+use counterpoint_lang::value::Value;
+
 use super::spindle::Turning;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind};
 use crate::machine::ident::data;
+use crate::macros::host::variables::names;
 
 /// Cuts one pass.
 pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
@@ -18,7 +21,10 @@ pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
         None => kernel.modal.value(data::INTERP_THREAD_PITCH),
     };
     kernel.take(data::INTERP_THREAD_ANGLE);
-    let starts = kernel.take(data::INTERP_THREAD_STARTS).map_or(1.0, |d| d.value.max(1.0));
+    let starts = kernel.take(data::INTERP_THREAD_STARTS).map(|d| d.value);
+    let starts =
+        starts.or_else(|| kernel.modal.value(data::INTERP_THREAD_STARTS)).map_or(1.0, |starts| starts.max(1.0));
+    kernel.store(names().starts, || Value::Real(starts));
     let (coded, target) = kernel.targets();
     if coded == 0 {
         return Ok(());

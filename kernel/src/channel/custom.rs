@@ -12,6 +12,7 @@ use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::machine::ident::data;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
@@ -54,6 +55,7 @@ impl Kernel<'_> {
         let text = runtime.text.take();
         let left = runtime.left.take();
         let code = runtime.store.code.take();
+        let (issued, mark) = (runtime.issued, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let done = self.check_limits().and_then(|()| process(self));
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
@@ -61,6 +63,7 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
+            (runtime.issued, runtime.mark) = (issued, mark);
         }
         done
     }
@@ -104,11 +107,17 @@ impl Kernel<'_> {
 
     /// One block on a kernel with macros; `text` if it is not the line of the file.
     pub(crate) fn custom_block(&mut self, text: Option<Arc<String>>) -> Acted {
+        let machine = self.machine;
         if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.issued = text.is_some();
+            if runtime.issued && runtime.unmarked.is_none() {
+                runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+            }
             runtime.text = text;
             runtime.left = None;
             runtime.store.number = 0;
         }
+        self.note_mark();
         self.delete_around_code();
         if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
@@ -123,8 +132,8 @@ impl Kernel<'_> {
             Some(text) => text.as_bytes(),
             None => edited.as_deref().unwrap_or_else(as_read),
         };
-        let (plan, switched) = (self.plan, self.switched_scanner());
-        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (plan, own) = (self.plan, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&plan.scanner);
         match scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
             LineKind::Words => {
                 if self.trace.is_some() && !self.has_embedded(1) {
@@ -141,6 +150,20 @@ impl Kernel<'_> {
                 }
                 self.macro_line(bytes)
             }
+        }
+    }
+
+    /// Keeps the level of the first mark of optional skip, on machines that have a row for it.
+    fn note_mark(&mut self) {
+        if !self.knows_data(data::OPSKIP) {
+            return;
+        }
+        let level = match self.block_scanner() {
+            Some(scanner) => scanner.first_mark(&self.text_bytes()),
+            None => self.plan.scanner.first_mark(&self.text_bytes()),
+        };
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.mark = level;
         }
     }
 
@@ -165,15 +188,22 @@ impl Kernel<'_> {
         }
         for word in &self.block.words {
             let Some(register) = self.machine.registers.get(usize::from(word.register)) else { continue };
-            let name = match &register.second {
+            let before = match &register.second {
                 Some(second) if word.incremental => second,
-                _ => &register.name,
+                _ => &register.before,
             };
-            text.push_str(&format!("{name}{}", word.value));
+            text.push_str(&format!("{before}{}", word.value));
             if word.value.fract() == 0.0 && register.format.frac > 0 && register.format.point != Point::Fractional {
                 text.push('.');
             }
+            text.push_str(&register.after);
             text.push(' ');
+        }
+        for &row in &self.block.texts {
+            if let Some(literal) = self.literal_of(row) {
+                text.push_str(literal);
+                text.push(' ');
+            }
         }
         let line = self.text_bytes();
         for &(start, end) in &self.block.unknown {
@@ -191,6 +221,13 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
         self.macros.as_deref().and_then(|runtime| runtime.scanner.clone())
+    }
+
+    /// The scanner for the text of the block in process, if not the plan's: what EXEC issued undergoes no block delete.
+    #[inline]
+    pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
+        let runtime = self.macros.as_deref()?;
+        if runtime.issued { runtime.unmarked.clone() } else { runtime.scanner.clone() }
     }
 
     /// `$OPSKIPL`: switches a level of optional skip from the next block on.
@@ -211,8 +248,8 @@ impl Kernel<'_> {
     fn scan_again(&mut self) {
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
         if let Some(text) = own {
-            let (plan, switched) = (self.plan, self.switched_scanner());
-            let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+            let (plan, own) = (self.plan, self.block_scanner());
+            let scanner = own.as_deref().unwrap_or(&plan.scanner);
             scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         }
     }

@@ -1,7 +1,7 @@
 //! Subprogram startup and shutdown macros: once for each pass.
 //!
-//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers in
-//! `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number,
+//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers
+//! or labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number,
 //! `$P10` counts lines before the program, so that 0 is the top of the file; a startup macro can send a call to any
 //! file of the job.
 
@@ -33,6 +33,8 @@ pub(crate) enum Callee {
     Program(u32),
     /// Blocks from one sequence number to another.
     Blocks(u32, u32),
+    /// Blocks from one label to another.
+    Labels(u32, u32),
 }
 
 impl std::fmt::Display for Callee {
@@ -40,6 +42,7 @@ impl std::fmt::Display for Callee {
         match self {
             Callee::Program(number) => write!(f, "subprogram {number}"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
+            Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }
     }
 }
@@ -114,7 +117,7 @@ impl Kernel<'_> {
         };
         let (kind, number, (first, last)) = match called.what {
             Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
-            Callee::Blocks(first, last) => (1.0, String::new(), (first, last)),
+            Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (first, last)),
         };
         [
             Value::Real(kind),

@@ -10,7 +10,7 @@ use super::data::Datum;
 use super::state::group;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
-use crate::machine::ident::{CodeId, DataId, codes};
+use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::condition::Item;
 use crate::macros::host::{code_id, code_value, data_value};
@@ -45,6 +45,10 @@ impl Kernel<'_> {
             runtime.last_sequence = number;
         }
         self.block.next = 0;
+        let mark = self.macros.as_deref().and_then(|runtime| runtime.mark).filter(|_| origin == Origin::Text);
+        if let Some(level) = mark {
+            self.block.added.push((data::OPSKIP, f64::from(level)));
+        }
         self.imply();
         self.imply_by_data();
         self.sort();
@@ -297,6 +301,9 @@ impl Kernel<'_> {
     /// Added data that nothing has taken.
     fn added_leftovers(&mut self) {
         while let Some((id, value)) = self.block.added.pop() {
+            if id == data::OPSKIP {
+                continue;
+            }
             let rows = self.machine.tables.data(id).iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
             let modal = rows.clone().any(|row| row.modal && row.process);
             let name = self.machine.data_name(id).to_owned();

@@ -9,7 +9,7 @@ use super::flow::{Flow, Frame};
 use super::state::Modal;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
-use crate::dialect::fanuc::{Fault, Statement, compile, number};
+use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
@@ -151,7 +151,8 @@ impl Kernel<'_> {
     /// Value of an expression that a macro gave in place of a variable.
     fn value_of_text(&mut self, text: &str, index: u32) -> Result<f64, Fault> {
         let unknown = Fault::NoVariable(f64::from(index));
-        let statement = compile(format!("#1=[{text}]").as_bytes()).map_err(|_| unknown.clone())?.statement;
+        let statement =
+            compile(format!("#1=[{text}]").as_bytes(), Names::default()).map_err(|_| unknown.clone())?.statement;
         let Statement::Assign(list) = statement else { return Err(unknown) };
         match list.as_slice() {
             [(_, value)] => {

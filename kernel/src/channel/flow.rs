@@ -7,6 +7,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::custom_calls::{Called, Callee};
+use super::search::Labels;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::Line;
@@ -48,12 +49,10 @@ pub(crate) enum Pending {
         /// Arguments of a macro call by variable number.
         arguments: Option<Vec<(u8, f64)>>,
     },
-    /// Call the blocks from one sequence number to another.
+    /// Call the blocks from one sequence number or label to another.
     CallRange {
-        /// Sequence number of the first block.
-        first: u32,
-        /// Sequence number of the last block.
-        last: u32,
+        /// Which ones.
+        what: Callee,
         /// Passes, at least 1.
         passes: u32,
     },
@@ -90,6 +89,8 @@ pub(crate) struct Flow {
     pub(crate) compiled: FxHashMap<(FileId, u32), Arc<Line>>,
     /// Loop partners by program (file and first line).
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
+    /// Lines of labels by file and label.
+    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
 }
@@ -111,7 +112,7 @@ impl Kernel<'_> {
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),
-            Some(Pending::CallRange { first, last, passes }) => self.call_range(first, last, passes),
+            Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::Return(target)) => self.give_back(target),
         }
     }
@@ -142,17 +143,13 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Blocks from the first one with a sequence number to the next one with another, both included, in the current
-    /// file (reference control-emulator.md 5.7).
-    fn call_range(&mut self, first: u32, last: u32, passes: u32) -> Acted {
-        self.check_nesting(|| format!("N{first} to N{last}"))?;
-        let info = self.info;
-        let lines = |number| info.source(self.file).map_or(&[][..], |source| source.sequence_lines(number));
-        let start = lines(first).first().copied();
-        let end = start.and_then(|start| lines(last).iter().copied().find(|&line| line >= start));
-        let range = start.zip(end).map(|(first, last)| Range { number: None, first, last });
+    /// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
+    /// current file (reference control-emulator.md 5.7).
+    fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
+        self.check_nesting(|| what.to_string())?;
+        let range = self.find_range(what);
         let mut found = range.map(|range| (self.file, range));
-        let called = Called { what: Callee::Blocks(first, last), passes };
+        let called = Called { what, passes };
         if self.macros.is_some() {
             match self.subprogram_startup(called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -160,11 +157,14 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text =
-                format!("there are no blocks N{first} to N{last} in the file, called in '{}'", self.block_text());
+            let text = format!("{what} is not in the file, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let name = format!("N{first}-N{last}").into();
+        let name = match what {
+            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
+            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+            Callee::Program(number) => format!("O{number:04}").into(),
+        };
         let repeats = passes.saturating_sub(1);
         let frame = Frame {
             file,

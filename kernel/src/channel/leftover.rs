@@ -58,7 +58,8 @@ impl Kernel<'_> {
         let mut axis = false;
         for &index in rows {
             let Some(row) = machine.data.get(usize::from(index)) else { continue };
-            if self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false) {
+            // A label that no call takes marks its block.
+            if row.id == data::LABEL || self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false) {
                 known = true;
                 continue;
             }

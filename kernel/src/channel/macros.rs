@@ -7,43 +7,48 @@ use super::flow::Pending;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
-use crate::dialect::fanuc::{self, Expr, Fault, Line, Statement, TemplateWord, is_vacant, number};
+use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
 
 impl Kernel<'_> {
     /// A line with variables or statements.
     pub(crate) fn macro_line(&mut self, text: &[u8]) -> Acted {
-        let line = self.compiled(text)?;
+        if self.trace.is_some() {
+            self.trace_deleted(text);
+        }
+        let line = self.compiled(text, true)?;
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
         self.statement(&line.statement)
     }
 
-    /// The compiled form of the current line; kept once the program has jumped back or called.
-    fn compiled(&mut self, text: &[u8]) -> Result<Arc<Line>, Halt> {
+    /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
+    /// be seen: on every pass, but once for a line that is looked at twice.
+    fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
         // A text of its own is compiled each time: the line number does not stand for it.
         let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
         if as_read && let Some(line) = self.flow.compiled.get(&key) {
+            let line = Arc::clone(line);
             self.block.clear();
-            return Ok(Arc::clone(line));
+            if !line.messages.is_empty() {
+                self.block.messages.extend_from_slice(&line.messages);
+                self.messages_of_line(text, shows);
+            }
+            return Ok(line);
         }
         let mut stripped = std::mem::take(&mut self.stripped);
-        let (plan, switched) = (self.plan, self.switched_scanner());
-        switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut self.block);
-        if self.trace.is_some() {
-            self.trace_deleted(text);
-        }
-        if self.macros.is_none() {
-            self.show_messages(text);
-        }
-        self.block.messages.clear();
-        let result = fanuc::compile(&stripped);
+        let (plan, own) = (self.plan, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&plan.scanner);
+        scanner.strip(text, &mut stripped, &mut self.block);
+        let messages = self.block.messages.as_slice().into();
+        self.messages_of_line(text, shows);
+        let result = fanuc::compile(&stripped, scanner.names());
         self.stripped = stripped;
         match result {
             Ok(line) => {
-                let line = Arc::new(line);
+                let line = Arc::new(Line { messages, ..line });
                 if self.flow.caching && as_read {
                     self.flow.compiled.insert(key, Arc::clone(&line));
                 }
@@ -54,6 +59,14 @@ impl Kernel<'_> {
                 Err(self.alarm(&diag::MACRO_SYNTAX, text))
             }
         }
+    }
+
+    /// Messages of the current line, which a machine with macros has seen to before.
+    fn messages_of_line(&mut self, text: &[u8], shows: bool) {
+        if shows && self.macros.is_none() {
+            self.show_messages(text);
+        }
+        self.block.messages.clear();
     }
 
     fn statement(&mut self, statement: &Statement) -> Acted {
@@ -127,8 +140,9 @@ impl Kernel<'_> {
                 if !has_bracketing(text) {
                     continue;
                 }
-                switched.as_deref().unwrap_or(&plan.scanner).strip(text, &mut stripped, &mut scratch);
-                if let Ok(compiled) = fanuc::compile(&stripped) {
+                let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+                scanner.strip(text, &mut stripped, &mut scratch);
+                if let Ok(compiled) = fanuc::compile(&stripped, scanner.names()) {
                     statements.push((line, compiled.statement));
                 }
             }
@@ -201,7 +215,16 @@ impl Kernel<'_> {
             if is_vacant(value) {
                 continue;
             }
-            match self.plan.scanner.register(word.letter) {
+            let register = match word.name {
+                Name::Letter(letter) => self.plan.scanner.register(letter),
+                Name::Register(register, _) if self.sequence_word(register, value) => continue,
+                Name::Register(register, incremental) => Some((register, incremental)),
+                Name::Text(row) => {
+                    self.block.texts.push(row);
+                    continue;
+                }
+            };
+            match register {
                 Some((register, incremental)) => self.block.push(Word {
                     register,
                     incremental,
@@ -222,22 +245,32 @@ impl Kernel<'_> {
         self.act_block()
     }
 
+    /// The first word of the register of sequence numbers is no word.
+    fn sequence_word(&mut self, register: u8, value: f64) -> bool {
+        let is = Some(register) == self.plan.scanner.sequence() && self.block.sequence.is_none() && value >= 0.0;
+        if is {
+            self.block.sequence = Some(value as u32);
+        }
+        is
+    }
+
     /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let line = if self.macros.is_some() || self.edited.is_some() {
             let text = self.text_bytes().into_owned();
-            self.compiled(&text)?
+            self.compiled(&text, false)?
         } else {
             let info = self.info;
-            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)))?
+            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
         };
         let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();
         let (mut program, mut passes) = (None, 1.0);
         let mut levels = [0_u8; 3];
         for word in words {
+            let Name::Letter(letter) = word.name else { continue };
             let value = self.eval(&word.value)?;
-            match word.letter {
+            match letter {
                 b'G' | b'N' | b'O' => {}
                 b'P' if program.is_none() => program = Some(number(value)),
                 b'L' => passes = number(value),

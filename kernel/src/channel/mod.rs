@@ -25,7 +25,7 @@ pub(crate) mod remarks;
 mod report;
 pub(crate) mod scan;
 mod search;
-mod special;
+pub(crate) mod special;
 pub(crate) mod state;
 pub(crate) mod tape;
 mod text;

@@ -7,6 +7,7 @@ mod marks;
 
 use super::block::{Block, Word};
 use super::special::{self, Early};
+use crate::dialect::fanuc::Names;
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 
@@ -112,6 +113,16 @@ impl Scanner {
         self.sequence
     }
 
+    /// What words of lines with expressions may be called besides letters.
+    pub(super) fn names(&self) -> Names<'_> {
+        let early = self.early.as_deref();
+        Names {
+            like_words: early.map_or(&[], |early| &early.texts),
+            registers: early.map_or(&[], |early| &early.registers),
+            texts: &self.texts,
+        }
+    }
+
     /// Register of a letter, with its incremental flag.
     pub(crate) fn register(&self, letter: u8) -> Option<(u8, bool)> {
         self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
@@ -138,11 +149,14 @@ impl Scanner {
                 at += 1;
                 continue;
             }
-            if let Some(early) = &self.early
-                && let Some(next) = self.early(early, line, at, secondary, block)
-            {
-                at = next;
-                continue;
+            if let Some(early) = &self.early {
+                if macros && early.opens_macro(line, at) {
+                    return Kind::Macro;
+                }
+                if let Some(next) = self.early(early, line, at, secondary, block) {
+                    at = next;
+                    continue;
+                }
             }
             if let Some((register, incremental)) = self.register(byte) {
                 match self.word(line, at + 1, (at, register, incremental), secondary, block) {

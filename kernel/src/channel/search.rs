@@ -1,14 +1,27 @@
-//! Where a called program is looked for.
+//! Where a called program or range of blocks is looked for.
 //!
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) the other places and files beside the program that are named after the number.
 
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+use rustc_hash::FxHashMap;
+
+use super::block::Block;
+use super::custom_calls::Callee;
+use super::scan::Kind;
 use super::{Halt, Kernel};
 use crate::log::event::FileId;
+use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};
 use crate::machine::number::written;
+use crate::macros::host::variables;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
+
+/// Lines of a file by label, ascending.
+pub(super) type Labels = FxHashMap<u32, Vec<u32>>;
 
 /// A place to look in.
 enum Look {
@@ -66,6 +79,58 @@ impl Kernel<'_> {
         looks
     }
 
+    /// The blocks of a range in the current file.
+    pub(super) fn find_range(&mut self, what: Callee) -> Option<Range> {
+        let info = self.info;
+        let source = info.source(self.file)?;
+        let labels;
+        let (from, to) = match what {
+            Callee::Program(_) => return None,
+            Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
+            Callee::Labels(first, last) => {
+                labels = self.labels();
+                let lines = |label| labels.get(&label).map_or(&[][..], Vec::as_slice);
+                (lines(first), lines(last))
+            }
+        };
+        let start = from.first().copied()?;
+        let end = to.iter().copied().find(|&line| line >= start)?;
+        Some(Range { number: None, first: start, last: end })
+    }
+
+    /// Labels of the current file, found once. A block with a word for a label has it, unless it calls a range.
+    fn labels(&mut self) -> Arc<Labels> {
+        if let Some(labels) = self.flow.labels.get(&self.file) {
+            return Arc::clone(labels);
+        }
+        let mut labels = Labels::default();
+        let scanner = &self.plan.scanner;
+        let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
+        let mut block = Block::default();
+        if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
+            for line in 1..=source.lines() {
+                let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_macros());
+                if is_plain != Kind::Words || self.calls_range(&block) {
+                    continue;
+                }
+                let word = |of: u8| block.words.iter().find(|word| word.register == of).map(|word| word.value);
+                let label = sources.iter().find_map(|s| word(s.register).map(|value| value * s.mul + s.add));
+                if let Some(label) = label.filter(|v| *v >= 0.0 && v.fract() == 0.0 && *v <= f64::from(u32::MAX)) {
+                    labels.entry(label as u32).or_default().push(line);
+                }
+            }
+        }
+        let labels = Arc::new(labels);
+        self.flow.labels.insert(self.file, Arc::clone(&labels));
+        labels
+    }
+
+    /// A code of the block calls a range.
+    fn calls_range(&self, block: &Block) -> bool {
+        let words = block.words.iter().flat_map(|word| self.machine.tables.code(word.register, word.value));
+        words.chain(&block.texts).any(|&row| self.id_of_row(row) == Some(codes::CALSUB_RANGE))
+    }
+
     /// A program of a file by name; `whole` takes the file from its top whatever it defines.
     fn named(&mut self, name: &str, number: u32, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
         let Some(file) = self.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
@@ -106,7 +171,10 @@ impl Kernel<'_> {
     /// The file of this subprogram alone, and the file of all of them.
     fn subprogram_files(&self, number: u32) -> (String, String) {
         let (folder, stem) = self.main_program();
-        let extension = &self.machine.subprograms.extension;
+        let extension = match self.macros.as_deref().map(|runtime| runtime.store.get(variables::names().extension)) {
+            Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
+            _ => self.machine.subprograms.extension.as_str(),
+        };
         (format!("{folder}{stem}_{number}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
 

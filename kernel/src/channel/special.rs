@@ -1,6 +1,7 @@
 //! What the scanner looks for before it reads a word by its letter: special registers and texts that look like words.
 //!
-//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: longer texts are tried
+//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
+//! same (`dialect`). Invariant: longer texts are tried
 //! first, so that `C1=` is not hidden by a register `C`; a machine with neither has nothing here.
 
 use crate::machine::Machine;
@@ -8,7 +9,7 @@ use crate::machine::model::CodeForm;
 
 /// Special registers and texts, prepared once.
 #[derive(Debug)]
-pub(super) struct Early {
+pub(crate) struct Early {
     /// Literal texts that a register would read as a word, with their rows.
     pub(super) texts: Vec<(Vec<u8>, u16)>,
     /// Special registers.
@@ -19,11 +20,22 @@ pub(super) struct Early {
 
 /// A register with text around its number.
 #[derive(Debug)]
-pub(super) struct Special {
-    pub(super) before: Vec<u8>,
-    pub(super) after: Vec<u8>,
-    pub(super) register: u8,
-    pub(super) incremental: bool,
+pub(crate) struct Special {
+    pub(crate) before: Vec<u8>,
+    pub(crate) after: Vec<u8>,
+    pub(crate) register: u8,
+    pub(crate) incremental: bool,
+}
+
+impl Special {
+    /// The text before the number stands at a place, with something behind it that may have a value.
+    pub(crate) fn has_value(&self, line: &[u8], at: usize) -> bool {
+        let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(self.before.as_slice())) else {
+            return false;
+        };
+        let first = rest.iter().find(|byte| !b" \t+-".contains(byte));
+        matches!(first, Some(b'0'..=b'9' | b'.' | b'#' | b'['))
+    }
 }
 
 impl Early {
@@ -67,6 +79,17 @@ impl Early {
         Some(Box::new(Self { texts, registers, first }))
     }
 
+    /// A special register with a variable or an expression in place of its number stands at a place.
+    pub(super) fn opens_macro(&self, line: &[u8], at: usize) -> bool {
+        let Some(&byte) = line.get(at) else { return false };
+        self.may_start(byte)
+            && self.registers.iter().any(|special| {
+                let behind = line.get(at + special.before.len()..).unwrap_or_default();
+                let first = behind.iter().find(|byte| !b" \t+-".contains(byte));
+                matches!(first, Some(b'#' | b'[')) && special.has_value(line, at)
+            })
+    }
+
     /// One of them may begin with this byte.
     pub(super) fn may_start(&self, byte: u8) -> bool {
         self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
@@ -79,7 +102,7 @@ fn looks_like_word(text: &[u8]) -> bool {
 }
 
 /// A literal text stands at a place: one that ends in a digit is not the beginning of a longer number.
-pub(super) fn stands(text: &[u8], line: &[u8], at: usize) -> bool {
+pub(crate) fn stands(text: &[u8], line: &[u8], at: usize) -> bool {
     let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(text)) else { return false };
     let digit_ends = text.last().is_some_and(u8::is_ascii_digit);
     !(digit_ends && matches!(rest.first(), Some(b'0'..=b'9' | b'.')))

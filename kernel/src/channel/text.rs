@@ -54,8 +54,8 @@ impl Kernel<'_> {
 
     /// The trace of block delete.
     pub(crate) fn trace_deleted(&mut self, text: &[u8]) {
-        let (plan, switched) = (self.plan, self.switched_scanner());
-        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (plan, own) = (self.plan, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&plan.scanner);
         if self.traces('E')
             && let Some((active, left)) = scanner.without_deleted(text, text)
         {

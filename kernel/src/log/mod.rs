@@ -5,7 +5,7 @@
 pub mod digest;
 pub mod event;
 pub mod fold;
-mod geometry;
+pub(crate) mod geometry;
 pub mod info;
 pub mod jsonl;
 pub(crate) mod lane;

@@ -13,6 +13,7 @@ pub(crate) mod operations;
 mod search;
 pub(crate) mod sums;
 mod trace;
+pub(crate) mod travel;
 pub(crate) mod variables;
 
 use counterpoint_lang::diag::{Diagnostic, Number};

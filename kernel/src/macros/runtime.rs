@@ -15,14 +15,15 @@ use rustc_hash::FxHashMap;
 
 use super::host::operations::Operations;
 use super::host::sums::Sums;
-use super::host::variables::Store;
+use super::host::travel::Travel;
+use super::host::variables::{Store, names};
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
-use crate::log::event::{FileId, Motion, ToolAction};
+use crate::log::event::{FileId, MAX_AXES, Motion, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -136,10 +137,22 @@ pub(crate) struct Runtime {
     pub(crate) tool_sums: Sums,
     /// `$OPSUM`
     pub(crate) operation_sums: Sums,
+    /// `$TLMIN`, `$TLMAX`
+    pub(crate) tool_travel: Travel,
+    /// `$OPMIN`, `$OPMAX`
+    pub(crate) operation_travel: Travel,
+    /// Column of each axis of the channel in those.
+    pub(crate) columns: [Option<usize>; MAX_AXES],
     /// Sequence number of the last block that had one.
     pub(crate) last_sequence: u32,
     /// The scanner with levels of optional skip that a macro has switched.
     pub(crate) scanner: Option<Arc<Scanner>>,
+    /// The scanner without marks of optional skip, once EXEC has issued a text.
+    pub(crate) unmarked: Option<Arc<Scanner>>,
+    /// The block in process is a text that EXEC issued.
+    pub(crate) issued: bool,
+    /// Level of its first mark of optional skip, if the machine has data for that.
+    pub(crate) mark: Option<u8>,
     /// Compiled embedded code by text; none where it has errors.
     pub(crate) embedded: FxHashMap<String, Option<(u16, bool)>>,
     /// Global variables that this kernel has for itself.
@@ -209,8 +222,14 @@ impl Runtime {
             operations: Operations::default(),
             tool_sums: Sums::default(),
             operation_sums: Sums::default(),
+            tool_travel: Travel::default(),
+            operation_travel: Travel::default(),
+            columns: [None; MAX_AXES],
             last_sequence: 0,
             scanner: None,
+            unmarked: None,
+            issued: false,
+            mark: None,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
             shared_globals: (kernels > 1).then_some(100),
@@ -282,6 +301,9 @@ impl Kernel<'_> {
         self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
             let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
             runtime.slots = self.six_axes();
+            runtime.columns = self.travel_columns();
+            let extension = self.machine.subprograms.extension.as_str();
+            runtime.store.set(names().extension, Value::text(extension));
             Box::new(runtime)
         });
         self

@@ -12,6 +12,8 @@ pub(crate) mod tag;
 pub(crate) mod verdict;
 pub(crate) mod waits;
 
+use std::sync::OnceLock;
+
 use counterpoint_lang::pattern::Memory;
 use crossbeam_channel::Sender;
 
@@ -52,7 +54,8 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> Outcome {
     let machine = &*job.spec().machine;
     let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, None));
-    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control };
+    let given = OnceLock::new();
+    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
     let mut count = 0;
     let mut log = |event: &Event| {
         count += 1;
@@ -88,7 +91,8 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
     let machine = &*job.spec().machine;
     let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
     let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, Some(sender)));
-    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control };
+    let given = OnceLock::new();
+    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
     let mut seq = 0;
     let mut log = |event: &Event| {
         seq += 1;
@@ -175,6 +179,8 @@ struct Shop<'a> {
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
+    /// Programs of the kernels as Machine Startup left them, by kernel; nothing without a master.
+    given: &'a OnceLock<Vec<String>>,
 }
 
 impl<'a> Shop<'a> {
@@ -305,12 +311,12 @@ impl<'a> Shop<'a> {
     where
         'a: 'k,
     {
-        let Self { job, plan, coordinator, files, control } = self;
+        let Self { job, plan, coordinator, files, control, given } = self;
         let machine = &*job.spec().machine;
         let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
         let shared =
             machine.channels.iter().filter(|c| c.spindle.is_some() && c.spindle == channel.spindle).count() > 1;
-        Kernel {
+        let mut kernel = Kernel {
             machine,
             info: job.info(),
             options: &job.spec().options,
@@ -346,6 +352,10 @@ impl<'a> Shop<'a> {
             cycle: crate::action::cycle::State::new(machine),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
-        .with_macros(job.macros())
+        .with_macros(job.macros());
+        for (program, at) in given.get().into_iter().flatten().zip(1..) {
+            kernel.tell_program(at, program);
+        }
+        kernel
     }
 }

@@ -16,7 +16,7 @@ pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, seq
 use crate::channel::Kernel;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, DataId};
-use crate::machine::model::StoredFile;
+use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
 
 /// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask
@@ -68,6 +68,23 @@ impl Kernel<'_> {
         word(register, &value)
     }
 
+    /// The literal text of a row of the code table.
+    pub(crate) fn literal_of(&self, row: u16) -> Option<&str> {
+        match &self.machine.codes.get(usize::from(row))?.form {
+            CodeForm::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// A word as its register writes it.
+    fn text_of_word(&self, index: usize) -> Option<String> {
+        let (name, value) = self.written_word(index)?;
+        let word = self.block.words.get(index)?;
+        let register = self.machine.registers.get(usize::from(word.register))?;
+        let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
+        Some(format!("{before}{value}{}", register.after))
+    }
+
     /// Name and number of a word as its register writes them.
     fn written_word(&self, index: usize) -> Option<(&str, String)> {
         let word = self.block.words.get(index)?;
@@ -85,9 +102,9 @@ impl Kernel<'_> {
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
             let sequence = kernel.block.sequence.map(|number| format!("N{number}"));
-            let words = (0..kernel.block.words.len()).filter_map(|index| kernel.written_word(index));
-            let words = words.map(|(name, value)| format!("{name}{value}"));
-            edited(Stage::PreProcessor, &sequence.into_iter().chain(words).collect::<Vec<_>>().join(" "))
+            let words = (0..kernel.block.words.len()).filter_map(|index| kernel.text_of_word(index));
+            let texts = kernel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
+            edited(Stage::PreProcessor, &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "))
         });
     }
 

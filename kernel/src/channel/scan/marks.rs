@@ -4,8 +4,14 @@
 
 use super::{Scanner, find, is_keyword};
 use crate::channel::block::Block;
+use crate::machine::Machine;
 
 impl Scanner {
+    /// For text that no optional skip applies to: its mark is a character like any other.
+    pub(in crate::channel) fn without_marks(machine: &Machine) -> Self {
+        Self { opskip: None, ..Self::new(machine, &[]) }
+    }
+
     /// The line without skipped portions and marks, and whether a level was active; `None` without a mark. As for the
     /// pre-processor a skip character inside brackets and in statements is a division. Marks are looked for in `seen`,
     /// which has the length of the line.
@@ -38,6 +44,28 @@ impl Scanner {
             at = end;
         }
         found.map(|active| (active, out))
+    }
+
+    /// Level of the first mark of a line, none without one.
+    pub(in crate::channel) fn first_mark(&self, line: &[u8]) -> Option<u8> {
+        let mark = self.opskip.filter(|mark| memchr::memchr(*mark, line).is_some())?;
+        let (mut at, mut depth, mut statement) = (0, 0_usize, false);
+        while let Some(&byte) = line.get(at) {
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth = depth.saturating_sub(1),
+                b'#' => statement = true,
+                _ => statement |= self.macros && is_keyword(line, at),
+            }
+            if byte == mark && (!self.macros || depth == 0 && !statement) {
+                return Some(match line.get(at + 1) {
+                    Some(digit @ b'1'..=b'9') => digit - b'0',
+                    _ => self.opskip_default,
+                });
+            }
+            at = self.comment_end(line, at).unwrap_or(at + 1);
+        }
+        None
     }
 
     /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for both

@@ -1,7 +1,7 @@
 //! From the text of a line to a [`Line`].
 
 use super::expr::{Expr, Op, STACK};
-use super::statement::{Line, Statement, TemplateWord};
+use super::statement::{Line, Names, Statement};
 
 /// Why a line cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -16,12 +16,12 @@ pub(crate) struct Error {
 /// Deepest nesting of brackets.
 const NESTING: usize = 32;
 
-/// Compiles a line (comments and optional-skip marks already blanked out).
+/// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
 ///
 /// # Errors
 /// [`Error`] with the column and what was expected.
-pub(crate) fn compile(text: &[u8]) -> Result<Line, Error> {
-    let mut parser = Parser { text, at: 0, depth: 0 };
+pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
+    let mut parser = Parser { text, at: 0, depth: 0, names };
     let mut sequence = None;
     parser.blanks();
     if matches!(parser.peek(), Some(b'N' | b'n')) {
@@ -37,13 +37,14 @@ pub(crate) fn compile(text: &[u8]) -> Result<Line, Error> {
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement })
+    Ok(Line { sequence, statement, messages: Box::default() })
 }
 
-struct Parser<'a> {
-    text: &'a [u8],
-    at: usize,
+pub(super) struct Parser<'a> {
+    pub(super) text: &'a [u8],
+    pub(super) at: usize,
     depth: usize,
+    pub(super) names: Names<'a>,
 }
 
 /// Key words of statements; two letters are enough.
@@ -71,20 +72,20 @@ const FUNCTIONS: &[(&str, Op)] = &[
 ];
 
 impl Parser<'_> {
-    fn error(&self, expected: &str) -> Error {
+    pub(super) fn error(&self, expected: &str) -> Error {
         let rest = self.text.get(self.at..).unwrap_or_default();
         let found = String::from_utf8_lossy(rest.get(..rest.len().min(12)).unwrap_or_default()).trim().to_owned();
         let found = if found.is_empty() { "the end of the block".to_owned() } else { format!("'{found}'") };
         Error { at: self.at, text: format!("expected {expected}, found {found}") }
     }
 
-    fn blanks(&mut self) {
+    pub(super) fn blanks(&mut self) {
         while matches!(self.text.get(self.at), Some(b' ' | b'\t')) {
             self.at += 1;
         }
     }
 
-    fn peek(&mut self) -> Option<u8> {
+    pub(super) fn peek(&mut self) -> Option<u8> {
         self.blanks();
         self.text.get(self.at).map(u8::to_ascii_uppercase)
     }
@@ -143,6 +144,9 @@ impl Parser<'_> {
     fn statement(&mut self) -> Result<Statement, Error> {
         if self.peek() == Some(b'#') {
             return self.assignments();
+        }
+        if self.stands_long_name() {
+            return self.words();
         }
         match self.keyword(STATEMENTS) {
             Some("IF") => self.conditional(),
@@ -228,41 +232,8 @@ impl Parser<'_> {
         Ok(Statement::Assign(list))
     }
 
-    fn words(&mut self) -> Result<Statement, Error> {
-        let mut words = Vec::new();
-        while let Some(byte) = self.peek() {
-            if !byte.is_ascii_uppercase() {
-                return Err(self.error("a word"));
-            }
-            let start = self.at as u32;
-            self.at += 1;
-            let mut ops = Vec::new();
-            let negative = match self.peek() {
-                Some(b'-') => {
-                    self.at += 1;
-                    true
-                }
-                Some(b'+') => {
-                    self.at += 1;
-                    false
-                }
-                _ => false,
-            };
-            self.primary(&mut ops)?;
-            if negative {
-                ops.push(Op::Neg);
-                // A negated constant stays one.
-                if let [Op::Number(value), Op::Neg] = ops.as_slice() {
-                    ops = vec![Op::Number(-*value)];
-                }
-            }
-            words.push(TemplateWord { letter: byte, value: self.checked(ops)?, start, end: self.at as u32 });
-        }
-        Ok(Statement::Words(words))
-    }
-
     /// An expression that fits the evaluation stack.
-    fn checked(&self, ops: Vec<Op>) -> Result<Expr, Error> {
+    pub(super) fn checked(&self, ops: Vec<Op>) -> Result<Expr, Error> {
         let (mut depth, mut most) = (0_usize, 0_usize);
         for op in &ops {
             match op {
@@ -308,7 +279,7 @@ impl Parser<'_> {
         }
     }
 
-    fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         self.term(ops)?;
         loop {
             let letters = self.letters();
@@ -390,7 +361,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+    pub(super) fn primary(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         match self.peek() {
             Some(b'#') => {
                 self.at += 1;
@@ -513,8 +484,12 @@ mod tests {
         }
     }
 
+    fn plain(text: &[u8]) -> Result<Line, Error> {
+        compile(text, Names::default())
+    }
+
     fn value(text: &str) -> Result<f64, Fault> {
-        let line = compile(format!("#1={text}").as_bytes()).unwrap();
+        let line = plain(format!("#1={text}").as_bytes()).unwrap();
         let Statement::Assign(list) = line.statement else { panic!("no assignment") };
         list[0].1.eval(&mut Fixed)
     }
@@ -556,7 +531,7 @@ mod tests {
 
     #[test]
     fn statements() {
-        let kind = |text: &str| compile(text.as_bytes()).map(|l| l.statement);
+        let kind = |text: &str| plain(text.as_bytes()).map(|l| l.statement);
         assert!(matches!(kind("IF[#4GT0]GOTO10"), Ok(Statement::IfGoto(..))));
         assert!(matches!(kind("N10 IF [#1 EQ 2] THEN #3=4"), Ok(Statement::IfThen(..))));
         assert!(matches!(kind("WHILE[#1LT200000]DO1"), Ok(Statement::While(_, 1))));
@@ -566,11 +541,11 @@ mod tests {
         assert!(matches!(kind("ENDIF"), Ok(Statement::EndIf)));
         assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
         assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Ignored)));
-        assert_eq!(compile(b"N20 G1 X#4 Y-#5 Z[#6+1]").unwrap().sequence, Some(20));
-        assert!(compile(b"#1=[1+2").is_err());
-        assert!(compile(b"IF[1EQ1]").is_err());
-        assert!(compile("#1=".repeat(2).as_bytes()).is_err());
-        assert!(compile(format!("#1={}1", "[".repeat(10_000)).as_bytes()).is_err());
-        assert!(compile(format!("#1={}1", "#".repeat(10_000)).as_bytes()).is_err());
+        assert_eq!(plain(b"N20 G1 X#4 Y-#5 Z[#6+1]").unwrap().sequence, Some(20));
+        assert!(plain(b"#1=[1+2").is_err());
+        assert!(plain(b"IF[1EQ1]").is_err());
+        assert!(plain("#1=".repeat(2).as_bytes()).is_err());
+        assert!(plain(format!("#1={}1", "[".repeat(10_000)).as_bytes()).is_err());
+        assert!(plain(format!("#1={}1", "#".repeat(10_000)).as_bytes()).is_err());
     }
 }

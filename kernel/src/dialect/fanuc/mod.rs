@@ -8,7 +8,8 @@ mod compile;
 mod expr;
 pub(crate) mod loops;
 mod statement;
+mod words;
 
 pub(crate) use compile::compile;
 pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number};
-pub(crate) use statement::{Line, Statement, TemplateWord};
+pub(crate) use statement::{Line, Name, Names, Statement, TemplateWord};

@@ -1,6 +1,7 @@
-//! A compiled program line.
+//! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
+use crate::channel::special::Special;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,6 +10,8 @@ pub(crate) struct Line {
     pub(crate) sequence: Option<u32>,
     /// What it does.
     pub(crate) statement: Statement,
+    /// Places of its messages to the operator.
+    pub(crate) messages: Box<[(u32, u32)]>,
 }
 
 /// What a line does.
@@ -43,12 +46,34 @@ pub(crate) enum Statement {
 /// A word whose value may be an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TemplateWord {
-    /// Upper-case letter.
-    pub(crate) letter: u8,
+    /// What it is called.
+    pub(crate) name: Name,
     /// Value; vacant values drop the word.
     pub(crate) value: Expr,
     /// Start in the line.
     pub(crate) start: u32,
     /// End in the line.
     pub(crate) end: u32,
+}
+
+/// What a word is called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Name {
+    /// Upper-case letter.
+    Letter(u8),
+    /// A special register of the machine, and whether it is the incremental form.
+    Register(u8, bool),
+    /// A literal text: row of the code table. It has no value.
+    Text(u16),
+}
+
+/// What a machine has besides words of one letter.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Names<'a> {
+    /// Literal texts that look like words, with their rows, longest first.
+    pub(crate) like_words: &'a [(Vec<u8>, u16)],
+    /// Special registers, longest first.
+    pub(crate) registers: &'a [Special],
+    /// All literal texts with their rows, longest first.
+    pub(crate) texts: &'a [(Vec<u8>, u16)],
 }

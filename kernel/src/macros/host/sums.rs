@@ -45,6 +45,11 @@ impl Sums {
         (self.current, self.since) = (row.saturating_sub(1), clock);
     }
 
+    /// Number of the current row.
+    pub(super) fn row_number(&self) -> usize {
+        self.current + 1
+    }
+
     fn row(&mut self) -> &mut Sum {
         if self.rows.len() <= self.current {
             self.rows.resize(self.current + 1, Sum::default());

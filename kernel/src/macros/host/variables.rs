@@ -5,8 +5,10 @@
 //! positions and decisions: docs/emulation.md.
 
 mod cycles;
+mod kernels;
 mod positions;
 mod program;
+mod spindles;
 mod state;
 
 use std::sync::OnceLock;
@@ -63,7 +65,9 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    match program::find(name).or_else(|| state::find(name)).or_else(|| cycles::find(name)) {
+    let found =
+        [program::find, state::find, cycles::find, spindles::find, kernels::find].iter().find_map(|find| find(name));
+    match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,
     }
@@ -87,6 +91,9 @@ pub(crate) struct Names {
     pub(crate) operation_table: u32,
     pub(crate) operation_merge: u32,
     pub(crate) operation_name: u32,
+    pub(crate) extension: u32,
+    pub(crate) starts: u32,
+    pub(crate) pitch_change: u32,
 }
 
 /// Those indices, found once.
@@ -114,6 +121,9 @@ pub(crate) fn names() -> &'static Names {
             operation_table: index("$OPTAB"),
             operation_merge: index("$OPMERGE"),
             operation_name: index("$OPNAME"),
+            extension: index("$SUBEXT"),
+            starts: index("$MULTRD"),
+            pitch_change: index("$PITCHV"),
         }
     })
 }

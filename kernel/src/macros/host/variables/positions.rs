@@ -35,7 +35,7 @@ pub(super) fn place(name: &str) -> Option<Place> {
 
 impl Kernel<'_> {
     /// Channel axis with this letter.
-    pub(super) fn axis_of(&self, letter: char) -> Option<usize> {
+    pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
         let role = "XYZ".find(letter).and_then(|at| self.place.cartesian.get(at).copied().flatten());
         role.map(usize::from).or_else(|| {
             self.place.axes.iter().position(|axis| {

@@ -1,11 +1,14 @@
 //! Variables of the program, the subprograms, diagnostics and the definition.
 
-use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use super::{Read, Store, Write};
 use crate::channel::Kernel;
 use crate::log::info::Unit;
+use crate::machine::Machine;
+use crate::machine::ident::codes;
 use crate::machine::model::Preprocessor;
 use crate::macros::host::code_value;
 
@@ -58,6 +61,36 @@ fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
     let inch = (kernel.machine.unit == Unit::Inch) != secondary;
     Value::Real(if inch { 1.0 } else { 25.4 })
+}
+
+/// Version of the control whose language and variables are emulated, and its level.
+const VERSION: (f64, f64) = (26.0, 0.0);
+
+/// Name, number and revision, as a run names the definition.
+fn stored_name(machine: &Machine) -> String {
+    let number = if machine.number == 0 { String::new() } else { format!(",{}", machine.number) };
+    format!("{}{number};{}", machine.name, machine.revision)
+}
+
+/// Secondary units in a primary one.
+fn per_primary(kernel: &Kernel<'_>) -> f64 {
+    if kernel.machine.unit == Unit::Inch { 25.4 } else { 1.0 / 25.4 }
+}
+
+/// Words are read in the other unit from now on.
+fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) -> Outcome<()> {
+    kernel.activate_code(if secondary { codes::UNITS_SECONDARY } else { codes::UNITS_PRIMARY });
+    kernel.secondary = secondary;
+    Ok(())
+}
+
+fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let inch = match value.as_real() {
+        Some(1.0) => true,
+        Some(25.4) => false,
+        _ => return Err(Fault::new(Number::BAD_VALUE, "$UNIMCH is 1 for inch or 25.4 for millimetre")),
+    };
+    switch_unit(kernel, inch != (kernel.machine.unit == Unit::Inch))
 }
 
 fn levels(kernel: &Kernel<'_>) -> u16 {
@@ -153,7 +186,22 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$BACK" => (|k, _| Value::Logical(k.options.answers.is_empty() && !k.options.attended), None),
         "$UNIPRI" => (|k, _| unit(k, false), None),
         "$UNISEC" => (|k, _| unit(k, true), None),
-        "$UNITS" | "$UNIMCH" => (|k, _| unit(k, k.secondary), None),
+        "$CEFILE" => (|k, _| Value::text(stored_name(k.machine)), None),
+        "$PVER" => (|_, _| number(VERSION.0), None),
+        "$PLEV" => (|_, _| number(VERSION.1), None),
+        "$UNITS" => (|k, _| unit(k, k.secondary), None),
+        "$UNIMCH" => (|k, _| unit(k, k.secondary), Some(set_unit)),
+        "$PCONFC" => (
+            |k, _| number(if k.secondary { per_primary(k) } else { 1.0 }),
+            Some(|k, _, value| {
+                let secondary = value.as_real() != Some(1.0);
+                if secondary && value.as_real() != Some(per_primary(k)) {
+                    let text = format!("$PCONFC is 1 or {} here", per_primary(k));
+                    return Err(Fault::new(Number::BAD_VALUE, text));
+                }
+                switch_unit(k, secondary)
+            }),
+        ),
         "$SUBLVL" => (|k, _| number(k.flow.frames.len().saturating_sub(1) as u32), None),
         "$SUBNAM" => (
             |k, _| {
@@ -171,14 +219,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$MCECNT" => (|k, _| number(k.machine.channels.len() as u32), None),
         "$MFICNT" => (|k, _| number(k.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None),
-        "$MFINAM" => (
-            |k, at| {
-                let mut programs = k.info.channels.iter().filter(|c| !c.program.is_empty());
-                let channel = at.first().and_then(|&at| programs.nth(at as usize - 1));
-                Value::text(channel.map_or("", |channel| k.info.file_name(channel.file)))
-            },
-            None,
-        ),
         "$VMCHN" => (|k, _| number(k.rank), None),
         _ => return None,
     };

@@ -1,14 +1,14 @@
-//! Variables of feeds, spindles, modes, tools and times.
+//! Variables of feeds, modes, tools, operations and times.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
+use super::super::travel::End;
 use super::{Read, Write, names};
 use crate::channel::Kernel;
 use crate::channel::state::{feed_of, group};
-use crate::log::event::{Direction, FeedUnit};
-use crate::log::info::Unit;
+use crate::log::event::FeedUnit;
 use crate::machine::ident::{CodeId, codes};
 
 fn number(value: impl Into<f64>) -> Value {
@@ -74,27 +74,6 @@ fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     Ok(())
 }
 
-fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let command = &kernel.spindle.command;
-    let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
-    number(match (turning, command.css) {
-        (false, _) => 0.0,
-        (true, false) => command.rpm,
-        (true, true) => command.surface,
-    })
-}
-
-fn spindle_mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let command = &kernel.spindle.command;
-    let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
-    number(match (turning, command.css, kernel.machine.unit) {
-        (false, ..) => 0.0,
-        (true, false, _) => 2.0,
-        (true, true, Unit::Inch) => 1.0,
-        (true, true, Unit::Mm) => 3.0,
-    })
-}
-
 fn time<const AT: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     number(kernel.macros.as_deref().and_then(|runtime| runtime.store.times.get(AT).copied()).unwrap_or(0.0))
 }
@@ -136,6 +115,20 @@ fn whole(value: &Value) -> u32 {
     value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
 }
 
+/// An end of the travel of tools or operations.
+fn travel<const TOOLS: bool>(end: End) -> (Read, Option<Write>) {
+    match end {
+        End::Low => (
+            |k, at| k.travel_value(TOOLS, End::Low, at),
+            Some(|k, at, value| k.set_travel_value(TOOLS, End::Low, at, value)),
+        ),
+        End::High => (
+            |k, at| k.travel_value(TOOLS, End::High, at),
+            Some(|k, at, value| k.set_travel_value(TOOLS, End::High, at, value)),
+        ),
+    }
+}
+
 /// How a variable is read and written.
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
@@ -149,27 +142,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     (_, FeedUnit::InverseTime) => 2.0,
                     _ => 0.0,
                 })
-            },
-            None,
-        ),
-        "$S" => (speed, None),
-        "$SR" => (|k, _| number(k.spindle.command.rpm), None),
-        "$SS" => (|k, _| number(k.spindle.command.surface), None),
-        "$SMODE" => (spindle_mode, None),
-        "$SDIR" => (
-            |k, _| {
-                number(match k.spindle.command.direction {
-                    Direction::Clockwise => 1.0,
-                    Direction::CounterClockwise => 2.0,
-                    _ => 0.0,
-                })
-            },
-            None,
-        ),
-        "$MAXRPM" => (
-            |k, _| {
-                let machine = k.spindle.index.and_then(|at| k.machine.spindles.get(at)).map_or(0.0, |s| s.max);
-                number(k.spindle.command.limit.min(machine))
             },
             None,
         ),
@@ -293,6 +265,10 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
+        "$TLMIN" => travel::<true>(End::Low),
+        "$TLMAX" => travel::<true>(End::High),
+        "$OPMIN" => travel::<false>(End::Low),
+        "$OPMAX" => travel::<false>(End::High),
         "$TLSUM" => (|k, at| k.sum_value(true, at), None),
         "$OPSUM" => (|k, at| k.sum_value(false, at), None),
         "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),

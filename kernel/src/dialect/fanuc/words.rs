@@ -1,0 +1,93 @@
+//! Words of a line with expressions: by letter, by special register, literal texts.
+//!
+//! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: names are tried in the
+//! order in which the scanner of plain lines tries them.
+
+use super::compile::{Error, Parser};
+use super::expr::{Expr, Op};
+use super::statement::{Name, Statement, TemplateWord};
+use crate::channel::special::stands;
+
+impl Parser<'_> {
+    /// A special register with a value, or a text that looks like a word, begins here.
+    pub(super) fn stands_long_name(&self) -> bool {
+        self.names.like_words.iter().any(|(text, _)| stands(text, self.text, self.at))
+            || self.names.registers.iter().any(|special| special.has_value(self.text, self.at))
+    }
+
+    pub(super) fn words(&mut self) -> Result<Statement, Error> {
+        let mut words = Vec::new();
+        while let Some(byte) = self.peek() {
+            let start = self.at;
+            let (name, value) = match self.long_name() {
+                Some(word) => word,
+                None if byte.is_ascii_uppercase() => {
+                    self.at += 1;
+                    (Name::Letter(byte), self.word_value()?)
+                }
+                None => return Err(self.error("a word")),
+            };
+            words.push(TemplateWord { name, value, start: start as u32, end: self.at as u32 });
+        }
+        Ok(Statement::Words(words))
+    }
+
+    /// A word that is more than a letter and a value.
+    fn long_name(&mut self) -> Option<(Name, Expr)> {
+        let (names, text, start) = (self.names, self.text, self.at);
+        if let Some((like_word, row)) = names.like_words.iter().find(|(name, _)| stands(name, text, start)) {
+            self.at += like_word.len();
+            return Some((Name::Text(*row), Expr::constant(0.0)));
+        }
+        for special in names.registers.iter().filter(|special| special.has_value(text, start)) {
+            self.at = start + special.before.len();
+            // Text behind the number encloses an expression like brackets.
+            let value = if special.after.is_empty() { self.word_value() } else { self.enclosed() };
+            if let Ok(value) = value
+                && text.get(self.at..).is_some_and(|rest| rest.starts_with(&special.after))
+            {
+                self.at += special.after.len();
+                return Some((Name::Register(special.register, special.incremental), value));
+            }
+            self.at = start;
+        }
+        if self.starts_value(start + 1) {
+            return None;
+        }
+        let (plain, row) = names.texts.iter().find(|(name, _)| stands(name, text, start))?;
+        self.at += plain.len();
+        Some((Name::Text(*row), Expr::constant(0.0)))
+    }
+
+    /// A number, a variable or a bracket stands here, with or without a sign.
+    fn starts_value(&self, at: usize) -> bool {
+        let mut rest = self.text.get(at..).unwrap_or_default().iter().filter(|byte| !b" \t+-".contains(byte));
+        matches!(rest.next(), Some(b'0'..=b'9' | b'.' | b'#' | b'['))
+    }
+
+    fn enclosed(&mut self) -> Result<Expr, Error> {
+        let mut ops = Vec::new();
+        self.expression(&mut ops)?;
+        self.checked(ops)
+    }
+
+    fn word_value(&mut self) -> Result<Expr, Error> {
+        let mut ops = Vec::new();
+        let negative = match self.peek() {
+            Some(sign @ (b'-' | b'+')) => {
+                self.at += 1;
+                sign == b'-'
+            }
+            _ => false,
+        };
+        self.primary(&mut ops)?;
+        if negative {
+            ops.push(Op::Neg);
+            // A negated constant stays one.
+            if let [Op::Number(value), Op::Neg] = ops.as_slice() {
+                ops = vec![Op::Number(-*value)];
+            }
+        }
+        self.checked(ops)
+    }
+}

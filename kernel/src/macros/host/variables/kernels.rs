@@ -1,0 +1,121 @@
+//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, and the names of the files, `$MFINAM`.
+//!
+//! Invariant: there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
+//! later assignment wins. Facts: reference system-variables.md 17.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write, names};
+use crate::channel::Kernel;
+
+fn number(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+fn index(at: &[i64]) -> i64 {
+    at.first().copied().unwrap_or(0)
+}
+
+/// Input file with an index, blank without one.
+fn file<'k>(kernel: &Kernel<'k>, at: i64) -> &'k str {
+    let info = kernel.info;
+    let mut given = info.channels.iter().filter(|channel| !channel.program.is_empty());
+    let place = usize::try_from(at).ok().and_then(|at| at.checked_sub(1));
+    place.and_then(|place| given.nth(place)).map_or("", |channel| info.file_name(channel.file))
+}
+
+/// Program of a kernel as it stands now.
+fn program(kernel: &Kernel<'_>, at: i64) -> String {
+    let set = kernel.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_program, (at, 0)));
+    if let Some(text) = set.and_then(Value::as_text) {
+        return text.trim().to_owned();
+    }
+    let place = usize::try_from(at).ok().and_then(|at| at.checked_sub(1));
+    let own = place.and_then(|place| kernel.info.channels.get(place)).filter(|channel| !channel.program.is_empty());
+    own.map_or(String::new(), |channel| kernel.info.file_name(channel.file).to_owned())
+}
+
+fn kernels(kernel: &Kernel<'_>) -> i64 {
+    kernel.machine.channels.len() as i64
+}
+
+/// Kernel that has an input file, 0 for none.
+fn kernel_of(kernel: &Kernel<'_>, at: i64) -> i64 {
+    let wanted = file(kernel, at);
+    let has = |k: &i64| !wanted.is_empty() && program(kernel, *k) == wanted;
+    // The file of its own index first: one file may hold the programs of several kernels.
+    Some(at).filter(has).or_else(|| (1..=kernels(kernel)).find(has)).unwrap_or(0)
+}
+
+/// Index of the input file that a kernel has, 0 for none.
+fn input_of(kernel: &Kernel<'_>, at: i64) -> i64 {
+    let own = program(kernel, at);
+    let is = |i: &i64| !own.is_empty() && file(kernel, *i) == own;
+    Some(at).filter(is).or_else(|| (1..=kernels(kernel)).find(is)).unwrap_or(0)
+}
+
+fn set_program(kernel: &mut Kernel<'_>, at: i64, program: &str) -> Outcome<()> {
+    let value = Value::text(program);
+    match kernel.macros.as_deref_mut() {
+        Some(runtime) => runtime.store.keep_element(names().kernel_program, (at, 0), value),
+        None => Ok(()),
+    }
+}
+
+fn whole(value: &Value, what: &str) -> Outcome<i64> {
+    match value.as_real().filter(|n| n.fract() == 0.0 && (0.0..=65_535.0).contains(n)) {
+        Some(number) => Ok(number as i64),
+        None => Err(Fault::new(Number::OUT_OF_RANGE, format!("there is no {what} of this number"))),
+    }
+}
+
+fn set_input(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+    let wanted = whole(value, "input file")?;
+    let program = file(kernel, wanted).to_owned();
+    if wanted > 0 && program.is_empty() {
+        return Err(Fault::new(Number::OUT_OF_RANGE, format!("there is no input file {wanted}")));
+    }
+    set_program(kernel, index(at), &program)
+}
+
+fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+    let wanted = whole(value, "kernel")?;
+    let own = file(kernel, index(at)).to_owned();
+    if own.is_empty() || wanted > kernels(kernel) {
+        let text = format!("there is no kernel {wanted} or no input file {}", index(at));
+        return Err(Fault::new(Number::OUT_OF_RANGE, text));
+    }
+    match wanted {
+        0 => match kernel_of(kernel, index(at)) {
+            0 => Ok(()),
+            owner => set_program(kernel, owner, ""),
+        },
+        wanted => set_program(kernel, wanted, &own),
+    }
+}
+
+impl Kernel<'_> {
+    /// A kernel has got this program.
+    pub(crate) fn tell_program(&mut self, at: i64, program: &str) {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.store.set_element(names().kernel_program, (at, 0), Value::text(program));
+        }
+    }
+}
+
+/// How a variable is read and written.
+pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$MCEMCD" => (
+            |k, at| Value::text(program(k, index(at))),
+            Some(|k, at, value| set_program(k, index(at), value.as_text().unwrap_or(""))),
+        ),
+        "$MCEINP" => (|k, at| number(input_of(k, index(at)) as f64), Some(set_input)),
+        "$MFIKER" => (|k, at| number(kernel_of(k, index(at)) as f64), Some(set_kernel)),
+        "$MFINAM" => (|k, at| Value::text(file(k, index(at))), None),
+        _ => return None,
+    };
+    Some(row)
+}

@@ -1,0 +1,243 @@
+//! Variables of spindles, coolant devices and threads.
+//!
+//! Invariant: what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
+//! 6, 9.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write, names};
+use crate::action::spindle::set_command;
+use crate::channel::Kernel;
+use crate::log::event::Direction;
+use crate::log::info::Unit;
+use crate::machine::ident::{CodeId, codes, data};
+use crate::multi::shared::Command;
+
+/// Modal group of the main and the sub-spindle.
+const SPINDLES: u16 = 67;
+
+/// Modal group of the first coolant device, less one.
+const DEVICES: u16 = 540;
+
+fn number(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+fn real(value: &Value) -> f64 {
+    value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
+}
+
+fn turns(command: &Command) -> bool {
+    matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise)
+}
+
+/// Changes what the channel's spindle is commanded to do.
+fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
+    if let Err(halt) = set_command(kernel, change) {
+        kernel.keep_halt(halt);
+    }
+    Ok(())
+}
+
+fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let command = &kernel.spindle.command;
+    number(match (turns(command), command.css) {
+        (false, _) => 0.0,
+        (true, false) => command.rpm,
+        (true, true) => command.surface,
+    })
+}
+
+fn set_speed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let speed = real(value).max(0.0);
+    set(kernel, |command| if command.css { command.surface = speed } else { command.rpm = speed })
+}
+
+fn mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let command = &kernel.spindle.command;
+    number(match (turns(command), command.css, kernel.machine.unit) {
+        (false, ..) => 0.0,
+        (true, false, _) => 2.0,
+        (true, true, Unit::Inch) => 1.0,
+        (true, true, Unit::Mm) => 3.0,
+    })
+}
+
+/// 0 stops, 2 turns by rev/min, 1 and 3 by surface speed in the unit of the machine.
+fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let (mode, rank) = (real(value), kernel.rank);
+    if mode == 0.0 {
+        kernel.activate_code(codes::SPINDLE_OFF);
+        return set(kernel, |command| command.direction = Direction::Off);
+    }
+    let css = mode != 2.0;
+    kernel.activate_code(if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
+    set(kernel, |command| {
+        if css && !command.css {
+            command.driver = rank;
+        }
+        command.css = css;
+    })
+}
+
+fn direction(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    number(match kernel.spindle.command.direction {
+        Direction::Clockwise => 1.0,
+        Direction::CounterClockwise => 2.0,
+        _ => 0.0,
+    })
+}
+
+/// 0 does not stop.
+fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let (code, direction) = match real(value) {
+        1.0 => (codes::SPINDLE_CLW, Direction::Clockwise),
+        2.0 => (codes::SPINDLE_CCLW, Direction::CounterClockwise),
+        _ => return Ok(()),
+    };
+    kernel.activate_code(code);
+    set(kernel, |command| command.direction = direction)
+}
+
+fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let machine = kernel.spindle.index.and_then(|at| kernel.machine.spindles.get(at)).map_or(0.0, |s| s.max);
+    number(kernel.spindle.command.limit.min(machine))
+}
+
+/// The code of a coolant device; custom tables of a machine need not have it.
+fn device(at: &[i64], on: bool) -> Option<CodeId> {
+    let number = u16::try_from(*at.first()?).ok().filter(|number| (1..=9).contains(number))?;
+    Some(CodeId(codes::COOLANT_DEV1_OFF.0 + (number - 1) * 2 + u16::from(on)))
+}
+
+fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
+    let group = at.first().and_then(|at| u16::try_from(*at).ok()).map_or(0, |at| DEVICES + at);
+    let active = kernel.modal.code(group);
+    number(match active {
+        Some(code) if Some(code) == device(at, true) => 1.0,
+        Some(code) if Some(code) == device(at, false) => 0.0,
+        _ => -1.0,
+    })
+}
+
+fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
+    let wanted = match real(value) {
+        0.0 => device(at, false),
+        1.0 => device(at, true),
+        _ => None,
+    };
+    match wanted.filter(|code| kernel.row_of_code(*code).is_some()) {
+        Some(code) => {
+            kernel.activate_code(code);
+            Ok(())
+        }
+        None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this state of the coolant device")),
+    }
+}
+
+fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let rear = kernel.modal.code(SPINDLES) == Some(codes::SPINDLE_REAR);
+    let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
+    word.map_or(Value::Null, Value::Keyword)
+}
+
+fn set_spindle_in_work(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let is = |word| matches!(value, Value::Keyword(code) if counterpoint_lang::ident::minor_code(word) == Some(*code));
+    let wanted = match (is("FRONT"), is("REAR")) {
+        (true, _) => codes::SPINDLE_FRONT,
+        (_, true) => codes::SPINDLE_REAR,
+        _ => return Err(Fault::new(Number::BAD_VALUE, "a spindle is FRONT or REAR")),
+    };
+    if kernel.row_of_code(wanted).is_none() {
+        return Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this spindle"));
+    }
+    kernel.activate_code(wanted);
+    Ok(())
+}
+
+fn pitch(kernel: &Kernel<'_>) -> f64 {
+    kernel.modal.value(data::INTERP_THREAD_PITCH).unwrap_or(0.0)
+}
+
+fn kept(kernel: &Kernel<'_>, index: u32) -> f64 {
+    kernel.macros.as_deref().and_then(|runtime| runtime.store.get(index).as_real()).unwrap_or(0.0)
+}
+
+fn starts(kernel: &Kernel<'_>) -> f64 {
+    kept(kernel, names().starts).max(1.0)
+}
+
+/// How a variable is read and written.
+pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$S" => (speed, Some(set_speed)),
+        "$SR" => (
+            |k, _| number(k.spindle.command.rpm),
+            Some(|k, _, value| {
+                let speed = real(value).max(0.0);
+                set(k, |command| command.rpm = speed)
+            }),
+        ),
+        "$SS" => (
+            |k, _| number(k.spindle.command.surface),
+            Some(|k, _, value| {
+                let speed = real(value).max(0.0);
+                set(k, |command| command.surface = speed)
+            }),
+        ),
+        "$SMODE" => (mode, Some(set_mode)),
+        "$SDIR" => (direction, Some(set_direction)),
+        "$MAXRPM" => (
+            limit,
+            Some(|k, _, value| {
+                let limit = real(value).max(0.0);
+                set(k, |command| command.limit = limit)
+            }),
+        ),
+        "$SHEAD" => (
+            |k, _| number(k.spindle.command.driver),
+            Some(|k, _, value| {
+                let head = real(value).clamp(0.0, f64::from(u16::MAX)) as u16;
+                set(k, |command| command.driver = head)
+            }),
+        ),
+        "$COOLDEV" => (device_state, Some(set_device)),
+        "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
+        "$PITCH" => (
+            |k, _| number(pitch(k)),
+            Some(|k, _, value| {
+                k.modal.remember(data::INTERP_THREAD_PITCH, real(value));
+                Ok(())
+            }),
+        ),
+        "$MULTRD" => (
+            |k, _| number(starts(k)),
+            Some(|k, _, value| {
+                let starts = real(value).max(1.0);
+                k.modal.remember(data::INTERP_THREAD_STARTS, starts);
+                k.store(names().starts, || Value::Real(starts));
+                Ok(())
+            }),
+        ),
+        "$E" => (
+            |k, _| number(pitch(k) * starts(k)),
+            Some(|k, _, value| {
+                let pitch = real(value) / starts(k);
+                k.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+                Ok(())
+            }),
+        ),
+        "$EV" => (
+            |k, _| number(kept(k, names().pitch_change) * starts(k)),
+            Some(|k, _, value| {
+                let change = real(value) / starts(k);
+                k.store(names().pitch_change, || Value::Real(change));
+                Ok(())
+            }),
+        ),
+        _ => return None,
+    };
+    Some(row)
+}
