@@ -4,7 +4,6 @@
 
 use counterpoint_lang::value::Value;
 
-use super::custom_calls::{Called, Callee};
 use super::flow::{Flow, Frame};
 use super::state::Modal;
 use super::{Acted, Halt, Kernel};
@@ -77,22 +76,11 @@ impl Kernel<'_> {
         }
         self.block.clear();
         (self.file, self.line) = (file, 0);
-        let main = Called { what: Callee::Program(0), passes: 1 };
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
             self.variables.leave();
         }
         self.flow = Flow::default();
-        self.flow.frames.push(Frame {
-            file,
-            range,
-            next: range.first,
-            offset: 0,
-            repeats: 0,
-            closes: false,
-            own_variables: false,
-            called: main,
-            name: name.into(),
-        });
+        self.flow.frames.push(Frame::main(file, range, name.into()));
         self.plain_macro(Hook::ProgramStartup)?;
         self.follow()
     }

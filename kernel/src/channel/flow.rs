@@ -95,6 +95,23 @@ pub(crate) struct Flow {
     pub(crate) opened: bool,
 }
 
+impl Frame {
+    /// A main program from its first block on.
+    pub(crate) fn main(file: FileId, range: Range, name: Box<str>) -> Self {
+        Self {
+            file,
+            range,
+            next: range.first,
+            offset: 0,
+            repeats: 0,
+            closes: false,
+            own_variables: false,
+            called: Called { what: Callee::Program(0), passes: 1 },
+            name,
+        }
+    }
+}
+
 impl Kernel<'_> {
     /// The frame being executed.
     pub(crate) fn frame(&mut self) -> Option<&mut Frame> {

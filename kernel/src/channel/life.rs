@@ -1,6 +1,5 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
-use super::custom_calls::{Called, Callee};
 use super::flow::Frame;
 use super::{Acted, Halt, Kernel};
 use crate::control::State;
@@ -19,17 +18,7 @@ impl Kernel<'_> {
         self.progress.set_state(State::Running);
         (self.file, self.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
-        self.flow.frames.push(Frame {
-            file,
-            range,
-            next: range.first,
-            offset: 0,
-            repeats: 0,
-            closes: false,
-            own_variables: false,
-            called: Called { what: Callee::Program(0), passes: 1 },
-            name,
-        });
+        self.flow.frames.push(Frame::main(file, range, name));
         self.initial_codes();
         self.initial_frame();
         let loaded = self.load(file);

@@ -94,10 +94,7 @@ impl Kernel<'_> {
         for index in 0..self.block.messages.len() {
             let Some(&(start, end)) = self.block.messages.get(index) else { break };
             let text = line.get(start as usize..end as usize).unwrap_or_default();
-            let text: Box<str> = String::from_utf8_lossy(text).trim().into();
-            self.show_display(&text);
-            self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-            self.emit(0, Kind::Message { text });
+            self.display(String::from_utf8_lossy(text).trim());
         }
         self.block.messages.clear();
     }

@@ -43,7 +43,7 @@ impl Kernel<'_> {
     }
 
     /// A message to the operator.
-    fn display(&mut self, text: &str) {
+    pub(super) fn display(&mut self, text: &str) {
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
         self.emit(0, Kind::Message { text: text.into() });

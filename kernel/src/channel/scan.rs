@@ -181,22 +181,17 @@ impl Scanner {
         block.clear();
         out.clear();
         out.extend_from_slice(line);
-        let (mut at, mut depth, mut statement) = (0, 0_usize, false);
+        let (mut at, mut formula) = (0, marks::Formula::default());
         while let Some(&byte) = line.get(at) {
-            let division = Some(byte) == self.opskip && (depth > 0 || statement);
-            let next = if depth > 0 && byte == b'(' || division { None } else { self.skip(line, at, byte, block) };
+            let division = Some(byte) == self.opskip && formula.divides();
+            let next =
+                if formula.depth > 0 && byte == b'(' || division { None } else { self.skip(line, at, byte, block) };
             if let Some(next) = next {
                 out.get_mut(at..next.min(line.len())).unwrap_or_default().fill(b' ');
                 at = next;
                 continue;
             }
-            match byte {
-                b'[' => depth += 1,
-                b']' => depth = depth.saturating_sub(1),
-                b'#' => statement = true,
-                _ if !statement && is_keyword(line, at) => statement = true,
-                _ => {}
-            }
+            formula.read(line, at);
             at += 1;
         }
     }
@@ -374,8 +369,7 @@ impl Scanner {
 
 /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
 fn opens_macro(line: &[u8], at: usize) -> bool {
-    let mut rest = line.get(at + 1..).unwrap_or_default().iter().filter(|b| !matches!(b, b' ' | b'\t' | b'-' | b'+'));
-    matches!(rest.next(), Some(b'#' | b'[')) || is_keyword(line, at)
+    special::starts_expression(line, at + 1) || is_keyword(line, at)
 }
 
 /// A statement key word of the macro language, or the first two letters of one.

@@ -27,14 +27,25 @@ pub(crate) struct Special {
     pub(crate) incremental: bool,
 }
 
+/// What a value at a place begins with, blanks and signs left out.
+fn first_of_value(line: &[u8], at: usize) -> Option<u8> {
+    line.get(at..)?.iter().copied().find(|byte| !b" \t+-".contains(byte))
+}
+
+/// A number, a variable or a bracket stands at a place, with or without a sign.
+pub(crate) fn starts_value(line: &[u8], at: usize) -> bool {
+    matches!(first_of_value(line, at), Some(b'0'..=b'9' | b'.' | b'#' | b'['))
+}
+
+/// A variable or a bracket stands at a place, with or without a sign.
+pub(crate) fn starts_expression(line: &[u8], at: usize) -> bool {
+    matches!(first_of_value(line, at), Some(b'#' | b'['))
+}
+
 impl Special {
     /// The text before the number stands at a place, with something behind it that may have a value.
     pub(crate) fn has_value(&self, line: &[u8], at: usize) -> bool {
-        let Some(rest) = line.get(at..).and_then(|rest| rest.strip_prefix(self.before.as_slice())) else {
-            return false;
-        };
-        let first = rest.iter().find(|byte| !b" \t+-".contains(byte));
-        matches!(first, Some(b'0'..=b'9' | b'.' | b'#' | b'['))
+        line.get(at..).is_some_and(|rest| rest.starts_with(&self.before)) && starts_value(line, at + self.before.len())
     }
 }
 
@@ -83,11 +94,10 @@ impl Early {
     pub(super) fn opens_macro(&self, line: &[u8], at: usize) -> bool {
         let Some(&byte) = line.get(at) else { return false };
         self.may_start(byte)
-            && self.registers.iter().any(|special| {
-                let behind = line.get(at + special.before.len()..).unwrap_or_default();
-                let first = behind.iter().find(|byte| !b" \t+-".contains(byte));
-                matches!(first, Some(b'#' | b'[')) && special.has_value(line, at)
-            })
+            && self
+                .registers
+                .iter()
+                .any(|special| starts_expression(line, at + special.before.len()) && special.has_value(line, at))
     }
 
     /// One of them may begin with this byte.

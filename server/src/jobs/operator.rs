@@ -221,13 +221,12 @@ mod tests {
     fn the_first_answer_counts() {
         let desk = Arc::new(Desk::new(&[]));
         desk.set_patience(Duration::from_secs(60));
-        let mut changes = desk.follow();
+        let changes = desk.follow();
         let kernel = std::thread::spawn({
             let desk = desk.clone();
             move || ask(&desk, 2)
         });
         while desk.questions().is_empty() {
-            assert!(changes.has_changed().is_ok());
             std::thread::yield_now();
         }
         let question = desk.questions().remove(0);
@@ -238,7 +237,7 @@ mod tests {
         desk.answer(1, Some(answer("D")));
         assert_eq!(kernel.join().unwrap(), Some(answer("D")));
         assert_eq!(desk.claim(1), None);
-        assert!(changes.borrow_and_update().ge(&1));
+        assert_eq!(*changes.borrow(), 3, "asked, claimed, closed");
     }
 
     #[test]

@@ -6,6 +6,31 @@ use super::{Scanner, find, is_keyword};
 use crate::channel::block::Block;
 use crate::machine::Machine;
 
+/// Whether a place of a line lies inside an expression or a statement of the pre-processor.
+#[derive(Debug, Default)]
+pub(super) struct Formula {
+    /// Open brackets.
+    pub(super) depth: usize,
+    statement: bool,
+}
+
+impl Formula {
+    /// Takes the next character.
+    pub(super) fn read(&mut self, line: &[u8], at: usize) {
+        match line.get(at) {
+            Some(b'[') => self.depth += 1,
+            Some(b']') => self.depth = self.depth.saturating_sub(1),
+            Some(b'#') => self.statement = true,
+            _ => self.statement |= is_keyword(line, at),
+        }
+    }
+
+    /// A skip character here is a division.
+    pub(super) fn divides(&self) -> bool {
+        self.depth > 0 || self.statement
+    }
+}
+
 impl Scanner {
     /// For text that no optional skip applies to: its mark is a character like any other.
     pub(in crate::channel) fn without_marks(machine: &Machine) -> Self {
@@ -18,19 +43,14 @@ impl Scanner {
     pub(in crate::channel) fn without_deleted(&self, line: &[u8], seen: &[u8]) -> Option<(bool, Vec<u8>)> {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, seen).is_some())?;
         let (mut out, mut found, mut at) = (Vec::with_capacity(line.len()), None, 0);
-        let (mut depth, mut statement) = (0_usize, false);
+        let mut formula = Formula::default();
         let kept = line;
         let line = seen;
         while let Some(&byte) = line.get(at) {
-            match byte {
-                b'[' => depth += 1,
-                b']' => depth = depth.saturating_sub(1),
-                b'#' => statement = true,
-                _ => statement |= self.macros && is_keyword(line, at),
-            }
+            formula.read(line, at);
             let end = match self.comment_end(line, at) {
                 Some(end) => end,
-                None if byte == mark && (!self.macros || depth == 0 && !statement) => {
+                None if byte == mark && !(self.macros && formula.divides()) => {
                     let mut scratch = Block::default();
                     let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
                     let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
@@ -49,15 +69,10 @@ impl Scanner {
     /// Level of the first mark of a line, none without one.
     pub(in crate::channel) fn first_mark(&self, line: &[u8]) -> Option<u8> {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, line).is_some())?;
-        let (mut at, mut depth, mut statement) = (0, 0_usize, false);
+        let (mut at, mut formula) = (0, Formula::default());
         while let Some(&byte) = line.get(at) {
-            match byte {
-                b'[' => depth += 1,
-                b']' => depth = depth.saturating_sub(1),
-                b'#' => statement = true,
-                _ => statement |= self.macros && is_keyword(line, at),
-            }
-            if byte == mark && (!self.macros || depth == 0 && !statement) {
+            formula.read(line, at);
+            if byte == mark && !(self.macros && formula.divides()) {
                 return Some(match line.get(at + 1) {
                     Some(digit @ b'1'..=b'9') => digit - b'0',
                     _ => self.opskip_default,
@@ -72,20 +87,16 @@ impl Scanner {
     /// means a comment.
     pub(in crate::channel) fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
         let mut found = Vec::new();
-        let (mut at, mut depth) = (0, 0_usize);
-        while let Some(&byte) = line.get(at) {
+        let (mut at, mut formula) = (0, Formula::default());
+        while at < line.len() {
             let rest = line.get(at..).unwrap_or_default();
             let kinds = [(false, &self.comment), (true, &self.message)];
             let kinds = kinds.into_iter().filter_map(|(message, pair)| Some((message, pair.as_ref()?)));
             let starts = |(_, (start, _)): &(bool, &(Vec<u8>, Vec<u8>))| !start.is_empty() && rest.starts_with(start);
             // Inside brackets of an expression nothing begins.
-            let found_here = if self.macros && depth > 0 { None } else { kinds.into_iter().find(starts) };
+            let found_here = if self.macros && formula.depth > 0 { None } else { kinds.into_iter().find(starts) };
             let Some((message, (start, end))) = found_here else {
-                match byte {
-                    b'[' => depth += 1,
-                    b']' => depth = depth.saturating_sub(1),
-                    _ => {}
-                }
+                formula.read(line, at);
                 at += 1;
                 continue;
             };

@@ -6,7 +6,7 @@
 use super::compile::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Statement, TemplateWord};
-use crate::channel::special::stands;
+use crate::channel::special::{stands, starts_value};
 
 impl Parser<'_> {
     /// A special register with a value, or a text that looks like a word, begins here.
@@ -51,18 +51,12 @@ impl Parser<'_> {
             }
             self.at = start;
         }
-        if self.starts_value(start + 1) {
+        if starts_value(text, start + 1) {
             return None;
         }
         let (plain, row) = names.texts.iter().find(|(name, _)| stands(name, text, start))?;
         self.at += plain.len();
         Some((Name::Text(*row), Expr::constant(0.0)))
-    }
-
-    /// A number, a variable or a bracket stands here, with or without a sign.
-    fn starts_value(&self, at: usize) -> bool {
-        let mut rest = self.text.get(at..).unwrap_or_default().iter().filter(|byte| !b" \t+-".contains(byte));
-        matches!(rest.next(), Some(b'0'..=b'9' | b'.' | b'#' | b'['))
     }
 
     fn enclosed(&mut self) -> Result<Expr, Error> {
