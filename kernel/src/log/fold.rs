@@ -13,7 +13,7 @@ use crate::log::lane::Lane;
 use crate::log::meetings::Meetings;
 use crate::log::summary::{self, ChannelState, Summary};
 use crate::log::timeline::{self, Timeline};
-use crate::log::told::{Places, Told};
+use crate::log::told::Told;
 use crate::log::toolpath::{self, Toolpath};
 use crate::log::work::Work;
 
@@ -50,15 +50,10 @@ impl Folds {
     /// The next event of the ordered log.
     #[inline]
     pub fn event(&mut self, event: &Event) {
+        self.told.extend(Told::of(event));
         match self.info.channel_index(event.channel).and_then(|index| self.lanes.get_mut(index)) {
-            Some(lane) => {
-                self.told.extend(Told::of(event, &self.info, &mut lane.places));
-                lane.event(event);
-            }
-            None => {
-                self.told.extend(Told::of(event, &self.info, &mut Places::default()));
-                self.of_master(event);
-            }
+            Some(lane) => lane.event(event),
+            None => self.of_master(event),
         }
     }
 
@@ -95,26 +90,26 @@ impl Folds {
     pub fn finish(self, outcome: &Outcome) -> Results {
         let Self { info, mut lanes, master, told, last_ns } = self;
         let last_ns = lanes.iter().map(|lane| lane.last_ns).fold(last_ns, i64::max);
-        let mut meetings = Meetings::new(&info);
         let mut findings = summary::Findings::new(&info);
-        for told in told {
-            findings.take(&told);
-            meetings.take(told);
+        told.iter().for_each(|told| findings.take(told));
+        let mut meetings = Meetings::new(&info);
+        for lane in &mut lanes {
+            meetings.take(lane.number, std::mem::take(&mut lane.stays), lane.wait.take());
         }
-        for (channel, ns) in meetings.complete_cut() {
-            let Some(lane) = lanes.iter_mut().find(|lane| lane.number == channel) else { continue };
+        meetings.complete_cut(|channel, stay| {
+            let Some(lane) = lanes.iter_mut().find(|lane| lane.number == channel) else { return };
+            let ns = stay.ns();
             lane.tally.add(Work::Wait, ns);
-            if let Some((line, key)) = lane.wait.take() {
-                lane.bars.wait(last_ns - ns, last_ns, line, key);
-            }
-        }
+            lane.bars.wait(last_ns - ns, last_ns, stay);
+        });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
         for (lane, channel) in lanes.into_iter().zip(&info.channels) {
-            let Lane { number, digest, mut tally, mut bars, track, wait, program, .. } = lane;
-            let since = meetings.waiting_since(number);
+            let Lane { number, digest, mut tally, mut bars, track, program, .. } = lane;
+            let stay = meetings.standing(number);
+            let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
-            if let (Some(since), Some((line, key)), true) = (since, wait, state != ChannelState::Blocked) {
-                bars.wait(since, end_ns, line, key);
+            if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
+                bars.wait(stay.since_ns, end_ns, stay);
             }
             rows.push(timeline::Channel::new(channel, bars.finish(end_ns), (state, end_ns), tally.wait_ns));
             let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
@@ -125,7 +120,7 @@ impl Folds {
             tracks.push(track);
             digests.push((number, digest));
         }
-        let meetings: Arc<[_]> = meetings.finish().into();
+        let meetings = meetings.finish();
         let digest = digest::log(digests.into_iter());
         Results {
             summary: findings.finish(ends, meetings.clone(), outcome.cancelled, digest),

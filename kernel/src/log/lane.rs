@@ -7,9 +7,10 @@ use std::sync::Arc;
 use crate::log::digest::Digest;
 use crate::log::event::{Event, FileId, Kind, MotionKind, Phase};
 use crate::log::info::{self, Info};
+use crate::log::meetings::Stay;
 use crate::log::summary::tally::Tally;
 use crate::log::timeline::bars::Bars;
-use crate::log::told::{Places, Told};
+use crate::log::told::Told;
 use crate::log::toolpath::Track;
 use crate::log::work::Work;
 
@@ -18,13 +19,14 @@ use crate::log::work::Work;
 pub(crate) struct Lane {
     pub(crate) number: u16,
     info: Arc<Info>,
-    pub(super) places: Places,
     pub(super) digest: Digest,
     pub(super) tally: Tally,
     pub(super) bars: Bars,
     pub(super) track: Track,
-    /// The wait it stands at: line and mark.
-    pub(super) wait: Option<(u32, Arc<str>)>,
+    /// The wait it stands at.
+    pub(super) wait: Option<Stay>,
+    /// Stays that have ended.
+    pub(super) stays: Vec<Stay>,
     /// What was told while the lane was fed on its own.
     pub(super) told: Vec<Told>,
     /// Start of the latest event.
@@ -38,12 +40,12 @@ impl Lane {
         Self {
             number: channel.number,
             info: info.clone(),
-            places: Places::default(),
             digest: Digest::new(),
             tally: Tally::default(),
             bars: Bars::default(),
             track: Track::new(info, channel),
             wait: None,
+            stays: Vec::new(),
             told: Vec::new(),
             last_ns: 0,
             program: None,
@@ -60,7 +62,7 @@ impl Lane {
         for event in events {
             match event.kind {
                 Kind::Block { .. } | Kind::Motion(_) => {}
-                _ => self.told.extend(Told::of(event, &self.info, &mut self.places)),
+                _ => self.told.extend(Told::of(event)),
             }
             if event.channel == self.number {
                 self.event(event);
@@ -94,11 +96,12 @@ impl Lane {
 
     fn other(&mut self, event: &Event) {
         match &event.kind {
-            Kind::Wait(wait) => self.wait = Some((event.line, wait.key.clone())),
+            Kind::Wait(wait) => self.wait = Some(Stay::new(wait, event.t_ns, (event.file, event.line))),
             Kind::Release(release) => {
-                let (line, key) = self.wait.take().unwrap_or_else(|| (event.line, release.key.clone()));
+                let stay = self.wait.take().unwrap_or_else(|| Stay::unseen(release, (event.file, event.line)));
                 self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
-                self.bars.wait(release.since_ns, event.t_ns, line, key);
+                self.bars.wait(release.since_ns, event.t_ns, &stay);
+                self.stays.push(stay.ended(release, event.t_ns));
             }
             Kind::Lifecycle(phase) => {
                 let own = self.info.channel(self.number).filter(|c| !c.program.is_empty()).map(|c| c.file);

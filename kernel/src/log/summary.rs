@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::log::meetings::{Arrival, Meeting};
+pub use crate::log::meetings::{Arrival, Meeting, Waits};
 
 use crate::log::event::{FileId, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
@@ -64,7 +64,7 @@ pub struct Summary {
     /// Channels, ascending.
     pub channels: Vec<Channel>,
     /// Meetings in order of their number, then waits that never came true.
-    pub waits: Arc<[Meeting]>,
+    pub waits: Waits,
     /// Why channels can never go on.
     pub verdict: Option<Verdict>,
     /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
@@ -183,18 +183,12 @@ impl Findings {
         match &told.what {
             What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
             What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
-            What::Verdict(_) | What::Wait(..) | What::Release(_) => {}
+            What::Verdict(_) => {}
         }
     }
 
     /// The log is complete; `log_digest` is its fingerprint.
-    pub(crate) fn finish(
-        self,
-        channels: Vec<Channel>,
-        waits: Arc<[Meeting]>,
-        cancelled: bool,
-        log_digest: String,
-    ) -> Summary {
+    pub(crate) fn finish(self, channels: Vec<Channel>, waits: Waits, cancelled: bool, log_digest: String) -> Summary {
         let state = if cancelled {
             State::Cancelled
         } else if self.verdict.is_some() || self.highest_severity >= 8 {

@@ -9,12 +9,10 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-use std::sync::Arc;
-
 use serde::Serialize;
 
 use crate::log::info::{self, Info};
-use crate::log::summary::{ChannelState, Meeting};
+use crate::log::summary::{ChannelState, Waits};
 use bars::Bar;
 
 /// Timeline of a job.
@@ -27,7 +25,7 @@ pub struct Timeline {
     /// Channels, ascending.
     pub channels: Vec<Channel>,
     /// Meetings as in the summary.
-    pub waits: Arc<[Meeting]>,
+    pub waits: Waits,
     /// Machine, for the title of the picture.
     #[serde(skip)]
     pub machine: String,
@@ -71,7 +69,7 @@ impl Channel {
 
 impl Timeline {
     /// From its rows and meetings.
-    pub(crate) fn new(info: &Info, channels: Vec<Channel>, waits: Arc<[Meeting]>) -> Self {
+    pub(crate) fn new(info: &Info, channels: Vec<Channel>, waits: Waits) -> Self {
         let makespan_ns = channels.iter().map(|c| c.end_ns).max().unwrap_or(0);
         Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone() }
     }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use crate::log::meetings::Stay;
 use crate::log::work::Work;
 
 /// Bars a channel has at most.
@@ -80,10 +81,10 @@ impl Bars {
     }
 
     /// A wait that is over.
-    pub(crate) fn wait(&mut self, since_ns: i64, t_ns: i64, line: u32, key: Arc<str>) {
-        let dur_ns = t_ns.saturating_sub(since_ns);
+    pub(crate) fn wait(&mut self, since_ns: i64, t_ns: i64, stay: &Stay) {
+        let (dur_ns, line) = (t_ns.saturating_sub(since_ns), stay.line);
         if dur_ns > 0 {
-            let label = Some(key);
+            let label = Some(stay.key());
             self.add(Bar { kind: Work::Wait, t_ns: since_ns, dur_ns, line, end_line: line, label, own_ns: dur_ns });
         }
     }

@@ -1,5 +1,7 @@
 //! Tests of the timeline.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::log::event::{Event, Kind, MotionKind, Phase, ToolAction};
 use crate::log::testing::*;
