@@ -52,12 +52,20 @@ pub struct PrepareError {
     pub findings: Vec<Finding>,
 }
 
+/// Text files that macros have written, ascending by path with `/` between parts.
+pub type WrittenFiles = Vec<(String, Arc<str>)>;
+
 /// Receives what a job logs.
 pub trait Sink {
     /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
     /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
     fn folds(&mut self) -> Option<&mut Folds> {
         None
+    }
+
+    /// The files that macros have written; once, when all kernels have ended.
+    fn files(&mut self, files: WrittenFiles) {
+        let _ = files;
     }
 
     /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec};
+use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec, WrittenFiles};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::summary::Summary;
@@ -34,6 +34,8 @@ pub struct Done {
     pub events: Vec<Event>,
     /// Outcome of the run.
     pub outcome: Outcome,
+    /// Files that macros have written.
+    pub files: WrittenFiles,
 }
 
 /// A shipped machine, with `overlay` (TOML) on top if it is not empty.
@@ -72,20 +74,21 @@ impl Work {
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
         let (job, control) = self.prepare(jitter)?;
-        let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new() };
+        let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new(), files: Vec::new() };
         let outcome = job.run(&self.files, &control, &mut sink);
-        Ok(Done { summary: sink.folds.finish(&outcome).summary, events: sink.events, outcome })
+        let Collect { folds, events, files } = sink;
+        Ok(Done { summary: folds.finish(&outcome).summary, events, outcome, files })
     }
 
-    /// The same without an ordered log: every kernel feeds its results.
+    /// The same without an ordered log: every kernel feeds its results. The files are those that macros have written.
     ///
     /// # Errors
     /// When the job cannot be prepared.
-    pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome), PrepareError> {
+    pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome, WrittenFiles), PrepareError> {
         let (job, control) = self.prepare(jitter)?;
-        let mut sink = Fold(Folds::new(job.info()));
+        let mut sink = Fold { folds: Folds::new(job.info()), files: Vec::new() };
         let outcome = job.run(&self.files, &control, &mut sink);
-        Ok((sink.0.finish(&outcome), outcome))
+        Ok((sink.folds.finish(&outcome), outcome, sink.files))
     }
 
     /// What is fixed about the job.
@@ -112,9 +115,14 @@ impl Work {
 struct Collect {
     folds: Folds,
     events: Vec<Event>,
+    files: WrittenFiles,
 }
 
 impl Sink for Collect {
+    fn files(&mut self, files: WrittenFiles) {
+        self.files = files;
+    }
+
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
         batch.iter().for_each(|event| self.folds.event(event));
         self.events.extend_from_slice(batch);
@@ -122,11 +130,18 @@ impl Sink for Collect {
     }
 }
 
-struct Fold(Folds);
+struct Fold {
+    folds: Folds,
+    files: WrittenFiles,
+}
 
 impl Sink for Fold {
     fn folds(&mut self) -> Option<&mut Folds> {
-        Some(&mut self.0)
+        Some(&mut self.folds)
+    }
+
+    fn files(&mut self, files: WrittenFiles) {
+        self.files = files;
     }
 
     fn events(&mut self, _first_seq: u64, _batch: &[Event]) -> bool {

@@ -89,7 +89,7 @@ fn two_hundred_runs_give_one_log() {
 
 /// Results without an ordered log are those of the log.
 fn same_results(work: &Work, oracle: &Done, run: usize) {
-    let (results, outcome) = work.results((!run.is_multiple_of(3)).then_some(disturb as fn(u16))).unwrap();
+    let (results, outcome, _) = work.results((!run.is_multiple_of(3)).then_some(disturb as fn(u16))).unwrap();
     assert_eq!(results.summary.log_digest, oracle.summary.log_digest, "run {run}, threads {}", work.options.threads);
     assert_eq!(results.summary, oracle.summary, "run {run}, threads {}", work.options.threads);
     assert_eq!(outcome, oracle.outcome, "run {run}");

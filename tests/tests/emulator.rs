@@ -5,8 +5,8 @@
 //! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
 //! (with the channel in front on machines with several), `timed` the same with the second of their end in front,
 //! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace` the whole trace of channel
-//! 1, `ran` the program of each channel in the summary, `findings` what loading the machine finds. `events`, `timed`,
-//! `texts` and `trace` are only compared where they are given; no diagnostics and no findings are expected where none
+//! 1, `ran` the program of each channel in the summary, `written NAME` a file that macros have written, `findings` what
+//! loading the machine finds. `events`, `timed`, `texts`, `trace` and written files are only compared where they are given; no diagnostics and no findings are expected where none
 //! are given. Every example is run with one thread, with results only, and with shared operations out of step; all
 //! must agree.
 
@@ -34,6 +34,7 @@ struct Example {
     texts: Option<String>,
     trace: Option<String>,
     ran: Option<String>,
+    written: Vec<(String, String)>,
     diagnostics: String,
     findings: String,
 }
@@ -62,6 +63,7 @@ fn examples(page: &str) -> Vec<Example> {
             ("timed", _) => example.timed = Some(text),
             ("texts", _) => example.texts = Some(text),
             ("trace", _) => example.trace = Some(text),
+            ("written", name) => example.written.push((name.to_owned(), text)),
             ("ran", _) => example.ran = Some(text),
             ("diagnostics", _) => example.diagnostics = text,
             ("findings", _) => example.findings = text,
@@ -142,7 +144,8 @@ fn run(example: &Example, machine: &Arc<Machine>) -> (Done, Arc<Info>) {
     let one = work(1).run(None).expect("the job can be prepared");
     let many = work(0).run(Some(jitter)).expect("the job can be prepared");
     assert_eq!(one.events, many.events, "line {}: the log depends on scheduling", example.line);
-    let (results, _) = work(0).results(None).expect("the job can be prepared");
+    let (results, _, files) = work(0).results(None).expect("the job can be prepared");
+    assert_eq!((&one.files, &one.files), (&many.files, &files), "line {}: files differ", example.line);
     assert_eq!(one.summary, results.summary, "line {}: results without a log differ", example.line);
     let info = work(1).info();
     (one, info)
@@ -205,6 +208,10 @@ fn the_guide_is_true() {
                 let ran: String =
                     done.summary.channels.iter().map(|c| format!("{} {}\n", c.channel, c.program)).collect();
                 compare("ran", &ran, expected);
+            }
+            for (name, expected) in &example.written {
+                let found = done.files.iter().find(|(path, _)| path == name).map_or("no such file\n", |(_, text)| text);
+                compare(&format!("written {name}"), found, expected);
             }
             if let Some(expected) = &example.trace {
                 compare("trace", &trace(&info, &done), expected);

@@ -123,7 +123,7 @@ fn every_scenario_ends_as_the_control_would() {
         check(&name, &scenario, &parallel);
         work.options.threads = 1;
         let sequential = work.run(None).unwrap();
-        let (results, _) = work.results(None).unwrap();
+        let (results, ..) = work.results(None).unwrap();
         assert_eq!(results.summary, sequential.summary, "{name}: results without a log");
         assert_eq!(
             parallel.summary.log_digest, sequential.summary.log_digest,

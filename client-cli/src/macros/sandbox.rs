@@ -11,7 +11,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, Metadata, OpenOptions};
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Outside, Stream};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Outside, Shelf, Stream};
 
 use crate::error::Error;
 use crate::say;
@@ -75,31 +75,7 @@ fn owner(metadata: &Metadata) -> (u32, u32, u32) {
     (if metadata.permissions().readonly() { 0o444 } else { 0o666 }, 0, 0)
 }
 
-impl Outside for Sandbox {
-    fn line(&mut self, stream: Stream, text: &str) -> bool {
-        if stream == Stream::Console {
-            say::talk(text);
-            return true;
-        }
-        match say::line(text) {
-            Ok(()) => true,
-            Err(error) => {
-                self.broken.borrow_mut().get_or_insert(error);
-                false
-            }
-        }
-    }
-
-    fn report(&mut self, diagnostic: &Diagnostic) {
-        super::say_finding(diagnostic);
-    }
-
-    fn console(&mut self) -> Option<String> {
-        let mut line = Vec::new();
-        let read = io::stdin().lock().take(LARGEST).read_until(b'\n', &mut line).ok()?;
-        (read > 0).then(|| String::from_utf8_lossy(&line).trim_end_matches(['\n', '\r']).to_owned())
-    }
-
+impl Shelf for Sandbox {
     fn read(&mut self, path: &str) -> Result<String, i32> {
         let file = self.open(path, OpenOptions::new().read(true))?;
         let mut bytes = Vec::new();
@@ -134,6 +110,32 @@ impl Outside for Sandbox {
 
     fn remove(&mut self, path: &str) {
         let _ = self.folder.remove_file(path);
+    }
+}
+
+impl Outside for Sandbox {
+    fn line(&mut self, stream: Stream, text: &str) -> bool {
+        if stream == Stream::Console {
+            say::talk(text);
+            return true;
+        }
+        match say::line(text) {
+            Ok(()) => true,
+            Err(error) => {
+                self.broken.borrow_mut().get_or_insert(error);
+                false
+            }
+        }
+    }
+
+    fn report(&mut self, diagnostic: &Diagnostic) {
+        super::say_finding(diagnostic);
+    }
+
+    fn console(&mut self) -> Option<String> {
+        let mut line = Vec::new();
+        let read = io::stdin().lock().take(LARGEST).read_until(b'\n', &mut line).ok()?;
+        (read > 0).then(|| String::from_utf8_lossy(&line).trim_end_matches(['\n', '\r']).to_owned())
     }
 
     fn now(&self) -> (f64, i32, String) {

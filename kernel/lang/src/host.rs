@@ -4,8 +4,10 @@
 //! names. [`Test`] is the double used by tests and by `macro run`.
 
 mod double;
+mod folder;
 
-pub use double::{Answer, Domain, FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream, Test};
+pub use double::{Answer, Domain, Outside, Stream, Test};
+pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, stored};
 
 use crate::bytecode::Code;
 use crate::diag::{Diagnostic, Number};

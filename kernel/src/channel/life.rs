@@ -30,6 +30,7 @@ impl Kernel<'_> {
         while let Some(next) = self.restarted(halt) {
             halt = self.end_macros(next);
         }
+        self.close_files(halt);
         self.finish(halt);
         halt
     }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::compile::Program;
 use counterpoint_lang::fault::Fault;
+use counterpoint_lang::host::Folder;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
@@ -165,10 +166,10 @@ pub(crate) struct Runtime {
     pub(crate) severities: FxHashMap<u32, (u8, bool)>,
     /// How often each diagnostic came.
     pub(crate) counts: FxHashMap<u32, u32>,
-    /// Files that macros wrote, by path.
-    pub(crate) files: std::collections::BTreeMap<String, String>,
-    /// Bytes in them.
-    pub(crate) written: usize,
+    /// Current folder, temporary files and open stores of values.
+    pub(crate) folder: Folder,
+    /// The kernel has come to its end: what it writes is what it had open.
+    pub(crate) leaving: bool,
     /// Texts handed to block macros.
     pub(crate) texts: Reused<String>,
     /// Positions handed to event macros.
@@ -236,8 +237,8 @@ impl Runtime {
             store: Store::new(),
             severities: FxHashMap::default(),
             counts: FxHashMap::default(),
-            files: std::collections::BTreeMap::new(),
-            written: 0,
+            folder: Folder::default(),
+            leaving: false,
             texts: Reused::default(),
             positions: Reused::default(),
             flags: Reused::default(),
@@ -281,6 +282,11 @@ impl Runtime {
         if let Some(slot) = self.busy.get_mut(usize::from(code)) {
             *slot = busy;
         }
+    }
+
+    /// Open units and variables, when no macro will run any more.
+    pub(crate) fn last_state(&mut self) -> Option<Box<State>> {
+        self.state.take()
     }
 
     /// The innermost running macro.

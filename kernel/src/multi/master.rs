@@ -137,6 +137,7 @@ impl<'a> Shop<'a> {
         (kernel.clock, kernel.micro) = (t, micro);
         kernel.macros = Some(runtime);
         let _ = kernel.plain_macro(Hook::MachineShutdown);
+        kernel.close_files(Halt::End(None));
         let tag = kernel.tag();
         kernel.emitter.flush(tag);
         drop(kernel);

@@ -5,6 +5,7 @@
 
 pub(crate) mod coordinator;
 pub(crate) mod feed;
+pub(crate) mod files;
 mod master;
 pub(crate) mod merge;
 pub(crate) mod shared;
@@ -22,6 +23,7 @@ use feed::Feed;
 use master::Master;
 use merge::{End, Feeder, Merger, Message};
 use shared::{Shared, Spindle};
+use tag::Tag;
 use waits::Waits;
 
 use crate::action::sync::Known;
@@ -36,7 +38,7 @@ use crate::channel::{
 };
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
-use crate::job::{Job, Outcome, Sink, Spec};
+use crate::job::{Job, Outcome, Sink, Spec, WrittenFiles};
 use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
@@ -44,14 +46,16 @@ use crate::mcd::program::Range;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-    match sink.folds() {
+    let (outcome, written) = match sink.folds() {
         Some(folds) => folded(job, files, control, folds),
         None => ordered(job, files, control, sink),
-    }
+    };
+    sink.files(written);
+    outcome
 }
 
 /// Runs a job whose events go into its results, channel by channel.
-fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> Outcome {
+fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
     let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, None));
     let given = OnceLock::new();
@@ -82,12 +86,13 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
         folds.event(event);
         true
     };
-    close(shop, halts.iter().filter(|(channel, _)| !ended.contains(channel)), kernel_0, last, &mut log);
-    Outcome { events: count + events, cancelled: control.cancelled(), sink_failed: false }
+    let halts = halts.iter().filter(|(channel, _)| !ended.contains(channel));
+    let written = close(shop, halts, kernel_0, last, &mut log);
+    (Outcome { events: count + events, cancelled: control.cancelled(), sink_failed: false }, written)
 }
 
 /// Runs a job whose events become one ordered log.
-fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
+fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
     let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
     let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, Some(sender)));
@@ -121,8 +126,9 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
         !refused
     };
     let ended = merger.ended();
-    close(shop, halts.iter().filter(|(channel, _)| !ended.contains(channel)), kernel_0, merger.last, &mut log);
-    Outcome { events: next - 1, cancelled: control.cancelled(), sink_failed: refused }
+    let halts = halts.iter().filter(|(channel, _)| !ended.contains(channel));
+    let written = close(shop, halts, kernel_0, merger.last, &mut log);
+    (Outcome { events: next - 1, cancelled: control.cancelled(), sink_failed: refused }, written)
 }
 
 fn coordinator(job: &Job, messages: Option<Sender<Message>>) -> Coordinator {
@@ -140,13 +146,18 @@ fn close<'h>(
     kernel_0: Option<Master>,
     (t_ns, micro): (i64, u32),
     log: &mut dyn FnMut(&Event) -> bool,
-) {
+) -> WrittenFiles {
+    let stop = shop.coordinator.stop_tag();
+    shop.coordinator.lock().shared.files.close(stop);
     for &(channel, halt) in halts {
         let phase = if halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
         log(&Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) });
     }
     shop.master_shutdown(kernel_0, (t_ns, micro), log);
     log(&Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
+    let files = &mut shop.coordinator.lock().shared.files;
+    files.close(Tag::END);
+    files.take()
 }
 
 /// A kernel about to start.

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::files::Written;
 use super::waits::Set;
 use crate::log::event::Direction;
 
@@ -12,6 +13,8 @@ pub(crate) struct Shared {
     pub(crate) variables: FxHashMap<u32, f64>,
     /// Global variables of macros, by index.
     pub(crate) globals: Vec<counterpoint_lang::value::Value>,
+    /// Files that macros have written.
+    pub(crate) files: Written,
     /// Spindles by index of the machine's list.
     pub(crate) spindles: Vec<Spindle>,
 }

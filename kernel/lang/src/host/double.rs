@@ -7,14 +7,13 @@ mod blocks;
 mod dialog;
 mod files;
 mod model;
-mod mru;
 mod outside;
 mod tables;
 
 pub use dialog::Answer;
-pub use outside::{FAILED, FORBIDDEN, Facts, INVALID, NOT_FOUND, Outside, Stream};
+pub use outside::{Outside, Stream};
 
-use super::{Command, Environment, Host, Step, SystemVariable};
+use super::{Command, Environment, Folder, Host, Step, SystemVariable};
 use crate::diag::{self, Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
@@ -34,9 +33,6 @@ pub struct Domain {
     /// `$NULL` is a value, whatever the type.
     pub nullable: bool,
 }
-
-/// Steps that work on a file costs.
-const FILE_TICKS: usize = 100;
 
 /// Gives the name of the tables for one that may be spelled otherwise.
 type Spelling = fn(&str) -> Option<&'static str>;
@@ -78,14 +74,11 @@ pub struct Test {
     block: blocks::Block,
     /// Position of the block read next.
     next: usize,
-    stores: Vec<Option<mru::Store>>,
     answers: BTreeMap<String, Answer>,
     table_of_diagnostics: BTreeMap<u32, tables::Entry>,
     named_macros: Vec<tables::Named>,
     said_no_model: bool,
-    /// Current folder below the folder of the run.
-    folder: String,
-    temporaries: Vec<String>,
+    folder: Folder,
 }
 
 impl Test {
@@ -383,19 +376,13 @@ impl Host for Test {
     }
 
     fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
-        if matches!(function.name, "$FACCESS" | "$FSTAT" | "$FSETCWD" | "$FTMPFILE")
-            || function.name.starts_with("$FMRU_")
-        {
-            state.spend(FILE_TICKS)?;
+        let (call, program) = ((function.name, arguments), self.system_text("$TAPEN"));
+        if let Some(answer) = self.with_files(|folder, shelf| folder.function(shelf, state, call, &program)) {
+            return answer;
         }
         Ok(match function.name {
             "$FEOF" => Value::Logical(self.next >= self.program.len()),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            "$FACCESS" => self.access(state, arguments),
-            "$FSTAT" => self.stat(state, arguments)?,
-            "$FGETCWD" => self.current(),
-            "$FSETCWD" => self.change(state, arguments),
-            "$FTMPFILE" => self.temporary(state, arguments),
             "$FDIALOG" => self.dialog(arguments)?,
             "$FPAUSE" => Value::Logical(false),
             "$FDOC" => Test::out_of_scope(state, function),
@@ -422,7 +409,6 @@ impl Host for Test {
             "$FDK" => self.kinematics(arguments, false)?,
             "$FIK" => self.kinematics(arguments, true)?,
             "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
-            name if name.starts_with("$FMRU_") => self.most_recently_used(state, name, arguments)?,
             name if name.starts_with("$FMS") => self.without_model(state, function),
             name => return Err(Fault::new(Number::NO_HOST, format!("{name} needs a machine, and there is none here"))),
         })
@@ -450,7 +436,7 @@ impl Host for Test {
     }
 
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
-        self.openable(state, path)
+        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 
     fn read_file(&mut self, path: &str) -> Option<String> {
@@ -458,7 +444,7 @@ impl Host for Test {
     }
 
     fn write_file(&mut self, path: &str, text: &str) -> bool {
-        self.save(path, text).is_ok()
+        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 
     fn read_console(&mut self) -> Option<String> {

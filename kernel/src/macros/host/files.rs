@@ -1,119 +1,132 @@
-//! Files of macros: those of the job are read, what is written stays in memory until the job ends.
+//! Files of macros: those of the job and of the machine are read, what is written becomes a result of the job.
 //!
-//! Invariants: a name never leads out of the job; how much may be written is bounded; a file that one kernel writes is
-//! seen by that kernel alone, so that no result depends on who was faster.
+//! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
 
-use counterpoint_lang::diag::Number;
-use counterpoint_lang::fault::Fault;
-use counterpoint_lang::host::{FORBIDDEN, NOT_FOUND};
-use counterpoint_lang::vm::State;
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, State};
 
-use crate::channel::Kernel;
+use crate::channel::{Halt, Kernel};
 use crate::diag;
 use crate::files::Bytes;
 use crate::machine::model::StoredFile;
-
-/// Files that the macros of a kernel may write.
-const MOST_FILES: usize = 200;
-
-/// Bytes in all of them.
-const MOST_BYTES: usize = 64 << 20;
-
-/// The path below the job's folder, none if it leads out of it.
-fn inside(path: &str) -> Option<String> {
-    let path = path.replace('\\', "/");
-    if path.starts_with('/') || path.contains([':', '\0']) {
-        return None;
-    }
-    let mut parts: Vec<&str> = Vec::new();
-    for part in path.split('/') {
-        match part {
-            "" | "." => {}
-            ".." => {
-                parts.pop()?;
-            }
-            part => parts.push(part),
-        }
-    }
-    if parts.is_empty() { None } else { Some(parts.join("/")) }
-}
+use crate::multi::files::Written;
 
 impl Kernel<'_> {
-    pub(super) fn openable(&mut self, state: &mut State, path: &str) -> i32 {
-        if self.stored_file(path).is_some() {
-            return 0;
+    /// Does something with the folder of the run and its files.
+    fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
+        let mut folder =
+            self.macros.as_deref_mut().map(|runtime| std::mem::take(&mut runtime.folder)).unwrap_or_default();
+        let result = work(&mut folder, self);
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.folder = folder;
         }
-        if inside(path).is_some() {
-            return 0;
-        }
-        state.warn(Fault::new(Number::OUTSIDE, format!("the file name '{path}' leads out of the job")));
-        FORBIDDEN
+        result
     }
 
-    /// A file stored with the machine, named in full.
-    fn stored_file(&self, path: &str) -> Option<&Bytes> {
-        let path = path.replace('\\', "/");
-        let root = path.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
-        if root { StoredFile::find(&self.machine.storage, &path) } else { None }
+    pub(super) fn openable(&mut self, state: &mut State, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 
     pub(super) fn file_text(&mut self, path: &str) -> Option<String> {
-        if let Some(stored) = self.stored_file(path) {
-            return Some(String::from_utf8_lossy(stored).into_owned());
-        }
-        let path = inside(path)?;
-        let written = self.macros.as_deref().and_then(|runtime| runtime.files.get(&path).cloned());
-        written.or_else(|| Some(String::from_utf8_lossy(&self.files.read(&path).ok()?).into_owned()))
+        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
     }
 
     pub(super) fn keep_file(&mut self, path: &str, text: &str) -> bool {
-        let Some(path) = inside(path) else { return false };
-        let Some(runtime) = self.macros.as_deref_mut() else { return false };
-        let old = runtime.files.get(&path).map(String::len);
-        let bytes = runtime.written - old.unwrap_or(0) + text.len();
-        if bytes > MOST_BYTES || old.is_none() && runtime.files.len() >= MOST_FILES {
-            let text = format!("macros may write {MOST_FILES} files with {MOST_BYTES} bytes in all, '{path}' is lost");
-            self.diagnose(&diag::MACRO_FILES, text);
-            return false;
-        }
-        runtime.written = bytes;
-        runtime.files.insert(path, text.to_owned());
-        true
+        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 
-    /// `$FACCESS`: 4 may be read, 2 may be written; every bit asked for must be allowed.
-    pub(super) fn file_access(&mut self, path: &str, wanted: u8) -> bool {
-        let exists = self.file_status(path) == 0;
-        // What is stored with the machine is never written.
-        let writes = wanted & 2 != 0 && self.stored_file(path).is_some();
-        exists && wanted & 1 == 0 && !writes
+    /// A function of files, none for others.
+    pub(super) fn file_function(
+        &mut self,
+        state: &mut State,
+        name: &str,
+        arguments: &[Value],
+    ) -> Option<Outcome<Value>> {
+        let program = self.flow.frames.first().map_or("", |frame| self.info.file_name(frame.file)).to_owned();
+        self.with_files(|folder, shelf| folder.function(shelf, state, (name, arguments), &program))
     }
 
-    /// 0, or why there is no such file.
-    pub(super) fn file_status(&mut self, path: &str) -> i32 {
-        if self.stored_file(path).is_some() {
-            return 0;
+    /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel
+    /// that was stopped had open is lost: how far it got is chance.
+    pub(crate) fn close_files(&mut self, halt: Halt) {
+        let Some(runtime) = self.macros.as_deref_mut() else { return };
+        let Some(mut state) = runtime.last_state() else { return };
+        runtime.leaving = true;
+        if halt != Halt::Stopped {
+            vm::close_all(&mut state, self);
         }
-        match inside(path) {
-            None => FORBIDDEN,
-            Some(inner) => {
-                let written = self.macros.as_deref().is_some_and(|runtime| runtime.files.contains_key(&inner));
-                if written || self.files.read(&inner).is_ok() { 0 } else { NOT_FOUND }
-            }
-        }
+        self.with_files(Folder::clean);
+    }
+
+    /// A file stored with the machine.
+    fn stored_file(&self, path: &str) -> Option<&Bytes> {
+        StoredFile::find(&self.machine.storage, &path.replace('\\', "/"))
+    }
+
+    /// Works on the files that macros have written, in its turn.
+    fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
+        self.shared(|inner, _| work(&mut inner.shared.files)).map_err(|halt| {
+            self.keep_halt(halt);
+            FAILED
+        })
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::inside;
-
-    #[test]
-    fn no_name_leads_out() {
-        assert_eq!(inside("a/./b").as_deref(), Some("a/b"));
-        assert_eq!(inside("a/../b").as_deref(), Some("b"));
-        for path in ["..", "../x", "a/../../x", "/etc/x", "\\x", "c:/x", "", "a/../..\\x"] {
-            assert_eq!(inside(path), None, "{path}");
+impl Shelf for Kernel<'_> {
+    fn read(&mut self, path: &str) -> Result<String, i32> {
+        if stored(path) {
+            return self.stored_file(path).map(|text| String::from_utf8_lossy(text).into_owned()).ok_or(NOT_FOUND);
         }
+        match self.job_files(|written| written.get(path))? {
+            Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
+            None => match self.files.read(path) {
+                Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
+                Err(crate::files::Error::Missing(_)) => Err(NOT_FOUND),
+                Err(crate::files::Error::Unreadable { .. }) => Err(FAILED),
+            },
+        }
+    }
+
+    fn write(&mut self, path: &str, text: &str) -> Result<(), i32> {
+        if stored(path) {
+            return Err(FORBIDDEN);
+        }
+        if self.macros.as_deref().is_some_and(|runtime| runtime.leaving) {
+            let tag = self.tag();
+            self.coordinator.lock().shared.files.leave(tag, path, Some(text));
+            return Ok(());
+        }
+        self.job_files(|written| written.put(path, text))?.map_err(|text| {
+            self.diagnose(&diag::MACRO_FILES, text);
+            FAILED
+        })
+    }
+
+    fn facts(&mut self, path: &str) -> Result<Facts, i32> {
+        if stored(path) {
+            return self.stored_file(path).map(|text| Facts::file(text.len(), true)).ok_or(NOT_FOUND);
+        }
+        let (text, folder) = self.job_files(|written| (written.get(path), written.has_folder(path)))?;
+        let size = match text {
+            Some(text) => text.map(|text| text.len()),
+            None => self.files.read(path).ok().map(|text| text.len()),
+        };
+        let folder = || {
+            let inside = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('/'));
+            path == "." || folder || self.files.list().iter().any(inside)
+        };
+        match size {
+            Some(size) => Ok(Facts::file(size, false)),
+            None if folder() => Ok(Facts::folder()),
+            None => Err(NOT_FOUND),
+        }
+    }
+
+    fn remove(&mut self, path: &str) {
+        // Only temporary files are removed, and they are there until all kernels have ended.
+        let tag = self.tag();
+        self.coordinator.lock().shared.files.leave(tag, path, None);
     }
 }

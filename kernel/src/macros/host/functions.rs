@@ -35,6 +35,9 @@ impl Kernel<'_> {
         function: &'static Function,
         arguments: &[Value],
     ) -> Outcome<Value> {
+        if let Some(answer) = self.file_function(state, function.name, arguments) {
+            return answer;
+        }
         Ok(match function.name {
             "$FEOF" => Value::Logical(self.at_end()),
             "$FGET" => self.search_program(state, arguments, true)?,
@@ -59,19 +62,8 @@ impl Kernel<'_> {
             "$FCESNCV" => self.set_nc_variable(arguments)?,
             "$FCEPP" => self.preprocessor_setting(state, arguments),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            "$FACCESS" => {
-                let wanted = arguments.get(1).and_then(Value::as_real).map_or(0, |n| n.clamp(0.0, 7.0) as u8);
-                state.spend(100)?;
-                Value::Logical(self.file_access(text(arguments, 0), wanted))
-            }
-            "$FSTAT" => {
-                state.spend(100)?;
-                state.status = self.file_status(text(arguments, 0));
-                Value::Real(if state.status == 0 { 0.0 } else { -1.0 })
-            }
-            "$FGETCWD" => Value::text("/"),
             "$FCERST" => self.restart_with(state, arguments)?,
-            "$FAPPLY" | "$FCETIMESYNC" | "$FSETCWD" | "$FPAUSE" | "$FDOC" | "$FTMPFILE" => {
+            "$FAPPLY" | "$FCETIMESYNC" | "$FPAUSE" | "$FDOC" => {
                 let message = format!("{} does nothing here", function.name);
                 state.warn(Fault::new(Number::NO_MODEL, message));
                 nothing(function)

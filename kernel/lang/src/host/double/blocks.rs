@@ -3,9 +3,9 @@
 //! Invariant: searching never moves the reading position. Facts: reference functions.md 9, macro-language.md 3.3.
 
 use super::Test;
-use super::files::text;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
+use crate::host::folder::text;
 use crate::ident;
 use crate::value::Value;
 use crate::vm::State;

@@ -4,9 +4,9 @@
 //! background, where it fails. The double can set `%Gnn` and system variables only: it does not know the macro's own.
 
 use super::Test;
-use super::files::text;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
+use crate::host::folder::text;
 use crate::value::Value;
 
 /// What is answered: the button, and variables with their values.

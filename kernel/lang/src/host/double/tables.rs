@@ -4,9 +4,9 @@
 //! the next report on.
 
 use super::Test;
-use super::files::text;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
+use crate::host::folder::text;
 use crate::value::Value;
 use crate::vm::State;
 

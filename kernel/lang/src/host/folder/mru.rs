@@ -3,9 +3,7 @@
 //! Invariant: a store is read when it is opened and written when it is closed, in a small XML form of its own: a `key`
 //! per line group, a `param` per line. Facts: reference functions.md 7; the form of the file is this project's choice.
 
-use super::Test;
-use super::files::text;
-use super::outside::FAILED;
+use super::{FAILED, Folder, Shelf, text};
 use crate::fault::Outcome;
 use crate::value::Value;
 use crate::vm::State;
@@ -140,21 +138,27 @@ fn done(good: bool) -> Value {
     count(usize::from(good))
 }
 
-impl Test {
-    pub(super) fn most_recently_used(&mut self, state: &mut State, name: &str, arguments: &[Value]) -> Outcome<Value> {
+impl Folder {
+    pub(super) fn most_recently_used(
+        &mut self,
+        shelf: &mut dyn Shelf,
+        state: &mut State,
+        (name, arguments): (&str, &[Value]),
+        program: &str,
+    ) -> Outcome<Value> {
         if name == "$FMRU_OPEN" {
-            return Ok(self.open_store(state, text(arguments, 0)));
+            return Ok(self.open_store(shelf, state, text(arguments, 0)));
         }
         let handle = arguments.first().and_then(Value::as_real).unwrap_or(0.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let at = (handle.max(0.0) as usize).wrapping_sub(1);
         if name == "$FMRU_CLOSE" {
             let Some(store) = self.stores.get_mut(at).and_then(Option::take) else { return Ok(Value::Null) };
-            let saved = self.save(&store.file, &store.write());
+            let saved = self.save(shelf, &store.file, &store.write());
             state.status = saved.err().unwrap_or(0);
             return Ok(done(saved.is_ok()));
         }
-        let default = self.default_key();
+        let default = default_key(program);
         let key = |value: Option<&Value>| match value {
             Some(Value::Text(name)) if !name.trim().is_empty() => name.trim().to_owned(),
             Some(Value::Real(number)) if *number != 0.0 => crate::format::wildcard_text(*number),
@@ -169,23 +173,22 @@ impl Test {
         Ok(asked(store, name, &key, arguments))
     }
 
-    fn open_store(&mut self, state: &mut State, file: &str) -> Value {
+    fn open_store(&mut self, shelf: &mut dyn Shelf, state: &mut State, file: &str) -> Value {
         let file = if file.trim().is_empty() { DEFAULT_FILE } else { file.trim() };
-        state.status = if self.stores.len() < MOST { self.openable(state, file) } else { FAILED };
+        state.status = if self.stores.len() < MOST { self.openable(shelf, state, file) } else { FAILED };
         if state.status != 0 {
             return done(false);
         }
-        let store = Store::read(file, &self.load(file).unwrap_or_default());
+        let store = Store::read(file, &self.load(shelf, file).unwrap_or_default());
         self.stores.push(Some(store));
         count(self.stores.len())
     }
+}
 
-    /// The program's file name without its ending.
-    fn default_key(&self) -> String {
-        let path = self.system_text("$TAPEN");
-        let name = path.rsplit(['/', '\\']).next().unwrap_or("");
-        name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
-    }
+/// The program's file name without its ending.
+fn default_key(path: &str) -> String {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or("");
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
 }
 
 /// A key may be named by the identity that `$FMRU_GETKEY` gave.

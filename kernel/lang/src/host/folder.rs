@@ -1,0 +1,297 @@
+//! Files as macros see them: names below one folder, a current folder, temporary files, stores of values.
+//!
+//! A host gives a [`Shelf`] with the files themselves; what does not depend on where they are is here. Invariant: a name
+//! that is absolute, or climbs out of the folder with `..`, never reaches the shelf. Facts: reference functions.md 7.
+
+mod mru;
+
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+use crate::value::Value;
+use crate::vm::State;
+
+/// Temporary files of one run.
+const MOST_TEMPORARIES: usize = 100;
+/// Steps that work on a file costs.
+const FILE_TICKS: usize = 100;
+/// Storage that macros may only read.
+const STORAGE: &str = "//ICAMFS/";
+
+/// Status of a file that does not exist.
+pub const NOT_FOUND: i32 = 2;
+/// Status of a file that cannot be read or written.
+pub const FAILED: i32 = 5;
+/// Status of a file name that leads out of the folder of the run, or of a file that may not be used.
+pub const FORBIDDEN: i32 = 13;
+/// Status of arguments that make no sense.
+pub const INVALID: i32 = 22;
+
+/// Facts of a file or folder.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Bytes.
+    pub size: u64,
+    /// Seconds since 1970 of the last access, change of the entry, and change of the content.
+    pub times: [f64; 3],
+    /// Bits: type and permissions as the system has them.
+    pub mode: u32,
+    /// Number of the owner.
+    pub owner: u32,
+    /// Number of the group.
+    pub group: u32,
+    /// Bits: 4 may be read, 2 may be written, 1 may be run.
+    pub allowed: u8,
+    /// It is a folder.
+    pub folder: bool,
+}
+
+impl Facts {
+    /// A file in memory that may be read, and written unless it is stored with the machine.
+    #[must_use]
+    pub fn file(size: usize, stored: bool) -> Self {
+        let allowed = if stored { 5 } else { 6 };
+        Self { size: size as u64, mode: 0o644, allowed, ..Self::default() }
+    }
+
+    /// A folder in memory.
+    #[must_use]
+    pub fn folder() -> Self {
+        Self { mode: 0o755, allowed: 7, folder: true, ..Self::default() }
+    }
+}
+
+/// Files by name. A name has `/` between its parts and stays inside; one that begins with `//ICAMFS/` is a file stored
+/// with the machine, found whatever its letter case, and never written. A failure is a status for `$ERRNO`.
+pub trait Shelf {
+    /// Text of a file.
+    ///
+    /// # Errors
+    /// The status.
+    fn read(&mut self, path: &str) -> Result<String, i32>;
+
+    /// Replaces a file.
+    ///
+    /// # Errors
+    /// The status.
+    fn write(&mut self, path: &str, text: &str) -> Result<(), i32>;
+
+    /// Facts of a file or folder; `.` is the folder of the run.
+    ///
+    /// # Errors
+    /// The status.
+    fn facts(&mut self, path: &str) -> Result<Facts, i32>;
+
+    /// Removes a file.
+    fn remove(&mut self, path: &str);
+}
+
+/// What the file functions of one run keep.
+#[derive(Clone, Debug, Default)]
+pub struct Folder {
+    /// Current folder below the folder of the run.
+    current: String,
+    temporaries: Vec<String>,
+    stores: Vec<Option<mru::Store>>,
+}
+
+impl Folder {
+    /// The name of a file below the folder of the run, none if it leads out of it.
+    fn located(&self, path: &str) -> Option<String> {
+        let path = path.trim();
+        if stored(path) {
+            return Some(path.to_owned());
+        }
+        let path = path.replace('\\', "/");
+        if path.starts_with('/') || path.contains([':', '\0']) {
+            return None;
+        }
+        let mut parts: Vec<&str> = Vec::new();
+        for part in self.current.split('/').chain(path.split('/')) {
+            match part {
+                "" | "." => {}
+                ".." => {
+                    parts.pop()?;
+                }
+                part => parts.push(part),
+            }
+        }
+        Some(if parts.is_empty() { ".".to_owned() } else { parts.join("/") })
+    }
+
+    /// [`Folder::located`], with a warning for a name that leads out.
+    fn place(&self, state: &mut State, path: &str) -> Result<String, i32> {
+        self.located(path).ok_or_else(|| {
+            let message = format!("'{path}' leads out of the folder of the run");
+            state.warn(Fault::new(Number::OUTSIDE, message));
+            FORBIDDEN
+        })
+    }
+
+    /// Text of a file.
+    ///
+    /// # Errors
+    /// The status.
+    pub fn load(&self, shelf: &mut dyn Shelf, path: &str) -> Result<String, i32> {
+        shelf.read(&self.located(path).ok_or(FORBIDDEN)?)
+    }
+
+    /// Replaces a file.
+    ///
+    /// # Errors
+    /// The status.
+    pub fn save(&self, shelf: &mut dyn Shelf, path: &str, text: &str) -> Result<(), i32> {
+        let place = self.located(path).filter(|place| !stored(place) && place != ".").ok_or(FORBIDDEN)?;
+        shelf.write(&place, text)
+    }
+
+    /// Status of opening a file: it may be missing, but it must be one and lie below the folder of the run.
+    pub fn openable(&self, shelf: &mut dyn Shelf, state: &mut State, path: &str) -> i32 {
+        let found = self.place(state, path).and_then(|place| match shelf.facts(&place) {
+            Ok(facts) if facts.folder || facts.allowed & 4 == 0 => Err(FORBIDDEN),
+            Err(NOT_FOUND) if stored(&place) => Err(NOT_FOUND),
+            Ok(_) | Err(NOT_FOUND) => Ok(()),
+            Err(status) => Err(status),
+        });
+        found.err().unwrap_or(0)
+    }
+
+    /// A function of files; `program` is the name of the NC program.
+    ///
+    /// # Errors
+    /// Arguments that make no sense, too many steps; none for a function that is not one of files.
+    pub fn function(
+        &mut self,
+        shelf: &mut dyn Shelf,
+        state: &mut State,
+        (name, arguments): (&str, &[Value]),
+        program: &str,
+    ) -> Option<Outcome<Value>> {
+        if !matches!(name, "$FACCESS" | "$FSTAT" | "$FSETCWD" | "$FTMPFILE" | "$FGETCWD") && !name.starts_with("$FMRU_")
+        {
+            return None;
+        }
+        if let Err(fault) = state.spend(FILE_TICKS) {
+            return Some(Err(fault));
+        }
+        Some(match name {
+            "$FACCESS" => Ok(self.access(shelf, state, arguments)),
+            "$FSTAT" => self.stat(shelf, state, arguments),
+            "$FGETCWD" => Ok(self.current()),
+            "$FSETCWD" => Ok(self.change(shelf, state, arguments)),
+            "$FTMPFILE" => Ok(self.temporary(shelf, state, arguments)),
+            _ => self.most_recently_used(shelf, state, (name, arguments), program),
+        })
+    }
+
+    fn access(&self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
+        let mode = arguments.get(1).and_then(Value::as_real).unwrap_or(6.0);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let wanted = mode.clamp(0.0, 7.0) as u8;
+        let found = self.place(state, text(arguments, 0)).and_then(|place| shelf.facts(&place));
+        Value::Logical(found.is_ok_and(|facts| facts.allowed & wanted == wanted))
+    }
+
+    fn stat(&self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        const ITEMS: [&str; 7] = ["mtime", "size", "atime", "ctime", "mode", "owner", "group"];
+        let wanted = text(arguments, 1).trim().to_lowercase();
+        let Some(item) = ITEMS.into_iter().find(|item| !wanted.is_empty() && item.starts_with(&wanted)) else {
+            let message = format!("'{wanted}' is none of size, atime, ctime, mtime, mode, owner, group");
+            return Err(Fault::new(Number::TYPE_MISMATCH, message));
+        };
+        let found = self.place(state, text(arguments, 0)).and_then(|place| shelf.facts(&place));
+        let facts = match found {
+            Ok(facts) => facts,
+            Err(status) => {
+                state.status = status;
+                return Ok(Value::Real(-1.0));
+            }
+        };
+        state.status = 0;
+        let [accessed, changed, modified] = facts.times;
+        #[allow(clippy::cast_precision_loss)]
+        let size = facts.size as f64;
+        Ok(Value::Real(match item {
+            "size" => size,
+            "atime" => accessed,
+            "ctime" => changed,
+            "mtime" => modified,
+            "mode" => f64::from(facts.mode),
+            "owner" => f64::from(facts.owner),
+            _ => f64::from(facts.group),
+        }))
+    }
+
+    /// Current folder, `.` for the folder of the run.
+    fn current(&self) -> Value {
+        Value::text(if self.current.is_empty() { "." } else { self.current.as_str() })
+    }
+
+    /// Names of folders count from the folder of the run, so that what `$FGETCWD` gave leads back.
+    fn change(&mut self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
+        let before = std::mem::take(&mut self.current);
+        let found = self.place(state, text(arguments, 0)).and_then(|place| match shelf.facts(&place) {
+            Ok(facts) if facts.folder => Ok(if place == "." { String::new() } else { place }),
+            Ok(_) => Err(INVALID),
+            Err(status) => Err(status),
+        });
+        state.status = found.as_ref().err().copied().unwrap_or(0);
+        self.current = found.unwrap_or(before);
+        self.current()
+    }
+
+    fn temporary(&mut self, shelf: &mut dyn Shelf, state: &mut State, arguments: &[Value]) -> Value {
+        let content = match arguments.first() {
+            Some(_) => self.place(state, text(arguments, 0)).and_then(|place| shelf.read(&place)),
+            None => Ok(String::new()),
+        };
+        let content = if self.temporaries.len() < MOST_TEMPORARIES { content } else { Err(FAILED) };
+        let mut number = self.temporaries.len() + 1;
+        let name = loop {
+            let name = format!("macro-{number}.tmp");
+            match self.place(state, &name).and_then(|place| shelf.facts(&place)) {
+                Ok(_) => number += 1,
+                Err(_) => break name,
+            }
+        };
+        let made = content.and_then(|content| self.save(shelf, &name, &content));
+        state.status = made.as_ref().err().copied().unwrap_or(0);
+        if made.is_err() {
+            return Value::text("");
+        }
+        self.temporaries.extend(self.located(&name));
+        Value::text(name)
+    }
+
+    /// Removes the temporary files of the run.
+    pub fn clean(&mut self, shelf: &mut dyn Shelf) {
+        std::mem::take(&mut self.temporaries).iter().for_each(|place| shelf.remove(place));
+    }
+}
+
+/// A file stored with the machine, by its name.
+#[must_use]
+pub fn stored(path: &str) -> bool {
+    path.get(..STORAGE.len()).is_some_and(|start| start.eq_ignore_ascii_case(STORAGE))
+}
+
+/// An argument as a text.
+pub(super) fn text(arguments: &[Value], position: usize) -> &str {
+    arguments.get(position).and_then(Value::as_text).unwrap_or("")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_leads_out() {
+        let folder = Folder { current: "a".into(), ..Folder::default() };
+        assert_eq!(folder.located("./b").as_deref(), Some("a/b"));
+        assert_eq!(folder.located("").as_deref(), Some("a"));
+        assert_eq!(folder.located("../b/../x").as_deref(), Some("x"));
+        assert_eq!(folder.located("//icamfs/x").as_deref(), Some("//icamfs/x"));
+        for path in ["../..", "../../x", "b/../../../x", "/etc/x", "\\x", "c:/x", "..\\..\\x", "x\0"] {
+            assert_eq!(folder.located(path), None, "{path}");
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Files that the macros of a job write.
+//!
+//! They belong to all kernels and are reached in the order of simulated time, like any shared operation. Invariant: how
+//! much may be written is bounded; what is written after the stop of a job is not in it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::tag::Tag;
+use crate::job::WrittenFiles;
+
+/// Files that macros may write.
+const MOST_FILES: usize = 200;
+
+/// Bytes in all of them.
+const MOST_BYTES: usize = 64 << 20;
+
+/// The files by path; one without a text has been removed.
+#[derive(Debug, Default)]
+pub(crate) struct Written {
+    files: BTreeMap<String, Option<Arc<str>>>,
+    bytes: usize,
+    /// Texts of units that were open when their kernel came to its end; without a text: a temporary file.
+    left: Vec<(Tag, String, Option<String>)>,
+}
+
+impl Written {
+    /// Text of a file; `Some(None)`: it has been removed.
+    pub(crate) fn get(&self, path: &str) -> Option<Option<Arc<str>>> {
+        self.files.get(path).cloned()
+    }
+
+    /// A file lies in this folder.
+    pub(crate) fn has_folder(&self, folder: &str) -> bool {
+        let inside = |path: &str| path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));
+        self.files.iter().any(|(path, text)| text.is_some() && inside(path))
+    }
+
+    /// Replaces a file.
+    ///
+    /// # Errors
+    /// What there is too much of.
+    pub(crate) fn put(&mut self, path: &str, text: &str) -> Result<(), String> {
+        let old = self.files.get(path).and_then(Option::as_deref).map_or(0, str::len);
+        let bytes = self.bytes - old + text.len();
+        if bytes > MOST_BYTES || !self.files.contains_key(path) && self.files.len() >= MOST_FILES {
+            return Err(format!(
+                "macros may write {MOST_FILES} files with {MOST_BYTES} bytes in all, '{path}' is lost"
+            ));
+        }
+        self.bytes = bytes;
+        self.files.insert(path.to_owned(), Some(text.into()));
+        Ok(())
+    }
+
+    /// Removes a file.
+    pub(crate) fn remove(&mut self, path: &str) {
+        let old = self.files.insert(path.to_owned(), None).flatten();
+        self.bytes -= old.map_or(0, |text| text.len());
+    }
+
+    /// What a kernel had open at its end, or what is to go then.
+    pub(crate) fn leave(&mut self, tag: Tag, path: &str, text: Option<&str>) {
+        self.left.push((tag, path.to_owned(), text.map(str::to_owned)));
+    }
+
+    /// All kernels have ended: what they had open is written in the order of their ends, up to the stop of the job;
+    /// temporary files go.
+    pub(crate) fn close(&mut self, stop: Tag) {
+        let mut left = std::mem::take(&mut self.left);
+        left.sort_by_key(|(tag, ..)| *tag);
+        for (tag, path, text) in left {
+            match text {
+                Some(text) if tag <= stop => {
+                    let _ = self.put(&path, &text);
+                }
+                Some(_) => {}
+                None => self.remove(&path),
+            }
+        }
+    }
+
+    /// The files with their texts, by path.
+    pub(crate) fn take(&mut self) -> WrittenFiles {
+        let files = std::mem::take(&mut self.files);
+        files.into_iter().filter_map(|(path, text)| Some((path, text?))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn how_much_may_be_written_is_bounded() {
+        let mut written = Written::default();
+        let big = "x".repeat(MOST_BYTES / 2);
+        assert_eq!(written.put("a", &big), Ok(()));
+        assert_eq!(written.put("a", &big), Ok(()), "in its own place");
+        assert_eq!(written.put("b", &big), Ok(()));
+        assert!(written.put("c", "x").is_err());
+        written.remove("b");
+        assert_eq!(written.put("c", "x"), Ok(()));
+        assert_eq!(written.get("b"), Some(None));
+        assert_eq!(written.take().iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["a", "c"]);
+        let mut many = Written::default();
+        for number in 0..MOST_FILES {
+            assert_eq!(many.put(&number.to_string(), ""), Ok(()));
+        }
+        assert!(many.put("one more", "").is_err());
+    }
+
+    #[test]
+    fn what_was_open_is_written_up_to_the_stop() {
+        let tag = |t, rank| Tag { t, micro: 0, rank };
+        let mut written = Written::default();
+        assert_eq!(written.put("t", "temporary"), Ok(()));
+        for (at, text) in [(tag(5, 2), "late"), (tag(3, 2), "second"), (tag(3, 1), "first")] {
+            written.leave(at, "a", Some(text));
+        }
+        written.leave(tag(5, 2), "t", None);
+        written.close(tag(4, 1));
+        assert_eq!(written.take(), [("a".to_owned(), Arc::from("second"))]);
+    }
+}
