@@ -93,7 +93,7 @@ pub(crate) struct Inputs {
 pub(crate) struct Run {
     #[command(flatten)]
     pub(crate) inputs: Inputs,
-    /// Write listings, events, summary, timeline and toolpath into this folder
+    /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Which of them; all without it
@@ -187,7 +187,7 @@ pub(crate) struct ResultOf {
     /// Form of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
-    /// Write to this file instead of standard output
+    /// Write to this file instead of standard output; a folder for files
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -204,6 +204,8 @@ pub(crate) enum What {
     Timeline,
     Toolpath,
     Events,
+    /// Files that the macros of the machine have written: with an output folder themselves, else their sizes and paths
+    Files,
 }
 
 /// Forms of drawings.

@@ -1,5 +1,9 @@
 //! Reads results: streams of chunks put together, to memory, a file or standard output.
 
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Component, Path};
+
 use bytes::Bytes;
 use counterpoint_proto::v1;
 use tonic::Streaming;
@@ -29,7 +33,8 @@ chunks!(
     GetTimelineResponse,
     GetToolpathResponse,
     GetSummaryResponse,
-    GetEventsResponse
+    GetEventsResponse,
+    GetFileResponse
 );
 
 /// Hands every chunk of a result to `put`.
@@ -62,7 +67,39 @@ pub(crate) async fn each(
             drain(results.get_toolpath(v1::GetToolpathRequest { job_id, format }).await?.into_inner(), put).await
         }
         What::Events => drain(results.get_events(v1::GetEventsRequest { job_id }).await?.into_inner(), put).await,
+        What::Files => {
+            let mut out = String::new();
+            for v1::WrittenFile { path, size } in written(client, job).await? {
+                let _ = writeln!(out, "{size:>10} {path}");
+            }
+            put(out.as_bytes())
+        }
     }
+}
+
+/// The files that macros have written.
+pub(crate) async fn written(client: &Client, job: &str) -> Result<Vec<v1::WrittenFile>, Error> {
+    let request = v1::ListFilesRequest { job_id: job.to_owned() };
+    Ok(client.results().list_files(request).await?.into_inner().files)
+}
+
+/// Writes the files that macros have written below a folder.
+pub(crate) async fn files(client: &Client, job: &str, folder: &Path) -> Result<(), Error> {
+    for v1::WrittenFile { path, .. } in written(client, job).await? {
+        let inside = Path::new(&path).components().all(|part| matches!(part, Component::Normal(_)));
+        if !inside || path.contains([':', '\\']) {
+            return Err(Error::Connection(format!("the server names a file '{path}', which leads out of its folder")));
+        }
+        let place = folder.join(&path);
+        if let Some(parent) = place.parent() {
+            std::fs::create_dir_all(parent).map_err(Error::file(parent))?;
+        }
+        let mut file = std::fs::File::create(&place).map_err(Error::file(&place))?;
+        let request = v1::GetFileRequest { job_id: job.to_owned(), path };
+        let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(&place));
+        drain(client.results().get_file(request).await?.into_inner(), &mut put).await?;
+    }
+    Ok(())
 }
 
 async fn drain<T: Chunk>(
@@ -99,9 +136,11 @@ pub(crate) async fn file(
     what: What,
     channel: u32,
     format: Format,
-    path: &std::path::Path,
+    path: &Path,
 ) -> Result<(), Error> {
-    use std::io::Write as _;
+    if what == What::Files {
+        return files(client, job, path).await;
+    }
     let mut file = std::fs::File::create(path).map_err(Error::file(path))?;
     let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(path));
     each(client, job, what, channel, format, &mut put).await

@@ -1,6 +1,7 @@
 //! `run` and `submit`: pack, upload, submit; `run` then watches and reports.
 
 use std::cell::{Cell, RefCell};
+use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
@@ -44,6 +45,7 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
         say::data(&text)?;
     } else if !arguments.quiet {
         let mut out = report(&summary);
+        files_report(&mut out, &results::written(&client, &job).await?, arguments.out.is_some());
         if draws {
             let json = results::whole(&client, &job, What::Timeline, 0, Format::Json).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
@@ -52,6 +54,18 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
         say::data(out.as_bytes())?;
     }
     Ok(exit_code(&status))
+}
+
+/// Says what macros have written.
+fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
+    if files.is_empty() {
+        return;
+    }
+    let hint = if kept { "" } else { " (--out DIR keeps them)" };
+    let _ = writeln!(out, "\nfiles written by macros{hint}");
+    for v1::WrittenFile { path, size } in files {
+        let _ = writeln!(out, "  {path}, {size} bytes");
+    }
 }
 
 /// Hands programs to a server.
@@ -273,6 +287,9 @@ impl Target<'_> {
             if wanted(what) {
                 results::file(client, job, what, 0, format, &folder.join(name)).await?;
             }
+        }
+        if wanted(What::Files) {
+            results::files(client, job, &folder.join("files")).await?;
         }
         Ok(())
     }

@@ -70,6 +70,25 @@ fn a_trace_and_a_log_file() {
 }
 
 #[test]
+fn what_macros_write_is_reported_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "T3 M6\nM30\n");
+    let machine = folder.path().join("writer");
+    std::fs::create_dir(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"writer\"\n[macros]\ntool = \"tool.mac\"\n";
+    program(&machine, "machine.toml", text);
+    program(&machine, "tool.mac", "OUTPUT\nOPEN/20,'lists/tools.txt'\nWRITE/20,'T!(*)',$P3\n");
+    let machine = machine.display().to_string();
+    let output = counterpoint(&["run", "--machine", &machine, &path]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("files written by macros (--out DIR keeps them)\n  lists/tools.txt, 3 bytes"), "{text}");
+    let out = folder.path().join("out").display().to_string();
+    let output = counterpoint(&["run", "-q", "--machine", &machine, &path, "--out", &out, "--write", "files"]);
+    assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(std::fs::read_to_string(Path::new(&out).join("files/lists/tools.txt")).unwrap(), "T3\n");
+}
+
+#[test]
 fn exit_codes_tell_what_went_wrong() {
     let folder = tempfile::tempdir().unwrap();
     let path = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");

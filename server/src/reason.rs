@@ -35,6 +35,9 @@ pub enum Refusal {
     /// No such channel in the job.
     #[error("the job has no channel {0}")]
     UnknownChannel(u32),
+    /// Macros have written no such file.
+    #[error("the macros of the job have written no file '{0}'")]
+    UnknownFile(String),
     /// No such blob.
     #[error("no blob {0}")]
     UnknownBlob(String),
@@ -101,6 +104,7 @@ impl Refusal {
             Self::UnknownJob(_) => ("UNKNOWN_JOB", Code::NotFound),
             Self::UnknownMachine(_) => ("UNKNOWN_MACHINE", Code::NotFound),
             Self::UnknownChannel(_) => ("UNKNOWN_CHANNEL", Code::NotFound),
+            Self::UnknownFile(_) => ("UNKNOWN_FILE", Code::NotFound),
             Self::UnknownBlob(_) => ("UNKNOWN_BLOB", Code::NotFound),
             Self::MissingBlobs(_) => ("MISSING_BLOBS", Code::FailedPrecondition),
             Self::DigestMismatch { .. } => ("DIGEST_MISMATCH", Code::InvalidArgument),

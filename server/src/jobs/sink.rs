@@ -4,7 +4,7 @@
 
 use std::io;
 
-use counterpoint_kernel::job::Sink;
+use counterpoint_kernel::job::{Sink, WrittenFiles};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::fold::Folds;
 
@@ -15,19 +15,24 @@ pub(crate) struct JobSink<'a> {
     live: &'a Live,
     logged: bool,
     pub(crate) folds: Folds,
+    pub(crate) files: WrittenFiles,
     pub(crate) error: Option<io::Error>,
 }
 
 impl<'a> JobSink<'a> {
     /// `logged`: the live job has a log.
     pub(crate) fn new(live: &'a Live, logged: bool, folds: Folds) -> Self {
-        Self { live, logged, folds, error: None }
+        Self { live, logged, folds, files: WrittenFiles::new(), error: None }
     }
 }
 
 impl Sink for JobSink<'_> {
     fn folds(&mut self) -> Option<&mut Folds> {
         (!self.logged).then_some(&mut self.folds)
+    }
+
+    fn files(&mut self, files: WrittenFiles) {
+        self.files = files;
     }
 
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {

@@ -117,7 +117,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     }
     let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, error, .. } = sink;
+    let JobSink { folds, files, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
         return Ok(failed(format!("the event log cannot be kept: {error}")));
@@ -131,10 +131,10 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
             record.attempt -= 1;
         }));
     }
-    let finished = Arc::new(Finished(folds.finish(&outcome)));
+    let finished = Arc::new(Finished { results: folds.finish(&outcome), files });
     keep(core, live, &finished)?;
     Ok(Box::new(move |record| {
-        let summary = &finished.0.summary;
+        let summary = &finished.results.summary;
         record.state = match summary.state {
             summary::State::Cancelled => State::Cancelled,
             summary::State::Failed => State::Failed,

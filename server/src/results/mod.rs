@@ -6,7 +6,7 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::job::{Outcome, WrittenFiles};
 use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::{jsonl, listing};
@@ -22,12 +22,13 @@ pub(crate) enum Document {
     TimelineSvg,
     ToolpathJson,
     ToolpathSvg,
+    Files,
 }
 
 impl Document {
     /// All of them.
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Summary, Self::TimelineJson, Self::TimelineSvg, Self::ToolpathJson, Self::ToolpathSvg];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Summary, Self::TimelineJson, Self::TimelineSvg, Self::ToolpathJson, Self::ToolpathSvg, Self::Files];
 
     /// Name of its file in the job's folder.
     pub(crate) fn file(self) -> &'static str {
@@ -37,12 +38,17 @@ impl Document {
             Self::TimelineSvg => "timeline.svg",
             Self::ToolpathJson => "toolpath.json",
             Self::ToolpathSvg => "toolpath.svg",
+            Self::Files => "files.json",
         }
     }
 }
 
 /// Finished results, not yet text.
-pub(crate) struct Finished(pub(crate) Results);
+pub(crate) struct Finished {
+    pub(crate) results: Results,
+    /// What macros have written; it is not in the log.
+    pub(crate) files: WrittenFiles,
+}
 
 impl std::fmt::Debug for Finished {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -54,11 +60,12 @@ impl Finished {
     /// A document as text; `None` when it cannot be written as such.
     pub(crate) fn document(&self, document: Document) -> Option<Vec<u8>> {
         match document {
-            Document::Summary => json(&self.0.summary),
-            Document::TimelineJson => json(&self.0.timeline),
-            Document::TimelineSvg => Some(self.0.timeline.svg().into_bytes()),
-            Document::ToolpathJson => json(&self.0.toolpath),
-            Document::ToolpathSvg => Some(self.0.toolpath.svg().into_bytes()),
+            Document::Summary => json(&self.results.summary),
+            Document::TimelineJson => json(&self.results.timeline),
+            Document::TimelineSvg => Some(self.results.timeline.svg().into_bytes()),
+            Document::ToolpathJson => json(&self.results.toolpath),
+            Document::ToolpathSvg => Some(self.results.toolpath.svg().into_bytes()),
+            Document::Files => json(&self.files),
         }
     }
 }
@@ -89,7 +96,8 @@ impl Source<'_> {
         for (_, event) in &mut events {
             folds.event(&event);
         }
-        events.error().map_or_else(|| Ok(Finished(folds.finish(&self.outcome))), Err)
+        let finished = || Finished { results: folds.finish(&self.outcome), files: WrittenFiles::new() };
+        events.error().map_or_else(|| Ok(finished()), Err)
     }
 
     /// One document made from the log.
@@ -100,14 +108,14 @@ impl Source<'_> {
     /// Listing of one channel.
     pub(crate) fn listing(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
         let mut events = self.events()?;
-        listing::render(self.info, channel, &finished.0.summary, &mut events, out)?;
+        listing::render(self.info, channel, &finished.results.summary, &mut events, out)?;
         events.error().map_or(Ok(()), Err)
     }
 
     /// Log file of one channel.
     pub(crate) fn log_file(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
         let mut events = self.events()?;
-        listing::render_log(self.info, channel, &finished.0.summary, &mut events, out)?;
+        listing::render_log(self.info, channel, &finished.results.summary, &mut events, out)?;
         events.error().map_or(Ok(()), Err)
     }
 

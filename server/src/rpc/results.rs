@@ -36,7 +36,8 @@ chunks!(
     GetTimelineResponse,
     GetToolpathResponse,
     GetSummaryResponse,
-    GetEventsResponse
+    GetEventsResponse,
+    GetFileResponse
 );
 
 type Answer<T> = Result<Response<ReceiverStream<Result<T, Status>>>, Status>;
@@ -95,6 +96,38 @@ impl Service for Results {
         let ended = Ended::load(&self.0, request.into_inner().job_id).await?;
         Ok(stream(move |out| Ok(ended.source().jsonl(out)?)))
     }
+
+    async fn list_files(
+        &self,
+        request: Request<v1::ListFilesRequest>,
+    ) -> Result<Response<v1::ListFilesResponse>, Status> {
+        let files = written(&self.0, request.into_inner().job_id).await?;
+        let file = |(path, text): (String, String)| v1::WrittenFile { path, size: text.len() as u64 };
+        Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect() }))
+    }
+
+    type GetFileStream = ReceiverStream<Result<v1::GetFileResponse, Status>>;
+
+    async fn get_file(&self, request: Request<v1::GetFileRequest>) -> Answer<v1::GetFileResponse> {
+        let v1::GetFileRequest { job_id, path } = request.into_inner();
+        let files = written(&self.0, job_id).await?;
+        let file = files.into_iter().find(|(name, _)| *name == path);
+        let (_, text) = file.ok_or(Refusal::UnknownFile(path))?;
+        Ok(stream(move |out| Ok(out.write_all(text.as_bytes())?)))
+    }
+}
+
+/// What the macros of an ended job have written.
+async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, Refusal> {
+    let core = core.clone();
+    blocking(move || {
+        let record = ended(&core, &id)?;
+        let kept = std::fs::read(core.store.job(&record.id).join(Document::Files.file())).ok();
+        let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
+        let text = kept.or_else(live).ok_or_else(|| Refusal::NoResults(id.clone()))?;
+        serde_json::from_slice(&text).map_err(|error| Refusal::Storage(error.to_string()))
+    })
+    .await
 }
 
 async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document) -> Answer<T> {

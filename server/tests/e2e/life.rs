@@ -210,6 +210,29 @@ async fn events(server: &Server, job: &str) -> Vec<u8> {
 }
 
 #[tokio::test]
+async fn files_of_macros_are_listed_read_and_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "EVENTS 1\nWRITE a.txt\nWRITE out/b.txt").await;
+    let refused = server.submit("no", "REFUSE").await;
+    server.wait(&job).await;
+    server.wait(&refused).await;
+    let list = |job: &String| v1::ListFilesRequest { job_id: job.clone() };
+    assert_eq!(reason(&server.results().list_files(list(&refused)).await.unwrap_err()), "NO_RESULTS");
+    server.stop().await;
+    let server = Server::start(options(folder.path())).await;
+    let files = server.results().list_files(list(&job)).await.unwrap().into_inner().files;
+    let files: Vec<_> = files.iter().map(|file| (file.path.as_str(), file.size)).collect();
+    assert_eq!(files, [("a.txt", 5), ("out/b.txt", 9)]);
+    let get = |path: &str| v1::GetFileRequest { job_id: job.clone(), path: path.into() };
+    let mut stream = server.results().get_file(get("out/b.txt")).await.unwrap().into_inner();
+    assert_eq!(stream.message().await.unwrap().unwrap().data.as_ref(), b"out/b.txt");
+    let unknown = server.results().get_file(get("../ledger")).await.unwrap_err();
+    assert_eq!((unknown.code(), reason(&unknown).as_str()), (Code::NotFound, "UNKNOWN_FILE"));
+    server.stop().await;
+}
+
+#[tokio::test]
 async fn results_are_the_same_stored_kept_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;

@@ -1,7 +1,7 @@
 //! A server in process with a scripted runner, and a client for it.
 //!
 //! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `ALARM`, `ASK name` (a dialog; what
-//! is pressed becomes a diagnostic), one per line.
+//! is pressed becomes a diagnostic), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -119,6 +119,8 @@ impl Prepared for Ready {
 
     fn run(&self, _files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
         let mut seq = 1;
+        let writes = self.script.lines().filter_map(|line| line.strip_prefix("WRITE "));
+        sink.files(writes.map(|path| (path.to_owned(), path.into())).collect());
         for line in self.script.lines() {
             match line.split_once(' ').unwrap_or((line, "")) {
                 ("EVENTS", count) => {
