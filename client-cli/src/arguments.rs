@@ -105,6 +105,9 @@ pub(crate) struct Run {
     /// No progress, no report
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    /// Macros may start commands of the operating system (SYSTEM) with your rights: only for machines that you trust
+    #[arg(long)]
+    pub(crate) allow_system: bool,
     /// Draw the timeline in the report (the default)
     #[arg(long, overrides_with = "no_timeline")]
     pub(crate) timeline: bool,

@@ -48,11 +48,11 @@ impl Client {
         Ok(Self { channel, embedded: false, _data: None })
     }
 
-    /// Starts a server in this process and connects to it over loopback.
-    pub(crate) async fn embed(log: bool) -> Result<Self, Error> {
+    /// Starts a server in this process and connects to it over loopback; `allow_system`: macros may start commands.
+    pub(crate) async fn embed(log: bool, allow_system: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
-        let options = Options { log, ..Options::ephemeral(data.path().to_owned()) };
+        let options = Options { log, allow_system, ..Options::ephemeral(data.path().to_owned()) };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let address = format!("http://{}", service.handle().address());
         // Ends with the runtime, when the command ends.
@@ -65,7 +65,7 @@ impl Client {
     pub(crate) async fn at(address: Option<&str>) -> Result<Self, Error> {
         match address {
             Some(address) => Self::connect(address).await,
-            None => Self::embed(false).await,
+            None => Self::embed(false, false).await,
         }
     }
 

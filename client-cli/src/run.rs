@@ -22,7 +22,7 @@ use crate::{pack, results};
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     let pack = pack::job(&arguments.inputs)?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let client = Client::embed(arguments.needs_log()).await?;
+    let client = Client::embed(arguments.needs_log(), arguments.allow_system).await?;
     let name = machine(&client, &arguments.inputs, arguments.quiet).await?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let id = uuid::Uuid::now_v7().to_string();

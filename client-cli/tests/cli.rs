@@ -88,6 +88,32 @@ fn what_macros_write_is_reported_and_kept() {
     assert_eq!(std::fs::read_to_string(Path::new(&out).join("files/lists/tools.txt")).unwrap(), "T3\n");
 }
 
+#[cfg(unix)]
+#[test]
+fn commands_of_the_system_are_refused_unless_they_are_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "M30\n");
+    let machine = folder.path().join("starter");
+    std::fs::create_dir(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"starter\"\n[macros]\nprogram_startup = \"start.mac\"\n";
+    program(&machine, "machine.toml", text);
+    let command = "SYSTEM/'ls; wc -l part.nc > lines.txt; exit 4'\nPPRINT/'status !(*)',$ERRNO\n";
+    program(&machine, "start.mac", command);
+    let machine = machine.display().to_string();
+    let output = counterpoint(&["run", "--json", "--machine", &machine, &path]);
+    assert_eq!(code(&output), 1);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(summary["diagnostics"][0]["number"], 1_118_001, "{summary}");
+    let out = folder.path().join("out").display().to_string();
+    let arguments = ["run", "-q", "--allow-system", "--machine", &machine, &path, "--out", &out];
+    assert_eq!(code(&counterpoint(&arguments)), 0);
+    let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    assert_eq!(read("files/lines.txt").trim(), "1 part.nc");
+    let events = read("events.jsonl");
+    let texts: Vec<_> = events.lines().filter(|line| line.contains("\"kind\":\"message\"")).collect();
+    assert!(texts.len() == 2 && texts[0].contains("part.nc") && texts[1].contains("status 4"), "{texts:?}");
+}
+
 #[test]
 fn exit_codes_tell_what_went_wrong() {
     let folder = tempfile::tempdir().unwrap();

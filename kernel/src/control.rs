@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::dialog::operator::Operator;
 use crate::log::event::Wait;
+use crate::system::System;
 
 /// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
 #[derive(Default)]
@@ -16,6 +17,7 @@ pub struct Control {
     spare: Progress,
     jitter: Option<Box<dyn Fn(u16) + Send + Sync>>,
     operator: Option<Arc<dyn Operator>>,
+    system: Option<Arc<dyn System>>,
 }
 
 impl Control {
@@ -43,6 +45,19 @@ impl Control {
     #[must_use]
     pub fn operator(&self) -> Option<&dyn Operator> {
         self.operator.as_deref()
+    }
+
+    /// Macros may start commands of the operating system.
+    #[must_use]
+    pub fn with_system(mut self, system: Arc<dyn System>) -> Self {
+        self.system = Some(system);
+        self
+    }
+
+    /// Who starts commands for macros; nobody unless the owner of the server allows it.
+    #[must_use]
+    pub fn system(&self) -> Option<&dyn System> {
+        self.system.as_deref()
     }
 
     /// Asks the job to stop; it ends soon after with its channels `STOPPED`.

@@ -19,4 +19,5 @@ pub mod macros;
 pub mod mcd;
 mod multi;
 pub mod options;
+pub mod system;
 pub mod trace;

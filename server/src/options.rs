@@ -26,6 +26,10 @@ pub struct Options {
     pub grace_s: u64,
     /// Seconds that a dialog of an attended job waits for the operator before it fails.
     pub operator_wait_s: u64,
+    /// Macros may start commands of the operating system (`SYSTEM`), with the rights of the server.
+    pub allow_system: bool,
+    /// Seconds after which such a command is ended.
+    pub system_wait_s: u64,
     /// Largest blob, bytes.
     pub max_blob_bytes: u64,
     /// Most files of one job or machine.
@@ -51,6 +55,8 @@ impl Default for Options {
             attempts: 3,
             grace_s: 30,
             operator_wait_s: 600,
+            allow_system: false,
+            system_wait_s: 60,
             max_blob_bytes: 256 << 20,
             max_files: 1000,
             max_programs: 64,
@@ -140,6 +146,13 @@ pub struct Flags {
     /// Seconds that a dialog of an attended job waits for the operator before it fails
     #[arg(long, env = "COUNTERPOINT_OPERATOR_WAIT_S", value_name = "SECONDS")]
     pub operator_wait_s: Option<u64>,
+    /// Macros may start commands of the operating system, with the rights of the server: only where all machine
+    /// definitions are trusted
+    #[arg(long, env = "COUNTERPOINT_ALLOW_SYSTEM", value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
+    pub allow_system: Option<bool>,
+    /// Seconds after which such a command is ended
+    #[arg(long, env = "COUNTERPOINT_SYSTEM_WAIT_S", value_name = "SECONDS")]
+    pub system_wait_s: Option<u64>,
     /// Largest blob, bytes
     #[arg(long, env = "COUNTERPOINT_MAX_BLOB_BYTES", value_name = "BYTES")]
     pub max_blob_bytes: Option<u64>,
@@ -167,6 +180,8 @@ impl Flags {
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
         set(&mut options.operator_wait_s, self.operator_wait_s);
+        set(&mut options.allow_system, self.allow_system);
+        set(&mut options.system_wait_s, self.system_wait_s);
         set(&mut options.max_blob_bytes, self.max_blob_bytes);
         set(&mut options.max_files, self.max_files);
         set(&mut options.max_programs, self.max_programs);

@@ -12,6 +12,7 @@ mod functions;
 pub(crate) mod operations;
 mod search;
 pub(crate) mod sums;
+mod system;
 mod trace;
 pub(crate) mod travel;
 pub(crate) mod variables;

@@ -30,6 +30,11 @@ impl Written {
         self.files.get(path).cloned()
     }
 
+    /// All files; one without a text has been removed.
+    pub(crate) fn all(&self) -> BTreeMap<String, Option<Arc<str>>> {
+        self.files.clone()
+    }
+
     /// A file lies in this folder.
     pub(crate) fn has_folder(&self, folder: &str) -> bool {
         let inside = |path: &str| path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));

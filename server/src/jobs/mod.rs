@@ -9,6 +9,7 @@ pub(crate) mod live;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod sink;
+mod system;
 pub(crate) mod worker;
 
 use std::collections::VecDeque;

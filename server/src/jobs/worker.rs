@@ -20,6 +20,7 @@ use super::describe::description;
 use super::files::Sandbox;
 use super::live::{Live, Run};
 use super::sink::JobSink;
+use super::system::Shell;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::log::writer::Writer;
 use crate::reason::Refusal;
@@ -108,6 +109,9 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     if record.options.attended {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
+    }
+    if core.options.allow_system {
+        control = control.with_system(Arc::new(Shell::new(core.store.tmp(), core.options.system_wait_s)));
     }
     let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });

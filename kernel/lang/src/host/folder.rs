@@ -95,6 +95,12 @@ pub struct Folder {
 }
 
 impl Folder {
+    /// The current folder below the folder of the run, empty for that one.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.current
+    }
+
     /// The name of a file below the folder of the run, none if it leads out of it.
     fn located(&self, path: &str) -> Option<String> {
         let path = path.trim();

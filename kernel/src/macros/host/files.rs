@@ -66,7 +66,7 @@ impl Kernel<'_> {
     }
 
     /// Works on the files that macros have written, in its turn.
-    fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
+    pub(super) fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
         self.shared(|inner, _| work(&mut inner.shared.files)).map_err(|halt| {
             self.keep_halt(halt);
             FAILED

@@ -1,0 +1,38 @@
+//! Commands of the operating system that macros start, where the owner of the server allows it.
+//!
+//! The kernel starts nothing itself: it hands out the files of the job and takes back what the command has made of them.
+//! What a command does is beyond the promise that the same job gives the same log.
+
+use bytes::Bytes;
+
+/// A command.
+#[derive(Debug)]
+pub struct Call<'a> {
+    /// What the macro wrote.
+    pub command: &'a str,
+    /// Current folder below the folder of the run, empty for that one.
+    pub folder: &'a str,
+    /// All files that macros can read, by path, also those that they have written.
+    pub files: Vec<(String, Bytes)>,
+    /// Files stored with the machine, by path below `//ICAMFS/`.
+    pub storage: Vec<(String, Bytes)>,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// Status for `$ERRNO`: that of the command, or one above 0 that tells why there is none.
+    pub status: i32,
+    /// What it said on its outputs.
+    pub output: String,
+    /// Files that are new or changed.
+    pub written: Vec<(String, String)>,
+    /// Files that are gone.
+    pub removed: Vec<String>,
+}
+
+/// Who starts commands.
+pub trait System: Send + Sync {
+    /// Runs a command to its end, or until `cancelled` says that nobody wants it any more.
+    fn run(&self, call: &Call<'_>, cancelled: &dyn Fn() -> bool) -> Answer;
+}
