@@ -5,4 +5,5 @@
 
 pub mod arc;
 pub mod profile;
+pub mod space;
 pub mod surface_speed;

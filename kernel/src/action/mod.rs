@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 6. Invariant: an action takes its data in the documented order (feed before
 //! axes) and never touches another channel except through a shared operation.
 
-mod arc;
+pub(crate) mod arc;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -29,9 +29,14 @@ use crate::machine::model::CodeRow;
 pub(crate) enum Action {
     Rapid,
     Linear,
-    Arc {
-        clockwise: bool,
-    },
+    /// Straight feed over a multiple of the programmed distance.
+    LinearTimes(f64),
+    Arc(arc::Form),
+    ArcSpace,
+    ArcCenter,
+    ArcRadius,
+    /// Clockwise or not, for circles whose code does not say.
+    ArcDirection(bool),
     Thread,
     Dwell,
     DwellRevolutions,
@@ -84,8 +89,13 @@ impl Action {
         Some(match id {
             codes::RAPID => A::Rapid,
             codes::INTERP_LINEAR => A::Linear,
-            codes::INTERP_ARC_CLW | codes::INTERP_HELIX_CLW => A::Arc { clockwise: true },
-            codes::INTERP_ARC_CCLW | codes::INTERP_HELIX_CCLW => A::Arc { clockwise: false },
+            codes::INTERP_LINEAR_X10 => A::LinearTimes(10.0),
+            codes::INTERP_LINEAR_X100 => A::LinearTimes(100.0),
+            codes::INTERP_ARC_3D => A::ArcSpace,
+            codes::INTERP_DEF_CENTER => A::ArcCenter,
+            codes::INTERP_DEF_RADIUS => A::ArcRadius,
+            codes::INTERP_DEF_CLW => A::ArcDirection(true),
+            codes::INTERP_DEF_CCLW => A::ArcDirection(false),
             codes::INTERP_THREAD => A::Thread,
             codes::DELAY => A::Dwell,
             codes::DELAY_REV => A::DwellRevolutions,
@@ -144,8 +154,16 @@ impl Action {
             codes::CALSUB_RETURN => A::Return,
             codes::SYNC_REG => A::Sync,
             codes::FUNCTION => A::Function,
-            _ => return cycle::Kind::of(id).map(A::Cycle).or_else(|| spindle_code(id)),
+            _ => {
+                let arc = || arc::Form::of(id).map(A::Arc);
+                return cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(|| spindle_code(id));
+            }
         })
+    }
+
+    /// A motion code of the program, which meets an active cycle.
+    fn moves(self) -> bool {
+        matches!(self, Self::Rapid | Self::Linear | Self::LinearTimes(_) | Self::Arc(_) | Self::ArcSpace | Self::Thread)
     }
 }
 
@@ -172,16 +190,18 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 
 /// Carries out an action.
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
-    if kernel.cycle.running
-        && !firing.implied
-        && matches!(action, Action::Rapid | Action::Linear | Action::Arc { .. } | Action::Thread)
-    {
+    if kernel.cycle.running && !firing.implied && action.moves() {
         cycle::meets_motion(kernel)?;
     }
     match action {
         Action::Rapid => motion::rapid(kernel),
         Action::Linear => motion::linear(kernel),
-        Action::Arc { clockwise } => arc::arc(kernel, clockwise),
+        Action::LinearTimes(factor) => motion::linear_times(kernel, factor),
+        Action::Arc(form) => arc::arc(kernel, form, firing),
+        Action::ArcSpace => arc::space::through(kernel),
+        Action::ArcCenter => arc::define_center(kernel),
+        Action::ArcRadius => arc::define_radius(kernel),
+        Action::ArcDirection(clockwise) => arc::define_direction(kernel, clockwise),
         Action::Thread => thread::thread(kernel),
         Action::Dwell => dwell::seconds(kernel),
         Action::DwellRevolutions => dwell::revolutions(kernel),

@@ -44,6 +44,12 @@ impl Kernel<'_> {
         self.take_word(id)
     }
 
+    /// A value of `id` is on the block.
+    pub(crate) fn block_has(&self, id: DataId) -> bool {
+        let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        self.has_any(registers) || self.block.added.iter().any(|(other, _)| *other == id)
+    }
+
     /// One of the registers of `id` is on the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;

@@ -120,6 +120,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Canned cycle.
     pub(crate) cycle: crate::action::cycle::State,
+    /// What is known about circles to come.
+    pub(crate) arcs: crate::action::arc::State,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

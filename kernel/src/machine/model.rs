@@ -52,6 +52,10 @@ pub struct Machine {
     pub time: Time,
     /// Canned cycles.
     pub cycles: Cycles,
+    /// Circles.
+    pub arcs: super::paths::Arcs,
+    /// Threading cycles.
+    pub threads: super::paths::Threads,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
