@@ -7,3 +7,4 @@ pub mod arc;
 pub mod profile;
 pub mod space;
 pub mod surface_speed;
+pub mod thread;

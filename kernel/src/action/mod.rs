@@ -14,7 +14,7 @@ pub(crate) mod spindle;
 mod stop;
 mod subprogram;
 pub(crate) mod sync;
-mod thread;
+pub(crate) mod thread;
 mod time;
 mod tool;
 
@@ -37,7 +37,8 @@ pub(crate) enum Action {
     ArcRadius,
     /// Clockwise or not, for circles whose code does not say.
     ArcDirection(bool),
-    Thread,
+    Thread(thread::Change),
+    ThreadOff,
     Dwell,
     DwellRevolutions,
     /// A modal state with its listing words; the kernel reads it from the group.
@@ -96,7 +97,12 @@ impl Action {
             codes::INTERP_DEF_RADIUS => A::ArcRadius,
             codes::INTERP_DEF_CLW => A::ArcDirection(true),
             codes::INTERP_DEF_CCLW => A::ArcDirection(false),
-            codes::INTERP_THREAD => A::Thread,
+            codes::INTERP_THREAD => A::Thread(thread::Change::None),
+            codes::INTERP_THREAD_ON => A::Thread(thread::Change::May),
+            codes::INTERP_THREAD_VAR => A::Thread(thread::Change::Signed),
+            codes::INTERP_THREAD_VAR_INC => A::Thread(thread::Change::Up),
+            codes::INTERP_THREAD_VAR_DEC => A::Thread(thread::Change::Down),
+            codes::INTERP_THREAD_OFF => A::ThreadOff,
             codes::DELAY => A::Dwell,
             codes::DELAY_REV => A::DwellRevolutions,
             codes::PLANE_XY => A::Mode("plane xy"),
@@ -163,7 +169,10 @@ impl Action {
 
     /// A motion code of the program, which meets an active cycle.
     fn moves(self) -> bool {
-        matches!(self, Self::Rapid | Self::Linear | Self::LinearTimes(_) | Self::Arc(_) | Self::ArcSpace | Self::Thread)
+        matches!(
+            self,
+            Self::Rapid | Self::Linear | Self::LinearTimes(_) | Self::Arc(_) | Self::ArcSpace | Self::Thread(_)
+        )
     }
 }
 
@@ -202,7 +211,8 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::ArcCenter => arc::define_center(kernel),
         Action::ArcRadius => arc::define_radius(kernel),
         Action::ArcDirection(clockwise) => arc::define_direction(kernel, clockwise),
-        Action::Thread => thread::thread(kernel),
+        Action::Thread(change) => thread::thread(kernel, change, firing),
+        Action::ThreadOff => thread::off(kernel),
         Action::Dwell => dwell::seconds(kernel),
         Action::DwellRevolutions => dwell::revolutions(kernel),
         Action::Mode(text) => mode::mode(kernel, text),

@@ -122,6 +122,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) cycle: crate::action::cycle::State,
     /// What is known about circles to come.
     pub(crate) arcs: crate::action::arc::State,
+    /// What is known about threads to come.
+    pub(crate) threads: Box<crate::action::thread::State>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

@@ -88,6 +88,7 @@ diagnostics! {
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
     ARC_DIRECTION 2900110 8 false "circle without a direction";
     ARC_HELIX 2900111 8 false "helix on a control without it";
+    THREAD_LEAD 2900112 8 false "thread whose lead falls to nothing before its end";
 }
 
 #[cfg(test)]

@@ -58,6 +58,7 @@ G28 CODE_GOHOME 450 0
 G29 CODE_GOHOME_RETURN 450 0
 G30 CODE_GOHOME_NTH 450 0
 G32 CODE_INTERP_THREAD 500 1
+G34 CODE_INTERP_THREAD_VAR 500 1
 G40 CODE_COMP_DIAM_OFF 100 7
 G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
@@ -125,6 +126,7 @@ fn the_two_path_lathe_has_these_data() {
         "I REG_ARC_CENTER_X - - length",
         "J REG_ARC_CENTER_Y - - length",
         "K REG_ARC_CENTER_Z - - length",
+        "K REG_INTERP_THREAD_PITCH_VAR - - length",
         "K REG_CYCLE_REPEAT - - none",
         "R REG_ARC_RADIUS - - length",
         "R REG_CYCLE_CLEAR - - length",
