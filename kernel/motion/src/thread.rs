@@ -23,6 +23,15 @@ impl Lead {
         (square >= 0.0 && self.start > 0.0).then(|| 2.0 * way / (self.start + square.sqrt()))
     }
 
+    /// The lead after a way; nothing where it has fallen to nothing.
+    #[must_use]
+    pub fn after(&self, way: f64) -> f64 {
+        if self.change == 0.0 {
+            return self.start;
+        }
+        (self.start * self.start + 2.0 * self.change * way).max(0.0).sqrt()
+    }
+
     /// Minutes over a way at a steady speed; `None` if the lead falls to nothing before.
     #[must_use]
     pub fn minutes(&self, way: f64, rpm: f64) -> Option<f64> {

@@ -39,6 +39,8 @@ pub(crate) enum Action {
     ArcDirection(bool),
     Thread(thread::Change),
     ThreadOff,
+    ThreadCycle(thread::cycle::Kind),
+    ThreadSetting(thread::cycle::Setting),
     Dwell,
     DwellRevolutions,
     /// A modal state with its listing words; the kernel reads it from the group.
@@ -102,7 +104,7 @@ impl Action {
             codes::INTERP_THREAD_VAR => A::Thread(thread::Change::Signed),
             codes::INTERP_THREAD_VAR_INC => A::Thread(thread::Change::Up),
             codes::INTERP_THREAD_VAR_DEC => A::Thread(thread::Change::Down),
-            codes::INTERP_THREAD_OFF => A::ThreadOff,
+            codes::INTERP_THREAD_OFF | codes::THREAD_OFF => A::ThreadOff,
             codes::DELAY => A::Dwell,
             codes::DELAY_REV => A::DwellRevolutions,
             codes::PLANE_XY => A::Mode("plane xy"),
@@ -162,7 +164,9 @@ impl Action {
             codes::FUNCTION => A::Function,
             _ => {
                 let arc = || arc::Form::of(id).map(A::Arc);
-                return cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(|| spindle_code(id));
+                let setting = || thread::cycle::Setting::of(id).map(A::ThreadSetting);
+                let thread = || thread::cycle::Kind::of(id).map(A::ThreadCycle).or_else(setting);
+                return cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread).or_else(|| spindle_code(id));
             }
         })
     }
@@ -171,7 +175,13 @@ impl Action {
     fn moves(self) -> bool {
         matches!(
             self,
-            Self::Rapid | Self::Linear | Self::LinearTimes(_) | Self::Arc(_) | Self::ArcSpace | Self::Thread(_)
+            Self::Rapid
+                | Self::Linear
+                | Self::LinearTimes(_)
+                | Self::Arc(_)
+                | Self::ArcSpace
+                | Self::Thread(_)
+                | Self::ThreadCycle(_)
         )
     }
 }
@@ -213,6 +223,8 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::ArcDirection(clockwise) => arc::define_direction(kernel, clockwise),
         Action::Thread(change) => thread::thread(kernel, change, firing),
         Action::ThreadOff => thread::off(kernel),
+        Action::ThreadCycle(kind) => thread::cycle::cycle(kernel, kind),
+        Action::ThreadSetting(setting) => thread::cycle::set(kernel, setting),
         Action::Dwell => dwell::seconds(kernel),
         Action::DwellRevolutions => dwell::revolutions(kernel),
         Action::Mode(text) => mode::mode(kernel, text),

@@ -89,6 +89,7 @@ diagnostics! {
     ARC_DIRECTION 2900110 8 false "circle without a direction";
     ARC_HELIX 2900111 8 false "helix on a control without it";
     THREAD_LEAD 2900112 8 false "thread whose lead falls to nothing before its end";
+    THREAD_PASSES 2900113 8 false "thread with too many passes";
 }
 
 #[cfg(test)]

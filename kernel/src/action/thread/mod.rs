@@ -1,8 +1,10 @@
 //! Threads cut in one move: feed locked to the spindle.
 //!
 //! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
-//! travel as on the real control, unless a word names its axis. Invariant: the time is integrated exactly, with leads
+//! travel as on the real control, unless a word names its axis; cycles made of such moves are in `cycle`. Invariant: the time is integrated exactly, with leads
 //! and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
+
+pub(crate) mod cycle;
 
 use counterpoint_motion::thread::Lead;
 
@@ -11,6 +13,7 @@ use crate::channel::block::Firing;
 use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
+use crate::machine::Machine;
 use crate::machine::ident::{DataId, data};
 
 /// What a code says about the change of the lead.
@@ -33,11 +36,14 @@ pub(crate) enum Change {
 pub(crate) struct State {
     /// Starts of the last thread.
     pub(crate) starts: f64,
+    /// Its cycles.
+    pub(crate) cycle: cycle::State,
 }
 
-impl Default for State {
-    fn default() -> Self {
-        Self { starts: 1.0 }
+impl State {
+    /// No thread yet.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        Self { starts: 1.0, cycle: cycle::State::new(machine) }
     }
 }
 
