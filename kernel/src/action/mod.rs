@@ -10,6 +10,7 @@ pub(crate) mod frame;
 mod home;
 mod mode;
 mod motion;
+pub(crate) mod skip;
 pub(crate) mod spindle;
 mod stop;
 mod subprogram;
@@ -39,6 +40,7 @@ pub(crate) enum Action {
     ArcDirection(bool),
     Thread(thread::Change),
     ThreadOff,
+    Probe,
     ThreadCycle(thread::cycle::Kind),
     ThreadSetting(thread::cycle::Setting),
     Dwell,
@@ -105,6 +107,9 @@ impl Action {
             codes::INTERP_THREAD_VAR_INC => A::Thread(thread::Change::Up),
             codes::INTERP_THREAD_VAR_DEC => A::Thread(thread::Change::Down),
             codes::INTERP_THREAD_OFF | codes::THREAD_OFF => A::ThreadOff,
+            codes::INTERP_SKIP => A::Probe,
+            codes::SKIP_ALARM_SIGNAL => A::Mode("skip alarm signal"),
+            codes::SKIP_ALARM_SILENT => A::Mode("skip alarm silent"),
             codes::DELAY => A::Dwell,
             codes::DELAY_REV => A::DwellRevolutions,
             codes::PLANE_XY => A::Mode("plane xy"),
@@ -182,6 +187,7 @@ impl Action {
                 | Self::ArcSpace
                 | Self::Thread(_)
                 | Self::ThreadCycle(_)
+                | Self::Probe
         )
     }
 }
@@ -223,6 +229,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::ArcDirection(clockwise) => arc::define_direction(kernel, clockwise),
         Action::Thread(change) => thread::thread(kernel, change, firing),
         Action::ThreadOff => thread::off(kernel),
+        Action::Probe => skip::probe(kernel),
         Action::ThreadCycle(kind) => thread::cycle::cycle(kernel, kind),
         Action::ThreadSetting(setting) => thread::cycle::set(kernel, setting),
         Action::Dwell => dwell::seconds(kernel),

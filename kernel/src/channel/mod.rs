@@ -124,6 +124,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) arcs: crate::action::arc::State,
     /// What is known about threads to come.
     pub(crate) threads: Box<crate::action::thread::State>,
+    /// What is known about probing moves.
+    pub(crate) skip: Box<crate::action::skip::State>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

@@ -90,6 +90,7 @@ diagnostics! {
     ARC_HELIX 2900111 8 false "helix on a control without it";
     THREAD_LEAD 2900112 8 false "thread whose lead falls to nothing before its end";
     THREAD_PASSES 2900113 8 false "thread with too many passes";
+    PROBE_MISSED 2900114 8 false "probing move that touched nothing";
 }
 
 #[cfg(test)]
