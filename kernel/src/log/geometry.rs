@@ -153,20 +153,39 @@ impl Loop {
     }
 }
 
-/// Where an axis turns back on its way along a circle, as programmed and in order; nothing for straight moves and for
-/// axes beside the circle.
-pub(crate) fn reversals(motion: &Motion, axes: &[Axis], axis: usize) -> impl Iterator<Item = f64> {
-    let sweep = Sweep::of(motion, axes).and_then(|sweep| Some((sweep, sweep.axes.iter().position(|of| *of == axis)?)));
-    let space = Loop::of(motion, axes).and_then(|space| Some((space, space.seen.coordinate(axis)?)));
-    let unit = axes.get(axis).map_or(1.0, scale);
-    let flat = sweep.into_iter().flat_map(move |(sweep, side)| {
-        sweep.turning_points().filter_map(move |share| sweep.at(share).get(side).map(|value| value / unit))
-    });
-    let spatial = space.into_iter().flat_map(move |(space, side)| {
-        let shares = space.circle.turning_points(side).into_iter().flatten();
-        shares.filter_map(move |share| space.circle.at(share).get(side).map(|value| value / unit))
-    });
-    flat.chain(spatial)
+/// The circle of a motion, in a plane or in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Round {
+    Flat(Sweep),
+    Space(Loop),
+}
+
+impl Round {
+    /// `None` for straight motions.
+    pub(crate) fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+        match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => Sweep::of(motion, axes).map(Self::Flat),
+            MotionKind::ArcSpace => Loop::of(motion, axes).map(Self::Space),
+            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
+        }
+    }
+
+    /// Where an axis turns back on its way along the circle, as programmed and in order; nothing for axes beside it.
+    pub(crate) fn reversals(self, axes: &[Axis], axis: usize) -> impl Iterator<Item = f64> + use<> {
+        let unit = axes.get(axis).map_or(1.0, scale);
+        let (flat, space) = match self {
+            Self::Flat(sweep) => (sweep.axes.iter().position(|of| *of == axis).map(|side| (sweep, side)), None),
+            Self::Space(space) => (None, space.seen.coordinate(axis).map(|side| (space, side))),
+        };
+        let flat = flat.into_iter().flat_map(move |(sweep, side)| {
+            sweep.turning_points().filter_map(move |share| sweep.at(share).get(side).map(|value| value / unit))
+        });
+        let space = space.into_iter().flat_map(move |(space, side)| {
+            let shares = space.circle.turning_points(side).into_iter().flatten();
+            shares.filter_map(move |share| space.circle.at(share).get(side).map(|value| value / unit))
+        });
+        flat.chain(space)
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use std::io::{Result, Write};
 
 use crate::log::event::{MAX_AXES, Motion, MotionKind, Position};
-use crate::log::geometry::reversals;
+use crate::log::geometry::Round;
 use crate::log::info::Axis;
 
 #[derive(Debug, Clone, Copy)]
@@ -50,13 +50,13 @@ impl<'a> Travel<'a> {
 
     pub(super) fn motion(&mut self, motion: &Motion) {
         let table = if motion.kind == MotionKind::Rapid { &mut self.rapid } else { &mut self.feed };
-        let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw | MotionKind::ArcSpace);
+        let round = Round::of(motion, self.axes);
         let ends = motion.from.iter().zip(&motion.to).zip(&self.shift);
         for (index, (extent, ((from, to), shift))) in table.iter_mut().zip(ends).enumerate().take(self.axes.len()) {
             extent.add(from + shift, 0.0);
             let mut last = *from;
-            if round {
-                for at in reversals(motion, self.axes, index) {
+            if let Some(round) = round {
+                for at in round.reversals(self.axes, index) {
                     extent.add(at + shift, at - last);
                     last = at;
                 }

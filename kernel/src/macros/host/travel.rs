@@ -9,8 +9,8 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::log::event::{MAX_AXES, Motion, MotionKind};
-use crate::log::geometry::reversals;
+use crate::log::event::{MAX_AXES, Motion};
+use crate::log::geometry::Round;
 
 /// Columns of the tables.
 const COLUMNS: usize = 15;
@@ -77,15 +77,15 @@ impl Kernel<'_> {
         let preset = self.place.preset;
         let info = self.info;
         let axes = info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());
-        let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw | MotionKind::ArcSpace);
+        let round = Round::of(motion, axes);
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let rows = [runtime.tool_sums.row_number(), runtime.operation_sums.row_number()];
         let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&runtime.columns);
         for (axis, (((from, to), preset), column)) in ends.enumerate() {
             let Some(column) = *column else { continue };
             let (mut low, mut high) = (from.min(*to), from.max(*to));
-            if round {
-                for at in reversals(motion, axes, axis) {
+            if let Some(round) = round {
+                for at in round.reversals(axes, axis) {
                     (low, high) = (low.min(at), high.max(at));
                 }
             }
