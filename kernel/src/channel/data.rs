@@ -95,12 +95,16 @@ impl Kernel<'_> {
 
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
-        if !self.secondary || !matches!(dimension, Dimension::Length | Dimension::Feed) {
+        if !self.secondary {
             return 1.0;
         }
-        match self.machine.unit {
-            Unit::Mm => 25.4,
-            Unit::Inch => 1.0 / 25.4,
+        match (dimension, self.machine.unit) {
+            (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
+            (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
+            // The least increment of an inch is ten times finer.
+            (Dimension::Increments, Unit::Mm) => 2.54,
+            (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
+            _ => 1.0,
         }
     }
 

@@ -27,7 +27,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let format = format::read(&mut top, check);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
-    let data = data::read(&mut top, &mut names);
+    let data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
