@@ -88,6 +88,7 @@ fn motion(info: &Info, event: &Event, motion: &Motion) -> String {
         MotionKind::Linear => "linear",
         MotionKind::ArcCw => "arc cw",
         MotionKind::ArcCcw => "arc ccw",
+        MotionKind::ArcSpace => "arc space",
         MotionKind::Thread => "thread",
     };
     let mut text = kind.to_owned();

@@ -179,6 +179,87 @@ proptest! {
     }
 }
 
+/// Every code of circles and threads that the shipped lathe does not have, on words of its own.
+fn paths() -> String {
+    let codes = [
+        "INTERP_LINEAR_X10",
+        "INTERP_LINEAR_X100",
+        "INTERP_HELIX",
+        "INTERP_ARC_CENTER",
+        "INTERP_ARC_RADIUS",
+        "INTERP_DEF_CENTER",
+        "INTERP_DEF_RADIUS",
+        "INTERP_DEF_CLW",
+        "INTERP_DEF_CCLW",
+        "INTERP_ARC_3D",
+        "INTERP_THREAD_VAR_INC",
+        "INTERP_THREAD_VAR_DEC",
+        "INTERP_THREAD_ON",
+        "INTERP_THREAD_OFF",
+        "THREAD_SINGLE_FACE",
+        "THREAD_MULTI_FACE",
+        "THREAD_CHAMFER_ON",
+        "THREAD_EDGE_ZIGZAG",
+        "THREAD_STEP_DEPTH",
+        "THREAD_STEP_AMOUNT",
+    ];
+    let data = [
+        ("ARC_ANGLE", "A"),
+        ("ARC_TURNS", "L"),
+        ("ARC_3D_POINT_X", "I"),
+        ("ARC_3D_POINT_Z", "K"),
+        ("INTERP_THREAD_PITCH_X", "I"),
+        ("INTERP_THREAD_STARTS", "L"),
+        ("THREAD_CHAMFER_LENGTH", "D"),
+        ("THREAD_CHAMFER_ANGLE", "A"),
+        ("THREAD_MULTI_HEIGHT_Z", "K"),
+        ("THREAD_MULTI_STEP_Z", "D"),
+        ("THREAD_MULTI_STARTS", "L"),
+        ("THREAD_MULTI_START_X", "J"),
+    ];
+    let mut text = String::new();
+    for (code, at) in codes.iter().zip(101..) {
+        text.push_str(&format!("[[codes]]\nid = \"CODE_{code}\"\nword = \"G{at}\"\n"));
+    }
+    for (id, register) in data {
+        text.push_str(&format!("[[data]]\nid = \"REG_{id}\"\nregister = \"{register}\"\n"));
+    }
+    text
+}
+
+/// Pieces of programs with circles and threads.
+fn path_piece() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (101..121_u32).prop_map(|word| format!("G{word}")),
+        prop::sample::select(vec!["G0", "G1", "G2", "G3", "G32", "G34", "G76", "G92", "G80", "\n", "\n", "G17", "G18"])
+            .prop_map(str::to_owned),
+        prop::sample::select(vec!["G90", "G91", "G96 S100", "G97 S500", "M3", "M5", "G98", "G99"])
+            .prop_map(str::to_owned),
+        "[XZUWRQPFKLIJAD]-?[0-9]{1,3}(\\.[0-9]{0,3})?",
+        "[XZUWRQPFKLIJAD]-?(0|0\\.0001|99999999)",
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_circles_and_threads_end(pieces in prop::collection::vec(path_piece(), 1..120)) {
+        let texts = [pieces.join(" ") + "\nM30\n", "M30\n".to_owned()];
+        let mut work = Work::texts(machine("fanuc-2path-lathe", &paths()), &texts, limited());
+        let parallel = work.run(None).unwrap();
+        work.options.threads = 1;
+        let sequential = work.run(None).unwrap();
+        prop_assert_eq!(&parallel.events, &sequential.events);
+        prop_assert!(parallel.summary.makespan_ns >= 0);
+        for event in &parallel.events {
+            if let counterpoint_kernel::log::event::Kind::Motion(motion) = &event.kind {
+                prop_assert!(motion.to.iter().all(|value| value.is_finite()), "{motion:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_step_of_almost_nothing_and_many_repeats_end_at_a_limit() {
     let text = "G90 G94 F1000\nG83 X1. Z-400. R2. Q0.001 K9999\nG80\nM30\n";

@@ -4,9 +4,12 @@
 //! Angles come from `libm`, so that every machine gives the same bits.
 //! Invariant: an [`Arc`] that exists has a positive radius and a sweep in the asked direction.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point2, Vector2};
+
+/// Turns of an arc at most.
+pub const MOST_TURNS: f64 = 999.0;
 
 /// An arc from `start` to `end` around `center`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +33,15 @@ pub enum Error {
     /// A radius was given but start and end coincide.
     #[error("start and end are the same point, a radius alone does not say which circle")]
     SamePoint,
+    /// Three points of an arc lie in a line.
+    #[error("its three points lie in a line")]
+    Straight,
+    /// An angle that no arc has.
+    #[error("an angle of {angle} degrees makes no arc")]
+    Angle {
+        /// Angle given, degrees.
+        angle: f64,
+    },
     /// The chord is longer than the diameter.
     #[error("the end is {distance:.4} away, more than twice the radius {radius:.4}")]
     RadiusTooSmall {
@@ -95,7 +107,52 @@ pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, t
     by_center(start, end, center, clockwise)
 }
 
+/// Arc from start to end that goes through `angle` degrees, less than a full turn: the angle tells the radius.
+///
+/// # Errors
+/// [`Error::Angle`] for an angle of no turn or of one and more, [`Error::SamePoint`].
+pub fn by_end_and_angle(start: [f64; 2], end: [f64; 2], angle: f64, clockwise: bool) -> Result<Arc, Error> {
+    let turn = angle.to_radians();
+    if !(turn > 1e-9 && turn < TAU - 1e-9) {
+        return Err(Error::Angle { angle });
+    }
+    let distance = (Point2::from(end) - Point2::from(start)).norm();
+    let radius = distance / (2.0 * libm::sin(turn / 2.0));
+    let radius = if turn > PI { -radius } else { radius };
+    by_radius(start, end, radius, clockwise, radius.abs() * 1e-9)
+}
+
+/// Arc around `center` through `angle` degrees, which may be more than a turn, and where it ends.
+///
+/// # Errors
+/// [`Error::Angle`] for an angle of nothing or of more than [`MOST_TURNS`] turns, [`Error::ZeroRadius`].
+pub fn by_center_and_angle(
+    start: [f64; 2],
+    center: [f64; 2],
+    angle: f64,
+    clockwise: bool,
+) -> Result<(Arc, [f64; 2]), Error> {
+    let turn = angle.to_radians();
+    if !(turn > 1e-9 && turn <= TAU * MOST_TURNS) {
+        return Err(Error::Angle { angle });
+    }
+    let whole = by_center(start, start, center, clockwise)?;
+    let arc = Arc { sweep: if clockwise { -turn } else { turn }, ..whole };
+    let rest = turn % TAU;
+    if !(1e-9..=TAU - 1e-9).contains(&rest) {
+        return Ok((arc, start));
+    }
+    let at = whole.start_angle + arc.sweep;
+    Ok((arc, [center[0] + arc.radius * libm::cos(at), center[1] + arc.radius * libm::sin(at)]))
+}
+
 impl Arc {
+    /// Whole turns before the last one, which is never empty.
+    #[must_use]
+    pub fn full_turns(&self) -> u16 {
+        ((self.sweep.abs() - 1e-9) / TAU).clamp(0.0, MOST_TURNS) as u16
+    }
+
     /// Length along the circle.
     #[must_use]
     pub fn length(&self) -> f64 {
@@ -119,7 +176,6 @@ impl Arc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     fn close(a: f64, b: f64) -> bool {
         (a - b).abs() < 1e-9
@@ -153,6 +209,24 @@ mod tests {
                 close(arc.center[0], center[0]) && close(arc.center[1], center[1]),
                 "{clockwise} {radius}: {arc:?}"
             );
+        }
+    }
+
+    #[test]
+    fn an_angle_takes_the_place_of_the_end_or_of_the_radius() {
+        let (arc, end) = by_center_and_angle([10.0, 0.0], [0.0, 0.0], 450.0, false).unwrap();
+        assert!(close(end[0], 0.0) && close(end[1], 10.0) && close(arc.sweep, 2.5 * PI));
+        assert_eq!(arc.full_turns(), 1);
+        let (arc, end) = by_center_and_angle([10.0, 0.0], [0.0, 0.0], 720.0, true).unwrap();
+        assert_eq!((end, arc.full_turns()), ([10.0, 0.0], 1));
+        for (angle, center) in [(90.0, [0.0, 0.0]), (270.0, [5.0, 5.0])] {
+            let arc = by_end_and_angle([5.0, 0.0], [0.0, 5.0], angle, false).unwrap();
+            assert!(close(arc.center[0], center[0]) && close(arc.center[1], center[1]), "{arc:?}");
+            assert!(close(arc.sweep.to_degrees(), angle));
+        }
+        for angle in [0.0, -90.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(by_center_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(Error::Angle { .. })));
+            assert!(matches!(by_end_and_angle([1.0, 0.0], [0.0; 2], angle, true), Err(Error::Angle { .. })));
         }
     }
 

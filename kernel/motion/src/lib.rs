@@ -5,4 +5,6 @@
 
 pub mod arc;
 pub mod profile;
+pub mod space;
 pub mod surface_speed;
+pub mod thread;

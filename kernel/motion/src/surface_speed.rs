@@ -25,7 +25,8 @@ impl Speed {
     }
 
     /// Minutes per revolution at radius `r`.
-    fn per_rev(&self, r: f64) -> f64 {
+    #[must_use]
+    pub fn per_rev(&self, r: f64) -> f64 {
         1.0 / self.rpm(r)
     }
 
@@ -36,6 +37,20 @@ impl Speed {
         [inner, at(self.min)]
     }
 
+    /// Shares of a straight cut from radius `r0` to `r1` between which the minutes per revolution change evenly:
+    /// ascending, from 0 to 1.
+    #[must_use]
+    pub fn line_cuts(&self, r0: f64, r1: f64) -> [f64; 7] {
+        let [inner, outer] = self.clamps();
+        let mut cuts = [0.0_f64, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+        for (cut, r) in cuts.iter_mut().skip(1).zip([0.0, inner, -inner, outer, -outer]) {
+            let s = (r - r0) / (r1 - r0);
+            *cut = if s > 0.0 && s < 1.0 { s } else { 1.0 };
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts
+    }
+
     /// Minutes for a straight cut of `length` at `feed` per revolution while the radius goes from `r0` to `r1`.
     #[must_use]
     pub fn line_minutes(&self, r0: f64, r1: f64, length: f64, feed: f64) -> f64 {
@@ -43,13 +58,7 @@ impl Speed {
         if change.abs() < 1e-12 {
             return length / feed * self.per_rev(r0);
         }
-        let [inner, outer] = self.clamps();
-        let mut cuts = [0.0_f64, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
-        for (cut, r) in cuts.iter_mut().skip(1).zip([0.0, inner, -inner, outer, -outer]) {
-            let s = (r - r0) / change;
-            *cut = if s > 0.0 && s < 1.0 { s } else { 1.0 };
-        }
-        cuts.sort_by(f64::total_cmp);
+        let cuts = self.line_cuts(r0, r1);
         // Between cuts 1/n is linear in the path, so the trapezoid rule is exact.
         let sum: f64 = cuts
             .windows(2)

@@ -3,18 +3,19 @@
 //! Facts: reference control-emulator.md 6. Invariant: an action takes its data in the documented order (feed before
 //! axes) and never touches another channel except through a shared operation.
 
-mod arc;
+pub(crate) mod arc;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
 mod home;
 mod mode;
 mod motion;
+pub(crate) mod skip;
 pub(crate) mod spindle;
 mod stop;
 mod subprogram;
 pub(crate) mod sync;
-mod thread;
+pub(crate) mod thread;
 mod time;
 mod tool;
 
@@ -29,10 +30,19 @@ use crate::machine::model::CodeRow;
 pub(crate) enum Action {
     Rapid,
     Linear,
-    Arc {
-        clockwise: bool,
-    },
-    Thread,
+    /// Straight feed over a multiple of the programmed distance.
+    LinearTimes(f64),
+    Arc(arc::Form),
+    ArcSpace,
+    ArcCenter,
+    ArcRadius,
+    /// Clockwise or not, for circles whose code does not say.
+    ArcDirection(bool),
+    Thread(thread::Change),
+    ThreadOff,
+    Probe,
+    ThreadCycle(thread::cycle::Kind),
+    ThreadSetting(thread::cycle::Setting),
     Dwell,
     DwellRevolutions,
     /// A modal state with its listing words; the kernel reads it from the group.
@@ -84,9 +94,22 @@ impl Action {
         Some(match id {
             codes::RAPID => A::Rapid,
             codes::INTERP_LINEAR => A::Linear,
-            codes::INTERP_ARC_CLW | codes::INTERP_HELIX_CLW => A::Arc { clockwise: true },
-            codes::INTERP_ARC_CCLW | codes::INTERP_HELIX_CCLW => A::Arc { clockwise: false },
-            codes::INTERP_THREAD => A::Thread,
+            codes::INTERP_LINEAR_X10 => A::LinearTimes(10.0),
+            codes::INTERP_LINEAR_X100 => A::LinearTimes(100.0),
+            codes::INTERP_ARC_3D => A::ArcSpace,
+            codes::INTERP_DEF_CENTER => A::ArcCenter,
+            codes::INTERP_DEF_RADIUS => A::ArcRadius,
+            codes::INTERP_DEF_CLW => A::ArcDirection(true),
+            codes::INTERP_DEF_CCLW => A::ArcDirection(false),
+            codes::INTERP_THREAD => A::Thread(thread::Change::None),
+            codes::INTERP_THREAD_ON => A::Thread(thread::Change::May),
+            codes::INTERP_THREAD_VAR => A::Thread(thread::Change::Signed),
+            codes::INTERP_THREAD_VAR_INC => A::Thread(thread::Change::Up),
+            codes::INTERP_THREAD_VAR_DEC => A::Thread(thread::Change::Down),
+            codes::INTERP_THREAD_OFF | codes::THREAD_OFF => A::ThreadOff,
+            codes::INTERP_SKIP => A::Probe,
+            codes::SKIP_ALARM_SIGNAL => A::Mode("skip alarm signal"),
+            codes::SKIP_ALARM_SILENT => A::Mode("skip alarm silent"),
             codes::DELAY => A::Dwell,
             codes::DELAY_REV => A::DwellRevolutions,
             codes::PLANE_XY => A::Mode("plane xy"),
@@ -144,8 +167,28 @@ impl Action {
             codes::CALSUB_RETURN => A::Return,
             codes::SYNC_REG => A::Sync,
             codes::FUNCTION => A::Function,
-            _ => return cycle::Kind::of(id).map(A::Cycle).or_else(|| spindle_code(id)),
+            _ => {
+                let arc = || arc::Form::of(id).map(A::Arc);
+                let setting = || thread::cycle::Setting::of(id).map(A::ThreadSetting);
+                let thread = || thread::cycle::Kind::of(id).map(A::ThreadCycle).or_else(setting);
+                return cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread).or_else(|| spindle_code(id));
+            }
         })
+    }
+
+    /// A motion code of the program, which meets an active cycle.
+    fn moves(self) -> bool {
+        matches!(
+            self,
+            Self::Rapid
+                | Self::Linear
+                | Self::LinearTimes(_)
+                | Self::Arc(_)
+                | Self::ArcSpace
+                | Self::Thread(_)
+                | Self::ThreadCycle(_)
+                | Self::Probe
+        )
     }
 }
 
@@ -172,17 +215,23 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 
 /// Carries out an action.
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
-    if kernel.cycle.running
-        && !firing.implied
-        && matches!(action, Action::Rapid | Action::Linear | Action::Arc { .. } | Action::Thread)
-    {
+    if kernel.cycle.running && !firing.implied && action.moves() {
         cycle::meets_motion(kernel)?;
     }
     match action {
         Action::Rapid => motion::rapid(kernel),
         Action::Linear => motion::linear(kernel),
-        Action::Arc { clockwise } => arc::arc(kernel, clockwise),
-        Action::Thread => thread::thread(kernel),
+        Action::LinearTimes(factor) => motion::linear_times(kernel, factor),
+        Action::Arc(form) => arc::arc(kernel, form, firing),
+        Action::ArcSpace => arc::space::through(kernel),
+        Action::ArcCenter => arc::define_center(kernel),
+        Action::ArcRadius => arc::define_radius(kernel),
+        Action::ArcDirection(clockwise) => arc::define_direction(kernel, clockwise),
+        Action::Thread(change) => thread::thread(kernel, change, firing),
+        Action::ThreadOff => thread::off(kernel),
+        Action::Probe => skip::probe(kernel),
+        Action::ThreadCycle(kind) => thread::cycle::cycle(kernel, kind),
+        Action::ThreadSetting(setting) => thread::cycle::set(kernel, setting),
         Action::Dwell => dwell::seconds(kernel),
         Action::DwellRevolutions => dwell::revolutions(kernel),
         Action::Mode(text) => mode::mode(kernel, text),

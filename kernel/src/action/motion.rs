@@ -26,6 +26,19 @@ pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     kernel.feed_to(coded, target, feed, unit)
 }
 
+/// Straight feed over a multiple of the programmed distance.
+pub(super) fn linear_times(kernel: &mut Kernel<'_>, factor: f64) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, mut target) = kernel.targets();
+    for (to, from) in target.iter_mut().zip(&kernel.place.position) {
+        let far = from + factor * (*to - from);
+        if far.is_finite() {
+            *to = far;
+        }
+    }
+    kernel.feed_to(coded, target, feed, unit)
+}
+
 impl Kernel<'_> {
     /// Feed of the active mode: the word on the block, else the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {

@@ -232,7 +232,7 @@ impl Kernel<'_> {
         let (_, value) = self.block.added.remove(at);
         let rows = self.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.machine.data.get(usize::from(row)));
-        let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension, row.modal));
+        let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
         let factor = self.unit_factor(dimension);
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }
@@ -308,7 +308,7 @@ impl Kernel<'_> {
             let modal = rows.clone().any(|row| row.modal && row.process);
             let name = self.machine.data_name(id).to_owned();
             if modal && !name.starts_with("REG_AXIS_") {
-                let factor = rows.map(|row| self.unit_factor(row.dimension)).next().unwrap_or(1.0);
+                let factor = rows.map(|row| self.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
                 self.modal.remember(id, value * factor);
                 continue;
             }

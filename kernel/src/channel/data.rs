@@ -44,6 +44,12 @@ impl Kernel<'_> {
         self.take_word(id)
     }
 
+    /// A value of `id` is on the block.
+    pub(crate) fn block_has(&self, id: DataId) -> bool {
+        let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        self.has_any(registers) || self.block.added.iter().any(|(other, _)| *other == id)
+    }
+
     /// One of the registers of `id` is on the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
@@ -89,12 +95,16 @@ impl Kernel<'_> {
 
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
-        if !self.secondary || !matches!(dimension, Dimension::Length | Dimension::Feed) {
+        if !self.secondary {
             return 1.0;
         }
-        match self.machine.unit {
-            Unit::Mm => 25.4,
-            Unit::Inch => 1.0 / 25.4,
+        match (dimension, self.machine.unit) {
+            (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
+            (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
+            // The least increment of an inch is ten times finer.
+            (Dimension::Increments, Unit::Mm) => 2.54,
+            (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
+            _ => 1.0,
         }
     }
 

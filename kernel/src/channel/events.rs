@@ -8,6 +8,7 @@ use counterpoint_lang::value::Value;
 use super::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
+use crate::log::geometry::Loop;
 use crate::macros::host::variables::names;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
@@ -22,7 +23,7 @@ impl Kernel<'_> {
         let Some(code) = self.hook(Hook::Motion) else { return self.move_to(seconds, motion) };
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
         let kind = match motion.kind {
-            MotionKind::ArcCw | MotionKind::ArcCcw => 1.0,
+            MotionKind::ArcCw | MotionKind::ArcCcw | MotionKind::ArcSpace => 1.0,
             MotionKind::Thread => 2.0,
             MotionKind::Rapid => 4.0,
             MotionKind::Linear => 5.0,
@@ -36,6 +37,11 @@ impl Kernel<'_> {
             arguments[3] = normal;
             arguments[5] = Value::Real(if motion.kind == MotionKind::ArcCw { 1.0 } else { 2.0 });
             arguments[6] = plane;
+        }
+        if motion.kind == MotionKind::ArcSpace {
+            let [center, normal, middle] = self.loop_in_space(motion);
+            (arguments[2], arguments[3], arguments[4]) = (center, normal, middle);
+            (arguments[5], arguments[6]) = (Value::Real(2.0), Value::Real(0.0));
         }
         arguments[7] = self.coded(code, motion);
         self.run_macro(code, Task::Motion(seconds, Box::new(*motion)), &mut arguments).map(|_| ())
@@ -76,12 +82,13 @@ impl Kernel<'_> {
     fn circle(&self, motion: &Motion) -> [Value; 3] {
         let [first, second] = motion.plane_axes.map(usize::from);
         let cartesian = self.place.cartesian.map(|axis| axis.map(usize::from));
+        let preset = |axis: usize| self.place.preset.get(axis).copied().unwrap_or(0.0);
         let center: Vec<f64> = cartesian
             .iter()
             .map(|axis| match *axis {
-                Some(axis) if axis == first => motion.center[0],
-                Some(axis) if axis == second => motion.center[1],
-                Some(axis) => motion.to.get(axis).copied().unwrap_or(0.0),
+                Some(axis) if axis == first => motion.center[0] + preset(axis),
+                Some(axis) if axis == second => motion.center[1] + preset(axis),
+                Some(axis) => motion.to.get(axis).copied().unwrap_or(0.0) + preset(axis),
                 None => 0.0,
             })
             .collect();
@@ -93,6 +100,22 @@ impl Kernel<'_> {
             _ => ([1.0, 0.0, 0.0], 3.0),
         };
         [Value::numbers(&center), Value::numbers(&normal), Value::Real(plane)]
+    }
+
+    /// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
+    fn loop_in_space(&self, motion: &Motion) -> [Value; 3] {
+        let axes = self.info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());
+        let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
+        let programmed = |point: [f64; 3]| {
+            let mut values = [0.0; 3];
+            for (axis, value) in space.seen.values(point) {
+                if let Some(slot) = space.seen.coordinate(axis).and_then(|side| values.get_mut(side)) {
+                    *slot = value + self.place.preset.get(axis).copied().unwrap_or(0.0);
+                }
+            }
+            Value::numbers(&values)
+        };
+        [programmed(space.circle.center), Value::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
     }
 
     /// OUTPUT of the motion macro.

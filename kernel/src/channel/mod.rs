@@ -120,6 +120,12 @@ pub(crate) struct Kernel<'a> {
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Canned cycle.
     pub(crate) cycle: crate::action::cycle::State,
+    /// What is known about circles to come.
+    pub(crate) arcs: crate::action::arc::State,
+    /// What is known about threads to come.
+    pub(crate) threads: Box<crate::action::thread::State>,
+    /// What is known about probing moves.
+    pub(crate) skip: Box<crate::action::skip::State>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

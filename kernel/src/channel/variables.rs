@@ -148,6 +148,7 @@ impl Kernel<'_> {
             5001..=5008 => axis(5001).and_then(at),
             5021..=5028 => axis(5021).and_then(machine),
             5041..=5048 => axis(5041).and_then(at),
+            5061..=5068 => axis(5061).and_then(|i| self.skip.end.get(i).copied()),
             _ => None,
         }
     }

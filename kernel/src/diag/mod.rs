@@ -86,6 +86,11 @@ diagnostics! {
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
+    ARC_DIRECTION 2900110 8 false "circle without a direction";
+    ARC_HELIX 2900111 8 false "helix on a control without it";
+    THREAD_LEAD 2900112 8 false "thread whose lead falls to nothing before its end";
+    THREAD_PASSES 2900113 8 false "thread with too many passes";
+    PROBE_MISSED 2900114 8 false "probing move that touched nothing";
 }
 
 #[cfg(test)]

@@ -305,6 +305,7 @@ impl Facts {
             MotionKind::ArcCw => 2,
             MotionKind::ArcCcw => 3,
             MotionKind::Thread => 4,
+            MotionKind::ArcSpace => 5,
         };
         let unit = match self.feed_unit {
             FeedUnit::PerMinute => 0,

@@ -5,7 +5,9 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::log::event::{Motion, MotionKind};
+use counterpoint_motion::space::Circle;
+
+use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::info::Axis;
 
 /// An arc in its plane.
@@ -63,7 +65,7 @@ impl Sweep {
     }
 
     /// Shares (ascending, both ends excluded) at which one of the axes turns back.
-    pub(crate) fn turning_points(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn turning_points(&self) -> impl Iterator<Item = f64> + use<> {
         let (start, angle) = (self.start, self.angle);
         let sign = if angle < 0.0 { -1.0 } else { 1.0 };
         // Quarter turns between start and end, in the direction of travel.
@@ -73,6 +75,116 @@ impl Sweep {
             .map(move |n| ((first + f64::from(n)) * FRAC_PI_2 - start * sign) / angle.abs())
             .take_while(|share| *share < 1.0 - 1e-12)
             .filter(|share| *share > 1e-12)
+    }
+}
+
+/// The axes of a channel that make up space, and their factors to radius values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spatial {
+    axes: [Option<(usize, f64)>; 3],
+}
+
+/// X, Y and Z of a channel.
+pub(crate) fn spatial(axes: &[Axis]) -> Spatial {
+    let find = |letter: &str| {
+        let at = axes.iter().position(|axis| axis.name == letter)?;
+        Some((at, scale(axes.get(at)?)))
+    };
+    Spatial { axes: ["X", "Y", "Z"].map(find) }
+}
+
+impl Spatial {
+    /// A position as a point: radius values, 0 for an axis that is not there.
+    pub(crate) fn point(&self, position: &Position) -> [f64; 3] {
+        self.axes.map(|axis| axis.and_then(|(at, scale)| Some(position.get(at)? * scale)).unwrap_or(0.0))
+    }
+
+    /// Axis of a coordinate.
+    pub(crate) fn axis(&self, coordinate: usize) -> Option<usize> {
+        self.axes.get(coordinate).copied().flatten().map(|(at, _)| at)
+    }
+
+    /// Coordinate of an axis.
+    pub(crate) fn coordinate(&self, axis: usize) -> Option<usize> {
+        self.axes.iter().position(|of| of.is_some_and(|(at, _)| at == axis))
+    }
+
+    /// The axis is one of them.
+    pub(crate) fn has(&self, axis: usize) -> bool {
+        self.coordinate(axis).is_some()
+    }
+
+    /// A point by axes, as programmed; each with its axis.
+    pub(crate) fn values(&self, point: [f64; 3]) -> impl Iterator<Item = (usize, f64)> {
+        self.axes.into_iter().zip(point).filter_map(|(axis, value)| axis.map(|(at, scale)| (at, value / scale)))
+    }
+}
+
+/// A circle in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Loop {
+    pub(crate) circle: Circle,
+    pub(crate) seen: Spatial,
+}
+
+impl Loop {
+    /// The circle of a motion; `None` for every other kind.
+    pub(crate) fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+        if motion.kind != MotionKind::ArcSpace {
+            return None;
+        }
+        let seen = spatial(axes);
+        let circle = Circle::bulging(seen.point(&motion.from), seen.point(&motion.to), motion.center).ok()?;
+        Some(Self { circle, seen })
+    }
+
+    /// Position at a share of the way, axes beside the circle included.
+    pub(crate) fn at(&self, motion: &Motion, share: f64) -> Position {
+        let mut position = motion.from;
+        for (slot, (a, b)) in position.iter_mut().zip(motion.from.iter().zip(&motion.to)) {
+            *slot = a + (b - a) * share;
+        }
+        for (axis, value) in self.seen.values(self.circle.at(share)) {
+            if let Some(slot) = position.get_mut(axis) {
+                *slot = value;
+            }
+        }
+        position
+    }
+}
+
+/// The circle of a motion, in a plane or in space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Round {
+    Flat(Sweep),
+    Space(Loop),
+}
+
+impl Round {
+    /// `None` for straight motions.
+    pub(crate) fn of(motion: &Motion, axes: &[Axis]) -> Option<Self> {
+        match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw => Sweep::of(motion, axes).map(Self::Flat),
+            MotionKind::ArcSpace => Loop::of(motion, axes).map(Self::Space),
+            MotionKind::Rapid | MotionKind::Linear | MotionKind::Thread => None,
+        }
+    }
+
+    /// Where an axis turns back on its way along the circle, as programmed and in order; nothing for axes beside it.
+    pub(crate) fn reversals(self, axes: &[Axis], axis: usize) -> impl Iterator<Item = f64> + use<> {
+        let unit = axes.get(axis).map_or(1.0, scale);
+        let (flat, space) = match self {
+            Self::Flat(sweep) => (sweep.axes.iter().position(|of| *of == axis).map(|side| (sweep, side)), None),
+            Self::Space(space) => (None, space.seen.coordinate(axis).map(|side| (space, side))),
+        };
+        let flat = flat.into_iter().flat_map(move |(sweep, side)| {
+            sweep.turning_points().filter_map(move |share| sweep.at(share).get(side).map(|value| value / unit))
+        });
+        let space = space.into_iter().flat_map(move |(space, side)| {
+            let shares = space.circle.turning_points(side).into_iter().flatten();
+            shares.filter_map(move |share| space.circle.at(share).get(side).map(|value| value / unit))
+        });
+        flat.chain(space)
     }
 }
 

@@ -7,7 +7,8 @@
 //! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, truncated, segments}]}`. A segment is either
 //! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
 //! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
-//! `points`, the centre by the two axes of `plane`, and full turns in addition. Coordinates are rounded to 0.0001.
+//! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space is a polyline with the
+//! points where a coordinate turns back. Coordinates are rounded to 0.0001.
 
 mod json;
 pub mod store;
@@ -18,9 +19,12 @@ mod tests;
 use serde::Serialize;
 
 use crate::log::event::{Motion, MotionKind, Position};
-use crate::log::geometry::{Sweep, scale};
+use crate::log::geometry::{Loop, Sweep, scale};
 use crate::log::info::{self, Info, Unit};
 use store::{Curve, Move, Path, Stroke};
+
+/// Longest chord of a circle in space, radians.
+const CHORD: f64 = std::f64::consts::TAU / 120.0;
 
 /// How the path is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -152,16 +156,42 @@ impl Track {
             MotionKind::Rapid => (Stroke::Rapid, None),
             MotionKind::Thread => (Stroke::Thread, None),
             MotionKind::Linear => (Stroke::Feed, None),
+            MotionKind::ArcSpace => {
+                self.around(motion);
+                (Stroke::Feed, None)
+            }
             MotionKind::ArcCw | MotionKind::ArcCcw => {
                 let sweep = Sweep::of(motion, &self.axes);
                 (Stroke::Feed, sweep.and_then(|sweep| self.eyes.curve(&sweep, motion)))
             }
         };
-        if self.end != Some(motion.from) {
-            self.path.begin(self.eyes.point(&motion.from));
-        }
+        self.begin(motion);
         self.end = Some(motion.to);
         self.path.push(Move::new(stroke, self.eyes.point(&motion.to)), curve);
+    }
+}
+
+impl Track {
+    /// The path goes on where the motion begins.
+    fn begin(&mut self, motion: &Motion) {
+        if self.end != Some(motion.from) {
+            self.path.begin(self.eyes.point(&motion.from));
+            self.end = Some(motion.from);
+        }
+    }
+
+    /// A circle in space up to its end: chords, with the points where a coordinate turns back.
+    #[cold]
+    fn around(&mut self, motion: &Motion) {
+        let Some(space) = Loop::of(motion, &self.axes) else { return };
+        self.begin(motion);
+        let parts = (space.circle.sweep / CHORD).ceil().max(1.0);
+        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
+        shares.extend((0..3).flat_map(|side| space.circle.turning_points(side)).flatten());
+        shares.sort_by(f64::total_cmp);
+        for share in shares {
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&space.at(motion, share))), None);
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod load;
 pub mod model;
 pub mod number;
 pub mod package;
+pub mod paths;
 pub mod show;
 pub mod tables;
 mod toml;

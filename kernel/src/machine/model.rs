@@ -52,6 +52,10 @@ pub struct Machine {
     pub time: Time,
     /// Canned cycles.
     pub cycles: Cycles,
+    /// Circles.
+    pub arcs: super::paths::Arcs,
+    /// Threading cycles.
+    pub threads: super::paths::Threads,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -351,6 +355,8 @@ pub enum Dimension {
     None,
     /// Length.
     Length,
+    /// Length in least increments: 0.001 mm or 0.0001 inch, which the factor of the row brings in.
+    Increments,
     /// Degrees.
     Angle,
     /// Length per minute or per revolution.
@@ -359,6 +365,13 @@ pub enum Dimension {
     SurfaceSpeed,
     /// Seconds.
     Time,
+}
+
+impl Dimension {
+    /// Dimension of a value that is given without the factor of its row.
+    pub(crate) fn plain(self) -> Self {
+        if self == Self::Increments { Self::Length } else { self }
+    }
 }
 
 /// An axis of the machine.

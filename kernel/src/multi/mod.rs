@@ -361,6 +361,9 @@ impl<'a> Shop<'a> {
             raised: rustc_hash::FxHashMap::default(),
             edited: None,
             cycle: crate::action::cycle::State::new(machine),
+            arcs: crate::action::arc::State::default(),
+            threads: Box::new(crate::action::thread::State::new(machine)),
+            skip: Box::default(),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());

@@ -64,6 +64,7 @@ fn kinds() -> Vec<Kind> {
             ],
         })),
         Kind::Trace { letter: 'C', text: "  code_rapid".into() },
+        Kind::Motion(Motion { kind: MotionKind::ArcSpace, center: [-3.5, 0.25], ..plain }),
     ]
 }
 

@@ -213,7 +213,7 @@ numbers! {
         MachineStart = 1, ProgramStart = 2, NotStarted = 3, ProgramEnd = 4, Alarmed = 5, Stopped = 6, Blocked = 7,
         MachineEnd = 8,
     }
-    motion_kind / motion_kind_of: MotionKind { Rapid = 1, Linear = 2, ArcCw = 3, ArcCcw = 4, Thread = 5 }
+    motion_kind / motion_kind_of: MotionKind { Rapid = 1, Linear = 2, ArcCw = 3, ArcCcw = 4, Thread = 5, ArcSpace = 6 }
     feed_unit / feed_unit_of: FeedUnit { PerMinute = 1, PerRevolution = 2, InverseTime = 3, Rapid = 4 }
     tool_action / tool_action_of: ToolAction { Select = 1, Load = 2, Offset = 3 }
     direction / direction_of: Direction { Off = 1, Clockwise = 2, CounterClockwise = 3, Oriented = 4 }

@@ -179,7 +179,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
 }
 
 /// Between two holes of a block: others see how far this kernel is, and the limits of the job count.
-fn further(kernel: &mut Kernel<'_>) -> Acted {
+pub(super) fn further(kernel: &mut Kernel<'_>) -> Acted {
     if !kernel.coordinator.publish(kernel.rank, kernel.clock) || kernel.control.cancelled() {
         return Err(Halt::Stopped);
     }
@@ -226,7 +226,7 @@ impl Kernel<'_> {
         let action = |row: u16| self.plan.actions.get(usize::from(row)).copied().flatten();
         for firing in &self.block.firings {
             match action(firing.row) {
-                Some(Action::Cycle(_) | Action::CycleOn) => return,
+                Some(Action::Cycle(_) | Action::CycleOn | Action::ThreadCycle(_)) => return,
                 Some(Action::CycleOff) => return self.queue_modal(group::MOTION),
                 _ => {}
             }
@@ -255,7 +255,7 @@ impl Kernel<'_> {
         let row = self.modal.row(group::CYCLE);
         match row.and_then(|row| self.plan.actions.get(usize::from(row)).copied().flatten()) {
             Some(Action::Cycle(_)) => !self.cycle.activator,
-            Some(Action::CycleOn) => true,
+            Some(Action::CycleOn | Action::ThreadCycle(_)) => true,
             _ => false,
         }
     }

@@ -4,6 +4,7 @@
 
 use super::{bare_float, boolean, field, float, integer, text, value};
 use crate::log::event::{Event, Kind, Motion, MotionKind, Position, Spindle, Verdict};
+use crate::log::geometry::Loop;
 use crate::log::info::{Axis, Info};
 
 /// Name of a kind.
@@ -93,6 +94,7 @@ fn write_motion(axes: &[Axis], motion: &Motion, out: &mut Vec<u8>) {
         MotionKind::Linear => "linear",
         MotionKind::ArcCw => "arc_cw",
         MotionKind::ArcCcw => "arc_ccw",
+        MotionKind::ArcSpace => "arc_space",
         MotionKind::Thread => "thread",
     };
     text(out, "motion", kind);
@@ -101,6 +103,11 @@ fn write_motion(axes: &[Axis], motion: &Motion, out: &mut Vec<u8>) {
     if matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw) {
         let plane = motion.plane_axes.iter().map(|&i| axes.get(usize::from(i)));
         object(out, "center", plane.zip(motion.center).filter_map(|(axis, v)| Some((axis?, v))));
+    }
+    if let Some(space) = Loop::of(motion, axes) {
+        let at = |point| space.seen.values(point).filter_map(|(at, value)| Some((axes.get(at)?, value)));
+        object(out, "center", at(space.circle.center));
+        object(out, "middle", at(space.circle.at(0.5)));
     }
     float(out, "feed", motion.feed);
     serial(out, "feed_unit", &motion.feed_unit);

@@ -35,6 +35,15 @@ fn an_arc_names_its_axes() {
 }
 
 #[test]
+fn a_circle_in_space_tells_its_centre_and_its_middle() {
+    // From radius 5 at Z0 to radius 5 at Z-10 over radius 10 at Z-5: about radius 5 at Z-5, along the chord v is −X.
+    let over = Motion { center: [0.0, -5.0], ..motion(MotionKind::ArcSpace, &[10.0, 0.0], &[10.0, -10.0]) };
+    let text = line(&at(1, 1, 5, 30, Kind::Motion(over)));
+    assert!(text.contains(r#""motion":"arc_space""#) && text.contains(r#""center":{"X":10,"Z":-5}"#), "{text}");
+    assert!(text.contains(r#""middle":{"X":20,"Z":-5}"#), "{text}");
+}
+
+#[test]
 fn odd_texts_and_numbers_stay_valid() {
     let text = line(&at(1, 1, 0, 0, Kind::Message { text: "a\"b\\c\n\u{1}ä".into() }));
     assert!(text.ends_with(r#""text":"a\"b\\c\n\u0001ä"}"#), "{text}");

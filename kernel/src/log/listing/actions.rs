@@ -6,6 +6,7 @@
 use counterpoint_lang::format::wildcard_text;
 
 use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Stop, ToolAction};
+use crate::log::geometry::Loop;
 use crate::log::info::Axis;
 
 /// What was told last.
@@ -81,6 +82,7 @@ impl Actions {
             MotionKind::Thread => "thread",
             MotionKind::ArcCw => "arc cw",
             MotionKind::ArcCcw => "arc ccw",
+            MotionKind::ArcSpace => "arc 3d",
         };
         let moves = |index: usize| motion.moving >> index & 1 != 0 || motion.from.get(index) != motion.to.get(index);
         let place = |(index, axis): (usize, &Axis)| {
@@ -97,6 +99,10 @@ impl Actions {
                 .collect();
             centers.sort_unstable();
             items.extend(centers);
+        }
+        if let Some(space) = Loop::of(motion, axes) {
+            let centers = space.seen.values(space.circle.center).filter_map(|(at, value)| Some((axes.get(at)?, value)));
+            items.extend(centers.map(|(axis, value)| format!("{}={}", center_letter(axis), wildcard_text(value))));
         }
         out.push(format!("{verb} {}", items.join(", ")).trim_end().to_owned());
         out

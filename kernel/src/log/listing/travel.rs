@@ -6,7 +6,7 @@
 use std::io::{Result, Write};
 
 use crate::log::event::{MAX_AXES, Motion, MotionKind, Position};
-use crate::log::geometry::{Sweep, scale};
+use crate::log::geometry::Round;
 use crate::log::info::Axis;
 
 #[derive(Debug, Clone, Copy)]
@@ -50,28 +50,18 @@ impl<'a> Travel<'a> {
 
     pub(super) fn motion(&mut self, motion: &Motion) {
         let table = if motion.kind == MotionKind::Rapid { &mut self.rapid } else { &mut self.feed };
-        let sweep = Sweep::of(motion, self.axes);
+        let round = Round::of(motion, self.axes);
         let ends = motion.from.iter().zip(&motion.to).zip(&self.shift);
         for (index, (extent, ((from, to), shift))) in table.iter_mut().zip(ends).enumerate().take(self.axes.len()) {
             extent.add(from + shift, 0.0);
-            if sweep.is_none_or(|s| !s.axes.contains(&index)) {
-                extent.add(to + shift, to - from);
-            }
-        }
-        if let Some(sweep) = sweep {
-            for side in 0..2 {
-                let Some(axis) = sweep.axes.get(side).copied() else { continue };
-                let Some(unit) = self.axes.get(axis).map(scale) else { continue };
-                let place = |values: &Position| values.get(axis).copied().unwrap_or(0.0);
-                let (shift, mut last, end) = (place(&self.shift), place(&motion.from), place(&motion.to));
-                let Some(extent) = table.get_mut(axis) else { continue };
-                for share in sweep.turning_points() {
-                    let at = sweep.at(share).get(side).copied().unwrap_or(0.0) / unit;
+            let mut last = *from;
+            if let Some(round) = round {
+                for at in round.reversals(self.axes, index) {
                     extent.add(at + shift, at - last);
                     last = at;
                 }
-                extent.add(end + shift, end - last);
             }
+            extent.add(to + shift, to - last);
         }
     }
 

@@ -62,6 +62,20 @@ fn a_mill_is_seen_in_three_coordinates() {
     assert_eq!(json["channels"][0]["segments"][1]["plane"], "xy");
 }
 
+#[test]
+fn a_circle_in_space_is_chords_with_its_extremes() {
+    // From X10 to X-10 over the top: along the chord u is −Z, so the middle is at −10 u.
+    let over = Motion { center: [-10.0, 0.0], ..motion(MotionKind::ArcSpace, &[10.0, 0.0, 0.0], &[-10.0, 0.0, 0.0]) };
+    let json = serde_json::to_value(toolpath(&mill("x"), &[over])).unwrap();
+    let segment = &json["channels"][0]["segments"][0];
+    let points: Vec<f64> = segment["points"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let points: Vec<&[f64]> = points.chunks(3).collect();
+    assert_eq!(segment["kind"], "feed");
+    assert!(points.len() > 60 && points.contains(&&[0.0, 0.0, 10.0][..]), "{points:?}");
+    assert!(points.iter().all(|p| (p[0].hypot(p[2]) - 10.0).abs() < 1e-3 && p[1] == 0.0), "{points:?}");
+    assert_eq!(points.last(), Some(&&[-10.0, 0.0, 0.0][..]));
+}
+
 /// The `d` of the paths drawn in the first view.
 fn drawn(svg: &str) -> Vec<&str> {
     let group = svg.split("<g ").nth(1).and_then(|g| g.split("</g>").next()).expect("a view");

@@ -5,7 +5,7 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers,
+    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, paths, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -27,13 +27,15 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let format = format::read(&mut top, check);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
-    let data = data::read(&mut top, &mut names);
+    let data = data::read(&mut top, &mut names, head.unit);
     let axes = axes::read(&mut top, &names, &data);
     let spindles = spindles::read(&mut top, check);
     let channels = channels::read(&mut top, &axes, &spindles, check);
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
+    let arcs = paths::arcs(&mut top, head.unit);
+    let threads = paths::threads(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -71,6 +73,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         sync,
         time,
         cycles,
+        arcs,
+        threads,
         variables,
         tool,
         work_offsets,

@@ -4,6 +4,7 @@
 
 use super::defaults;
 use super::names::Names;
+use crate::log::info::Unit;
 use crate::machine::model::{DataRow, Dimension};
 use crate::machine::toml::section::Section;
 
@@ -11,11 +12,11 @@ use crate::machine::toml::section::Section;
 const MOST: usize = 4000;
 
 /// Reads the rows in file order.
-pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<DataRow> {
+pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Vec<DataRow> {
     top.require("data", "the words that supply values");
     let mut rows: Vec<DataRow> = Vec::new();
     for mut section in top.rows("data", "[[data]]", MOST) {
-        if let Some(row) = read_row(&mut section, names) {
+        if let Some(row) = read_row(&mut section, names, unit) {
             if let Some(twin) = rows.iter().find(|other| other.id == row.id && other.register == row.register) {
                 let name = section.text("id").unwrap_or_default();
                 let text = format!("{name} already has this register at {}:{}", twin.file, twin.line);
@@ -28,7 +29,7 @@ pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<DataRow>
     rows
 }
 
-fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<DataRow> {
+fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Option<DataRow> {
     let id = names.data_of_row(section);
     let register = section.text("register").map(|name| names.register(name, section.place_of("register")));
     let enable = section.flag("enable").unwrap_or(true);
@@ -40,9 +41,12 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<DataRow>
     {
         section.error("max", format!("`max` {max} is less than `min` {min}"));
     }
-    let mul = super::values::factor(section);
+    let mut mul = super::values::factor(section);
     let add = section.number("add").unwrap_or(0.0);
     let dimension = dimension(section);
+    if dimension == Some(Dimension::Increments) {
+        mul *= if unit == Unit::Inch { 0.0001 } else { 0.001 };
+    }
     let (id, swallow) = id?;
     let register = match register {
         None => None,
@@ -68,6 +72,7 @@ fn dimension(section: &mut Section<'_>) -> Option<Dimension> {
     let words = [
         ("none", Dimension::None),
         ("length", Dimension::Length),
+        ("increments", Dimension::Increments),
         ("angle", Dimension::Angle),
         ("feed", Dimension::Feed),
         ("surface-speed", Dimension::SurfaceSpeed),

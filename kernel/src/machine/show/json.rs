@@ -5,7 +5,7 @@
 use serde_json::{Value, json};
 
 use super::{Show, axis, register, sorted_codes, word, written};
-use crate::machine::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Machine, NumberFormat, Register};
+use crate::machine::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Heights, Machine, NumberFormat, Register};
 
 /// The whole machine.
 #[must_use]
@@ -33,6 +33,8 @@ pub fn json(machine: &Machine) -> Value {
         "sync": sync(machine),
         "time": time(machine),
         "cycles": cycles(machine),
+        "arcs": arcs(machine),
+        "threads": threads(machine),
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
@@ -220,6 +222,35 @@ fn cycles(machine: &Machine) -> Value {
         "min_step": cycles.min_step,
         "cancel": if cycles.cancel_required { "required" } else { "optional" },
         "motion_cancels": cycles.motion_cancels,
+    })
+}
+
+fn arcs(machine: &Machine) -> Value {
+    let arcs = &machine.arcs;
+    json!({
+        "center": match arcs.center {
+            Heights::Incremental => "offset".to_owned(),
+            other => word(other),
+        },
+        "tolerance": arcs.tolerance,
+        "max_radius": arcs.max_radius.is_finite().then_some(arcs.max_radius),
+        "helix": word(arcs.helix),
+        "turns": word(arcs.turns),
+    })
+}
+
+fn threads(machine: &Machine) -> Value {
+    let threads = &machine.threads;
+    json!({
+        "form": if threads.two_lines { "two-line" } else { "one-line" },
+        "infeed": threads.infeed,
+        "min_step": threads.min_step,
+        "finish_cuts": threads.finish_cuts,
+        "finish": threads.finish,
+        "nose": threads.nose,
+        "chamfer": threads.chamfer,
+        "chamfer_length": threads.chamfer_length,
+        "chamfer_angle": threads.chamfer_angle,
     })
 }
 

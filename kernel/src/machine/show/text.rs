@@ -4,6 +4,7 @@
 
 use super::{axis, register, word, written};
 use crate::machine::model::{CodeForm, Cycles, Machine, NumberFormat};
+use crate::machine::paths::Threads;
 
 /// Rows of cells with a heading, aligned to the left.
 pub(super) struct Grid(Vec<Vec<String>>);
@@ -94,6 +95,9 @@ pub(super) fn summary(machine: &Machine) -> String {
     if machine.codes.iter().any(|row| row.enable && machine.code_name(row.id).starts_with("CODE_CYCLE_")) {
         line("cycles", cycles(&machine.cycles));
     }
+    if machine.codes.iter().any(|row| row.enable && machine.code_name(row.id).starts_with("CODE_THREAD_")) {
+        line("threads", threads(&machine.threads));
+    }
     line("shared", ranges(&machine.variables.shared));
     line("per channel", ranges(&machine.variables.channel));
     line("offset digits", machine.tool.offset_digits.to_string());
@@ -119,6 +123,18 @@ fn cycles(cycles: &Cycles) -> String {
         text.push_str(", cancel required");
     }
     text
+}
+
+/// Settings of threading cycles.
+fn threads(threads: &Threads) -> String {
+    format!(
+        "{}, in-feed {}, {} finishing, nose {} degrees, chamfer {}",
+        if threads.two_lines { "two lines" } else { "one line" },
+        threads.infeed,
+        threads.finish_cuts,
+        threads.nose,
+        if threads.chamfer { "on" } else { "off" }
+    )
 }
 
 pub(super) fn registers(machine: &Machine) -> String {

@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Motion};
-use crate::log::geometry::{Sweep, scale};
+use crate::log::geometry::Round;
 
 /// Columns of the tables.
 const COLUMNS: usize = 15;
@@ -77,19 +77,15 @@ impl Kernel<'_> {
         let preset = self.place.preset;
         let info = self.info;
         let axes = info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());
-        let sweep = Sweep::of(motion, axes);
+        let round = Round::of(motion, axes);
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let rows = [runtime.tool_sums.row_number(), runtime.operation_sums.row_number()];
         let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&runtime.columns);
         for (axis, (((from, to), preset), column)) in ends.enumerate() {
             let Some(column) = *column else { continue };
             let (mut low, mut high) = (from.min(*to), from.max(*to));
-            if let Some(sweep) = sweep
-                && let Some(side) = sweep.axes.iter().position(|of| *of == axis)
-            {
-                let unit = axes.get(axis).map_or(1.0, scale);
-                for share in sweep.turning_points() {
-                    let at = sweep.at(share).get(side).copied().unwrap_or(0.0) / unit;
+            if let Some(round) = round {
+                for at in round.reversals(axes, axis) {
                     (low, high) = (low.min(at), high.max(at));
                 }
             }

@@ -10,6 +10,7 @@ mod positions;
 mod program;
 mod spindles;
 mod state;
+mod threads;
 
 use std::sync::OnceLock;
 
@@ -65,8 +66,8 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let found =
-        [program::find, state::find, cycles::find, spindles::find, kernels::find].iter().find_map(|find| find(name));
+    let found = program::find(name).or_else(|| state::find(name)).or_else(|| cycles::find(name));
+    let found = found.or_else(|| spindles::find(name)).or_else(|| threads::find(name)).or_else(|| kernels::find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,
@@ -92,8 +93,6 @@ pub(crate) struct Names {
     pub(crate) operation_merge: u32,
     pub(crate) operation_name: u32,
     pub(crate) extension: u32,
-    pub(crate) starts: u32,
-    pub(crate) pitch_change: u32,
 }
 
 /// Those indices, found once.
@@ -122,8 +121,6 @@ pub(crate) fn names() -> &'static Names {
             operation_merge: index("$OPMERGE"),
             operation_name: index("$OPNAME"),
             extension: index("$SUBEXT"),
-            starts: index("$MULTRD"),
-            pitch_change: index("$PITCHV"),
         }
     })
 }

@@ -57,7 +57,9 @@ G21 CODE_UNITS_PRIMARY 100 6
 G28 CODE_GOHOME 450 0
 G29 CODE_GOHOME_RETURN 450 0
 G30 CODE_GOHOME_NTH 450 0
+G31 CODE_INTERP_SKIP 500 1
 G32 CODE_INTERP_THREAD 500 1
+G34 CODE_INTERP_THREAD_VAR 500 1
 G40 CODE_COMP_DIAM_OFF 100 7
 G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
@@ -67,6 +69,7 @@ G53 CODE_POSITION_MACHINE 100 0
 G54-G59 CODE_COMP_WORKP_ON 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
+G76 CODE_THREAD_MULTI 500 1
 G80 CODE_CYCLE_OFF 400 9
 G83 CODE_CYCLE_DEEP 400 9
 G84 CODE_CYCLE_TAP 400 9
@@ -74,6 +77,7 @@ G85 CODE_CYCLE_REAM_DWELL 400 9
 G87 CODE_CYCLE_DEEP 400 9
 G88 CODE_CYCLE_TAP 400 9
 G89 CODE_CYCLE_REAM_DWELL 400 9
+G92 CODE_THREAD_SINGLE 500 1
 G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
 G98 CODE_FEED_UPM 100 5
@@ -121,19 +125,31 @@ fn the_two_path_lathe_has_these_data() {
         "X REG_DELAY - - time",
         "Y REG_AXIS_Y yes - length",
         "Z REG_AXIS_Z yes - length",
+        "A REG_THREAD_MULTI_ANGLE - - angle",
         "C REG_AXIS_CT yes - angle",
         "I REG_ARC_CENTER_X - - length",
+        "I REG_THREAD_MULTI_TAPER_X - - length",
         "J REG_ARC_CENTER_Y - - length",
         "K REG_ARC_CENTER_Z - - length",
+        "K REG_INTERP_THREAD_PITCH_VAR - - length",
+        "K REG_THREAD_MULTI_HEIGHT_X - - length",
         "K REG_CYCLE_REPEAT - - none",
         "R REG_ARC_RADIUS - - length",
+        "R REG_THREAD_SINGLE_TAPER_X - - length",
+        "R REG_THREAD_MULTI_FINISH_X - - length",
+        "R REG_THREAD_MULTI_TAPER_X - - length",
         "R REG_CYCLE_CLEAR - - length",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
+        "P REG_THREAD_MULTI_PWORD - - none",
+        "P REG_THREAD_MULTI_HEIGHT_X - *0.001 increments",
+        "P REG_THREAD_MULTI_INFEED - - none",
         "P REG_CYCLE_DWELL - *0.001 time",
         "P REG_SYNC_PATHS - - none",
         "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
+        "Q REG_THREAD_MULTI_STEP_MIN - *0.001 increments",
+        "Q REG_THREAD_MULTI_STEP_X - *0.001 increments",
         "Q REG_CYCLE_STEP - - length",
         "L REG_CALSUB_REPEAT - - none",
         "F REG_FEED_UPM yes - feed",
@@ -142,6 +158,7 @@ fn the_two_path_lathe_has_these_data() {
         "S REG_SPINDLE_RPM yes - none",
         "S REG_SPINDLE_CSS yes - surface-speed",
         "S REG_SPINDLE_RPM_MAX yes - none",
+        "D REG_THREAD_MULTI_STEP_X - - length",
     ];
     assert_eq!(rows, expected);
 }

@@ -1,4 +1,4 @@
-//! Variables of spindles, coolant devices and threads.
+//! Variables of spindles and coolant devices.
 //!
 //! Invariant: what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
 //! 6, 9.
@@ -7,12 +7,12 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::{Read, Write, names};
+use super::{Read, Write};
 use crate::action::spindle::set_command;
 use crate::channel::Kernel;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
-use crate::machine::ident::{CodeId, codes, data};
+use crate::machine::ident::{CodeId, codes};
 use crate::multi::shared::Command;
 
 /// Modal group of the main and the sub-spindle.
@@ -157,18 +157,6 @@ fn set_spindle_in_work(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Out
     Ok(())
 }
 
-fn pitch(kernel: &Kernel<'_>) -> f64 {
-    kernel.modal.value(data::INTERP_THREAD_PITCH).unwrap_or(0.0)
-}
-
-fn kept(kernel: &Kernel<'_>, index: u32) -> f64 {
-    kernel.macros.as_deref().and_then(|runtime| runtime.store.get(index).as_real()).unwrap_or(0.0)
-}
-
-fn starts(kernel: &Kernel<'_>) -> f64 {
-    kept(kernel, names().starts).max(1.0)
-}
-
 /// How a variable is read and written.
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
@@ -205,38 +193,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$COOLDEV" => (device_state, Some(set_device)),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
-        "$PITCH" => (
-            |k, _| number(pitch(k)),
-            Some(|k, _, value| {
-                k.modal.remember(data::INTERP_THREAD_PITCH, real(value));
-                Ok(())
-            }),
-        ),
-        "$MULTRD" => (
-            |k, _| number(starts(k)),
-            Some(|k, _, value| {
-                let starts = real(value).max(1.0);
-                k.modal.remember(data::INTERP_THREAD_STARTS, starts);
-                k.store(names().starts, || Value::Real(starts));
-                Ok(())
-            }),
-        ),
-        "$E" => (
-            |k, _| number(pitch(k) * starts(k)),
-            Some(|k, _, value| {
-                let pitch = real(value) / starts(k);
-                k.modal.remember(data::INTERP_THREAD_PITCH, pitch);
-                Ok(())
-            }),
-        ),
-        "$EV" => (
-            |k, _| number(kept(k, names().pitch_change) * starts(k)),
-            Some(|k, _, value| {
-                let change = real(value) / starts(k);
-                k.store(names().pitch_change, || Value::Real(change));
-                Ok(())
-            }),
-        ),
         _ => return None,
     };
     Some(row)

@@ -196,6 +196,22 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Ok(())
             }),
         ),
+        "$SKIPERR" => (|k, _| number(k.skip.result), None),
+        "$SKIPCOD" => (
+            |k, _| {
+                let active = k.modal.code(group::MOTION) == Some(codes::INTERP_SKIP) || k.skip.acts(k.blocks);
+                number(u8::from(active))
+            },
+            Some(|k, _, value| {
+                let probing = k.modal.code(group::MOTION) == Some(codes::INTERP_SKIP);
+                match (value.as_real() == Some(1.0), probing) {
+                    (true, false) => k.activate_code(codes::INTERP_SKIP),
+                    (false, true) => k.activate_code(codes::INTERP_LINEAR),
+                    _ => None,
+                };
+                Ok(())
+            }),
+        ),
         "$PLMODE" => (|k, _| of_group(k, group::PLANE, &PLANES, 0.0), Some(|k, _, value| set_group(k, &PLANES, value))),
         "$PNMODE" => (
             |k, _| of_group(k, group::POSITION, &POSITIONING, -1.0),

@@ -1,0 +1,141 @@
+//! What codes say about circles that other blocks make: centre, radius, direction.
+//!
+//! Facts: reference control-emulator.md 6.1 (definition form as a code, direction as a separate code). Decisions: a
+//! defined centre is a point and stays until another definition; a code of circles without a direction looks for one on
+//! its block, then takes the last one.
+
+use crate::action::Action;
+use crate::channel::state::group;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::model::Heights;
+
+/// Words that tell a circle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum By {
+    /// A radius if there is one, else a centre.
+    #[default]
+    Any,
+    Center,
+    Radius,
+}
+
+/// What a code of circles tells by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Form {
+    /// Direction, if the code has one.
+    pub(super) clockwise: Option<bool>,
+    pub(super) by: By,
+    /// A code of helices.
+    pub(super) helix: bool,
+}
+
+impl Form {
+    /// The form of a code.
+    pub(crate) fn of(id: CodeId) -> Option<Self> {
+        let form = |clockwise, by, helix| Self { clockwise, by, helix };
+        Some(match id {
+            codes::INTERP_ARC_CLW => form(Some(true), By::Any, false),
+            codes::INTERP_ARC_CCLW => form(Some(false), By::Any, false),
+            codes::INTERP_HELIX_CLW => form(Some(true), By::Any, true),
+            codes::INTERP_HELIX_CCLW => form(Some(false), By::Any, true),
+            codes::INTERP_HELIX => form(None, By::Any, true),
+            codes::INTERP_ARC_CENTER => form(None, By::Center, false),
+            codes::INTERP_ARC_RADIUS => form(None, By::Radius, false),
+            _ => return None,
+        })
+    }
+}
+
+/// What is known about the circles of a channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct State {
+    /// Defined centre by X, Y and Z: radius values in the work frame.
+    pub(super) center: [Option<f64>; 3],
+    /// Defined radius.
+    pub(super) radius: Option<f64>,
+    /// Clockwise, as the last circle or code of direction said.
+    pub(super) clockwise: Option<bool>,
+    /// Form defined last, and on which block.
+    pub(super) by: By,
+    pub(super) block: u64,
+}
+
+/// Direction of a circle: that of its code, of another code on the block, or the last one.
+pub(super) fn direction(kernel: &mut Kernel<'_>, form: Form) -> Option<bool> {
+    let on_block = || {
+        let actions = kernel.block.firings.iter().map(|firing| kernel.plan.actions.get(usize::from(firing.row)));
+        actions.flatten().find_map(|action| match action {
+            Some(Action::ArcDirection(clockwise)) => Some(*clockwise),
+            _ => None,
+        })
+    };
+    let clockwise = form.clockwise.or_else(on_block).or(kernel.arcs.clockwise);
+    kernel.arcs.clockwise = clockwise;
+    clockwise
+}
+
+/// Takes a coordinate of a centre, as a radius value in the work frame.
+pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Option<f64> {
+    let datum = kernel.take(id)?;
+    let relative = datum.incremental
+        || !datum.absolute
+            && match kernel.machine.arcs.center {
+                Heights::Incremental => true,
+                Heights::Absolute => false,
+                Heights::Mode => kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
+            };
+    let scale = kernel.place.axes.get(axis).map_or(1.0, |a| a.scale);
+    let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
+    Some(match relative {
+        true => of(&kernel.place.position) * scale + datum.value,
+        false if kernel.block.machine_frame => (datum.value - of(&kernel.place.shift)) * scale,
+        false => datum.value * scale,
+    })
+}
+
+/// A centre for the circles to come; without words only the form of the block's circle.
+pub(crate) fn define_center(kernel: &mut Kernel<'_>) -> Acted {
+    let mut center = [None; 3];
+    for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
+        let axis = kernel.place.cartesian.get(role).copied().flatten();
+        let value = match axis {
+            Some(axis) => coordinate(kernel, id, usize::from(axis)),
+            None => not_here(kernel, id),
+        };
+        if let Some(slot) = center.get_mut(role) {
+            *slot = value;
+        }
+    }
+    if center.iter().any(Option::is_some) {
+        kernel.arcs.center = center;
+        kernel.arcs.radius = None;
+    }
+    (kernel.arcs.by, kernel.arcs.block) = (By::Center, kernel.blocks);
+    Ok(())
+}
+
+fn not_here(kernel: &mut Kernel<'_>, id: DataId) -> Option<f64> {
+    if kernel.take(id).is_some() {
+        let text = format!("channel {} has no axis for a word of '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
+    }
+    None
+}
+
+/// A radius for the circles to come; without a word only the form of the block's circle.
+pub(crate) fn define_radius(kernel: &mut Kernel<'_>) -> Acted {
+    if let Some(radius) = kernel.take(data::ARC_RADIUS) {
+        kernel.arcs.radius = Some(radius.value);
+        kernel.arcs.center = [None; 3];
+    }
+    (kernel.arcs.by, kernel.arcs.block) = (By::Radius, kernel.blocks);
+    Ok(())
+}
+
+/// A direction for circles whose code has none.
+pub(crate) fn define_direction(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
+    kernel.arcs.clockwise = Some(clockwise);
+    Ok(())
+}

@@ -1,0 +1,273 @@
+//! Circular moves in a plane: by centre, radius or angle.
+//!
+//! Facts: reference control-emulator.md 6.1 (arc rules): centre offsets are radii even on a diameter axis; a block
+//! with only a centre is a full circle. What a code does not tell (direction, centre, radius) is told by codes of its
+//! own. Invariant: a circle that cannot be made is diagnosed and its end reached straight. Decisions: docs/emulation.md,
+//! "Circles".
+
+mod define;
+pub(super) mod space;
+
+pub(crate) use define::{By, Form, State};
+pub(super) use define::{define_center, define_direction, define_radius};
+
+use counterpoint_motion::arc as geometry;
+
+use super::time::Path;
+use crate::channel::block::Firing;
+use crate::channel::state::{Plane, group, plane};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
+use crate::machine::ident::data;
+use crate::machine::paths::{Helix, Turns};
+
+/// The plane of a circle by its axes in the channel, with their factors to radius values.
+#[derive(Clone, Copy)]
+struct Flat {
+    axes: [usize; 2],
+    scales: [f64; 2],
+}
+
+impl Flat {
+    fn point(&self, position: &Position) -> [f64; 2] {
+        let at = |side: usize| -> Option<f64> { Some(position.get(*self.axes.get(side)?)? * self.scales.get(side)?) };
+        [at(0).unwrap_or(0.0), at(1).unwrap_or(0.0)]
+    }
+
+    /// Moves a position to a point of the plane.
+    fn set(&self, position: &mut Position, point: [f64; 2]) {
+        for ((axis, scale), value) in self.axes.iter().zip(self.scales).zip(point) {
+            if let Some(slot) = position.get_mut(*axis) {
+                *slot = value / scale;
+            }
+        }
+    }
+}
+
+/// What a block says about its circle.
+struct Words {
+    radius: Option<f64>,
+    /// Centre in the plane, radius values.
+    center: Option<[f64; 2]>,
+    /// Degrees.
+    angle: Option<f64>,
+}
+
+/// An arc in the active plane, helical when a further axis is coded.
+pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, target) = kernel.targets();
+    let Some((plane, flat)) = active_plane(kernel) else {
+        for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
+            kernel.take(id);
+        }
+        let text =
+            format!("no plane with both axes in channel {} is active for '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::ARC_PLANE, text);
+        return Ok(());
+    };
+    let words = take_words(kernel, form, &plane, &flat, (coded, firing.implied));
+    if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
+        return Ok(());
+    }
+    let Some(clockwise) = define::direction(kernel, form) else {
+        let text = format!("the circle of '{}' has no direction, its end is reached straight", kernel.block_text());
+        kernel.diagnose(&diag::ARC_DIRECTION, text);
+        return kernel.feed_to(coded, target, feed, unit);
+    };
+    cut(kernel, &words, (form, clockwise), &flat, (coded, target), (feed, unit))
+}
+
+/// The active plane, if the channel has its axes.
+fn active_plane(kernel: &Kernel<'_>) -> Option<(Plane, Flat)> {
+    let plane = plane(kernel.modal.code(group::PLANE)?)?;
+    let index = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axes = [index(plane.first)?, index(plane.second)?];
+    let scales = axes.map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    Some((plane, Flat { axes, scales }))
+}
+
+/// Takes radius or centre, then the angle; what the block does not say may have been defined before.
+fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
+    let here = kernel.arcs.block == kernel.blocks;
+    let by = match form.by {
+        By::Any if here => kernel.arcs.by,
+        by => by,
+    };
+    let mut radius = if by == By::Center { None } else { kernel.take(data::ARC_RADIUS).map(|d| d.value) };
+    let start = flat.point(&kernel.place.position);
+    let mut center = None;
+    if by != By::Radius {
+        let roles = [plane.first, plane.second];
+        let sides = plane.centers.into_iter().zip(roles).zip(flat.axes);
+        let mut said = [None; 2];
+        for (slot, ((id, _), axis)) in said.iter_mut().zip(sides) {
+            *slot = define::coordinate(kernel, id, axis);
+        }
+        // The missing one of an absolute centre is that of the definition.
+        let known = roles.map(|role| kernel.arcs.center.get(role).copied().flatten());
+        let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
+        if said.iter().any(Option::is_some) {
+            let offsets = kernel.machine.arcs.center == crate::machine::model::Heights::Incremental;
+            let known = if offsets { [None; 2] } else { known };
+            center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
+        } else if known.iter().any(Option::is_some) && radius.is_none() {
+            let angle = kernel.block_has(data::ARC_ANGLE);
+            if coded != 0 || angle || here && !implied {
+                center = Some([fill(None, known[0], start[0]), fill(None, known[1], start[1])]);
+            }
+        }
+    }
+    if radius.is_none() && center.is_none() && coded != 0 && !kernel.block_has(data::ARC_ANGLE) {
+        radius = kernel.arcs.radius.filter(|_| by != By::Center);
+    }
+    let angle = if radius.is_none() { kernel.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
+    Words { radius, center, angle }
+}
+
+/// Makes the circle and travels along it.
+fn cut(
+    kernel: &mut Kernel<'_>,
+    words: &Words,
+    (form, clockwise): (Form, bool),
+    flat: &Flat,
+    (coded, mut target): (u8, Position),
+    (feed, unit): (Option<f64>, FeedUnit),
+) -> Acted {
+    let from = kernel.place.position;
+    let (start, end) = (flat.point(&from), flat.point(&target));
+    let tolerance = kernel.machine.arcs.tolerance;
+    let rises = rises(kernel, flat, &from, &target);
+    let made = match (words.radius, words.angle, words.center) {
+        (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
+        (None, Some(angle), Some(center)) => geometry::by_center_and_angle(start, center, angle, clockwise),
+        (None, Some(angle), None) => geometry::by_end_and_angle(start, end, angle, clockwise).map(|arc| (arc, end)),
+        (None, None, center) => {
+            geometry::by_center(start, end, center.unwrap_or(start), clockwise).map(|arc| (arc, end))
+        }
+    };
+    let (mut made, reached) = match made {
+        Ok(made) => made,
+        Err(error) => {
+            let text =
+                format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+            kernel.diagnose(&diag::ARC_RADIUS, text);
+            return kernel.feed_to(coded, target, feed, unit);
+        }
+    };
+    let by_angle = words.angle.is_some() && words.center.is_some();
+    let flat_coded = coded & (1 << flat.axes[0] | 1 << flat.axes[1]) != 0;
+    if words.radius.is_none() && (!by_angle || flat_coded) {
+        check_end(kernel, made.end_error(end).max(if by_angle { distance(reached, end) } else { 0.0 }));
+    }
+    let turns = if by_angle {
+        // What an angle leaves behind the ninth digit is nothing that was programmed.
+        let tidy = |value: f64| (value * 1e9).round() / 1e9 + 0.0;
+        flat.set(&mut target, if reached == start { start } else { reached.map(tidy) });
+        made.full_turns()
+    } else {
+        take_turns(kernel, rises)
+    };
+    if !by_angle {
+        made = made.with_turns(turns);
+    }
+    check_machine(kernel, form, &made, rises);
+    travel(kernel, &made, flat, (coded, turns), &target, (feed, unit))
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    ((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])).sqrt()
+}
+
+/// A linear axis out of the plane moves too.
+fn rises(kernel: &Kernel<'_>, flat: &Flat, from: &Position, to: &Position) -> bool {
+    let axes = kernel.place.axes.iter().zip(from).zip(to).enumerate();
+    axes.filter(|(at, ((axis, _), _))| !flat.axes.contains(at) && !axis.rotary).any(|(_, ((_, a), b))| a != b)
+}
+
+fn check_end(kernel: &mut Kernel<'_>, off: f64) {
+    if off > kernel.machine.arcs.tolerance {
+        let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::ARC_END_OFF, text);
+    }
+}
+
+/// Full turns in addition, where the machine has them.
+fn take_turns(kernel: &mut Kernel<'_>, rises: bool) -> u16 {
+    let may = match kernel.machine.arcs.turns {
+        Turns::Always => true,
+        Turns::Helical => rises,
+        Turns::Never => false,
+    };
+    let turns = if may { kernel.take(data::ARC_TURNS).map_or(0.0, |d| d.value) } else { 0.0 };
+    if (0.0..=geometry::MOST_TURNS).contains(&turns) {
+        return turns as u16;
+    }
+    let text = format!("a circle has 0 to 999 further turns, not {turns} as in '{}'", kernel.block_text());
+    kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+    0
+}
+
+/// What the machine allows; the circle is made all the same.
+fn check_machine(kernel: &mut Kernel<'_>, form: Form, made: &geometry::Arc, rises: bool) {
+    check_radius(kernel, made.radius);
+    let allowed = match kernel.machine.arcs.helix {
+        Helix::Any => true,
+        Helix::Codes => form.helix,
+        Helix::Off => false,
+    };
+    if rises && !allowed {
+        let text = format!("this control has no helix for '{}'", kernel.block_text());
+        kernel.diagnose(&diag::ARC_HELIX, text);
+    }
+}
+
+/// A radius above the largest of the machine.
+fn check_radius(kernel: &mut Kernel<'_>, radius: f64) {
+    let most = kernel.machine.arcs.max_radius;
+    if radius > most {
+        let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::ARC_RADIUS, text);
+    }
+}
+
+fn travel(
+    kernel: &mut Kernel<'_>,
+    made: &geometry::Arc,
+    flat: &Flat,
+    (coded, turns): (u8, u16),
+    target: &Position,
+    (feed, unit): (Option<f64>, FeedUnit),
+) -> Acted {
+    let from = kernel.place.position;
+    let [first, second] = flat.axes;
+    let changes = kernel.changes(&from, target);
+    let rise = changes
+        .iter()
+        .enumerate()
+        .filter(|&(i, _)| i != first && i != second && kernel.place.axes.get(i).is_some_and(|a| !a.rotary))
+        .map(|(_, c)| c * c)
+        .sum::<f64>();
+    let length = (made.length() * made.length() + rise).sqrt();
+    let x = kernel.place.cartesian.first().copied().flatten().map(usize::from);
+    let radial = flat.axes.iter().position(|&axis| Some(axis) == x);
+    let center = [made.center[0] / flat.scales[0], made.center[1] / flat.scales[1]];
+    let path = Path { from: &from, to: target, length: made.length(), arc: Some((made, radial)) };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    kernel.travel(
+        seconds,
+        &Motion {
+            kind: if made.sweep < 0.0 { MotionKind::ArcCw } else { MotionKind::ArcCcw },
+            moving: coded | 1 << first | 1 << second,
+            from,
+            to: *target,
+            center,
+            plane_axes: [first as u8, second as u8],
+            turns,
+            feed: feed.unwrap_or(0.0),
+            feed_unit: unit,
+            length,
+        },
+    )
+}

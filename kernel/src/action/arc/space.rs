@@ -1,0 +1,94 @@
+//! Arcs in space, by a point on their way.
+//!
+//! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
+//! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
+
+use counterpoint_motion::arc::Arc;
+use counterpoint_motion::space::Circle;
+
+use super::check_radius;
+use crate::action::time::Path;
+use crate::channel::state::group;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Motion, MotionKind, Position};
+use crate::log::geometry::spatial;
+use crate::machine::ident::{codes, data};
+
+/// An arc by way of a point.
+pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, target) = kernel.targets();
+    let (said, via) = way_point(kernel);
+    if coded == 0 && said == 0 {
+        return Ok(());
+    }
+    if said == 0 {
+        let text = format!("an arc in space needs a point on its way in '{}', it is straight", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+        return kernel.feed_to(coded, target, feed, unit);
+    }
+    let from = kernel.place.position;
+    let info = kernel.info;
+    let axes = info.channel(kernel.rank).map_or(&[][..], |channel| channel.axes.as_slice());
+    let seen = spatial(axes);
+    let [start, middle, end] = [from, via, target].map(|position| seen.point(&position));
+    let circle = match Circle::through(start, middle, end) {
+        Ok(circle) => circle,
+        Err(error) => {
+            let text =
+                format!("the arc cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+            kernel.diagnose(&diag::ARC_RADIUS, text);
+            return kernel.feed_to(coded, target, feed, unit);
+        }
+    };
+    check_radius(kernel, circle.radius);
+    let changes = kernel.changes(&from, &target);
+    let others = changes.iter().zip(&kernel.place.axes).enumerate();
+    let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
+    // X swings as it would on a flat arc of its own reach.
+    let (center, reach, start_angle) = circle.swing(0);
+    let flat = Arc { center: [center, 0.0], radius: reach, start_angle, sweep: circle.sweep };
+    let path =
+        Path { from: &from, to: &target, length: circle.length(), arc: (reach > 1e-9).then_some((&flat, Some(0))) };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
+    let motion = Motion {
+        kind: MotionKind::ArcSpace,
+        moving: swings.fold(coded, |bits, axis| bits | 1 << axis),
+        from,
+        to: target,
+        center: circle.bulge(start, end),
+        plane_axes: [255; 2],
+        turns: 0,
+        feed: feed.unwrap_or(0.0),
+        feed_unit: unit,
+        length: (circle.length() * circle.length() + rise).sqrt(),
+    };
+    kernel.travel(seconds, &motion)
+}
+
+/// Takes the point on the way: bits of the coordinates that are said, and the point.
+fn way_point(kernel: &mut Kernel<'_>) -> (u8, Position) {
+    let relative = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let (mut said, mut via) = (0, kernel.place.position);
+    for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
+        let Some(datum) = kernel.take(id) else { continue };
+        let Some(axis) = kernel.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+            let text = format!("channel {} has no axis for a word of '{}'", kernel.rank, kernel.block_text());
+            kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
+            continue;
+        };
+        let shift = kernel.place.shift.get(axis).copied().unwrap_or(0.0);
+        let Some(slot) = via.get_mut(axis) else { continue };
+        *slot = if datum.incremental || relative && !datum.absolute {
+            *slot + datum.value
+        } else if kernel.block.machine_frame {
+            datum.value - shift
+        } else {
+            datum.value
+        };
+        said |= 1 << role;
+    }
+    (said, via)
+}

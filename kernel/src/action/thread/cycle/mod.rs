@@ -1,0 +1,199 @@
+//! Threading cycles of lathes: one pass and back, or all passes of a thread.
+//!
+//! Facts: reference control-emulator.md 6.5 (data, moves of a pass, depths). Invariants: a cycle ends where it began; every
+//! move inside is an ordinary motion; a pass is never deeper than the end point. Decisions: docs/emulation.md, "Threading
+//! cycles".
+
+mod passes;
+mod path;
+mod state;
+mod words;
+
+pub(crate) use state::State;
+
+use super::Screw;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::{CodeId, codes, data};
+use passes::Plan;
+
+/// A kind of threading cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Kind {
+    pub(super) multi: bool,
+    /// Along X instead of Z.
+    pub(crate) face: bool,
+}
+
+impl Kind {
+    /// The kind of a code.
+    pub(crate) fn of(id: CodeId) -> Option<Self> {
+        let kind = |multi, face| Self { multi, face };
+        Some(match id {
+            codes::THREAD_SINGLE => kind(false, false),
+            codes::THREAD_SINGLE_FACE => kind(false, true),
+            codes::THREAD_MULTI => kind(true, false),
+            codes::THREAD_MULTI_FACE => kind(true, true),
+            _ => return None,
+        })
+    }
+
+    /// `$THTYPE`
+    pub(crate) fn number(self) -> f64 {
+        match (self.multi, self.face) {
+            (false, false) => 101.0,
+            (false, true) => 102.0,
+            (true, false) => 201.0,
+            (true, true) => 202.0,
+        }
+    }
+}
+
+/// A setting of cycles to come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Setting {
+    Chamfer(bool),
+    /// In-feed along one edge, or along both in turn.
+    Zigzag(bool),
+    /// The same step each pass instead of the same amount.
+    Depth(bool),
+}
+
+impl Setting {
+    /// The setting of a code.
+    pub(crate) fn of(id: CodeId) -> Option<Self> {
+        Some(match id {
+            codes::THREAD_CHAMFER_ON => Self::Chamfer(true),
+            codes::THREAD_CHAMFER_OFF => Self::Chamfer(false),
+            codes::THREAD_EDGE_SINGLE => Self::Zigzag(false),
+            codes::THREAD_EDGE_ZIGZAG => Self::Zigzag(true),
+            codes::THREAD_STEP_AMOUNT => Self::Depth(false),
+            codes::THREAD_STEP_DEPTH => Self::Depth(true),
+            _ => return None,
+        })
+    }
+}
+
+/// A thread to cut, in geometry units: radius values along X.
+#[derive(Debug, Clone, Copy)]
+struct Thread {
+    /// Axes of the channel along the thread and across it, and their factors to geometry.
+    axes: [usize; 2],
+    scales: [f64; 2],
+    /// Where it begins and ends along its axis.
+    begin: f64,
+    end: f64,
+    /// Where its end is across, at full depth.
+    root: f64,
+    /// How much further out it begins than it ends.
+    taper: f64,
+    screw: Screw,
+}
+
+/// A setting acts.
+pub(crate) fn set(kernel: &mut Kernel<'_>, setting: Setting) -> Acted {
+    let mode = kernel.threads.cycle.mode;
+    let zigzag = |mode: u8| matches!(mode, 2 | 4);
+    match setting {
+        Setting::Chamfer(on) => {
+            kernel.threads.cycle.chamfer = on;
+            if on {
+                words::chamfer(kernel);
+            }
+        }
+        Setting::Zigzag(on) => kernel.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
+        Setting::Depth(true) => kernel.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
+        Setting::Depth(false) if mode >= 3 => kernel.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
+        Setting::Depth(false) => {}
+    }
+    Ok(())
+}
+
+/// A code of a cycle: takes its data, and cuts if the block has a position.
+pub(crate) fn cycle(kernel: &mut Kernel<'_>, kind: Kind) -> Acted {
+    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let (Some(x), Some(z)) = (axis(0), axis(2)) else {
+        let text = format!("channel {} has no X and Z for the thread of '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::CYCLE_AXIS, text);
+        return Ok(());
+    };
+    let axes = if kind.face { [x, z] } else { [z, x] };
+    (kernel.threads.cycle.kind, kernel.threads.cycle.block) = (Some(kind), kernel.blocks);
+    if kind.multi { multi(kernel, kind, axes) } else { single(kernel, kind, axes) }
+}
+
+/// One pass and back.
+fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
+    if kernel.mode_changed {
+        (kernel.threads.cycle.end, kernel.threads.cycle.taper) = ([None; 2], 0.0);
+    }
+    let start = words::points(kernel, [data::THREAD_SINGLE_START_X, data::THREAD_SINGLE_START_Z], false);
+    let said = words::points(kernel, [data::THREAD_SINGLE_END_X, data::THREAD_SINGLE_END_Z], true);
+    let offset = words::values(kernel, [data::THREAD_SINGLE_OFFSET_X, data::THREAD_SINGLE_OFFSET_Z]);
+    let across = if kind.face { data::THREAD_SINGLE_TAPER_Z } else { data::THREAD_SINGLE_TAPER_X };
+    let taper = kernel.take(across).map(|datum| datum.value);
+    let screw = words::screw(kernel, data::THREAD_SINGLE_PITCH, data::THREAD_SINGLE_PITCH_VAR, axes[0], None);
+    words::chamfer(kernel);
+    let cycle = &mut kernel.threads.cycle;
+    cycle.taper = taper.unwrap_or(cycle.taper);
+    for (slot, said) in cycle.end.iter_mut().zip(said) {
+        *slot = said.or(*slot);
+    }
+    if said == [None; 2] && taper.is_none() && start == [None; 2] {
+        return Ok(());
+    }
+    let (end, taper) = (cycle.end, cycle.taper);
+    match words::thread(kernel, kind, axes, (start, end, offset, taper), screw) {
+        Some(thread) => kernel.pass(&thread, thread.root, 0.0),
+        None => Ok(()),
+    }
+}
+
+/// All passes of a thread.
+fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
+    if kernel.machine.threads.two_lines && !words::positioned(kernel) {
+        words::settings(kernel, kind);
+        return Ok(());
+    }
+    kernel.threads.cycle.begin();
+    let start = words::points(kernel, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
+    let end = words::points(kernel, [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z], true);
+    let offset = words::values(kernel, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
+    let across = if kind.face { data::THREAD_MULTI_TAPER_Z } else { data::THREAD_MULTI_TAPER_X };
+    let taper = kernel.take(across).map_or(0.0, |datum| datum.value);
+    words::amounts(kernel, kind);
+    let starts = Some(data::THREAD_MULTI_STARTS);
+    let screw = words::screw(kernel, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
+    if !kernel.machine.threads.two_lines {
+        words::packed(kernel);
+    }
+    words::chamfer(kernel);
+    if end == [None; 2] && start == [None; 2] {
+        return Ok(());
+    }
+    let Some(thread) = words::thread(kernel, kind, axes, (start, end, offset, taper), screw) else { return Ok(()) };
+    kernel.all_passes(&thread)
+}
+
+/// The passes that the settings make of a depth.
+fn plan(kernel: &mut Kernel<'_>) -> Plan {
+    if kernel.threads.cycle.depth.is_none() {
+        let text = format!("a thread needs its depth in '{}', it is cut in one pass", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+    }
+    let cycle = &kernel.threads.cycle;
+    let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
+    let plan = Plan {
+        mode: cycle.mode,
+        depth: cycle.depth.unwrap_or(0.0).abs(),
+        step: cycle.step.map(f64::abs),
+        least: cycle.least.max(0.0),
+        cuts: cycle.cuts.map(whole).filter(|cuts| *cuts > 0),
+        finish_cuts: whole(cycle.finish_cuts),
+        finish: cycle.finish.abs(),
+    };
+    if cycle.depth.is_some() {
+        return plan;
+    }
+    Plan { step: None, cuts: None, finish_cuts: 0, finish: 0.0, ..plan }
+}

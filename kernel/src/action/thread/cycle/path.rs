@@ -1,0 +1,158 @@
+//! The moves of threading cycles.
+//!
+//! Facts: reference control-emulator.md 6.5: rapid to the depth, thread, chamfer (a thread between 30 and 60 degrees,
+//! straight feed otherwise), clear, rapid back. Invariant: every pass begins and ends where the cycle was called.
+
+use counterpoint_motion::thread::Lead;
+
+use super::{Thread, plan};
+use crate::action::cycle::further;
+use crate::action::thread::Screw;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Position};
+
+impl Thread {
+    /// Outwards: away from the thread, towards where the tool stands.
+    fn outward(&self, level: f64) -> f64 {
+        if level < self.root { -1.0 } else { 1.0 }
+    }
+
+    /// Where the flank is across, at a place along the thread; `root` is where the pass ends.
+    fn across(&self, root: f64, along: f64) -> f64 {
+        root + self.taper * (self.end - along) / (self.end - self.begin)
+    }
+}
+
+/// A pull-out at the end of a pass.
+struct Chamfer {
+    /// Where it begins, and where it ends along and across.
+    from: f64,
+    to: [f64; 2],
+    /// Cut as thread.
+    locked: bool,
+}
+
+impl Kernel<'_> {
+    /// All passes of a thread, each for every start.
+    pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
+        let plan = plan(self);
+        let (passes, cut_short) = plan.passes();
+        self.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
+        if cut_short {
+            let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
+            self.diagnose(&diag::THREAD_PASSES, text);
+        }
+        let level = self.place.position.get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
+        let outward = thread.outward(level);
+        let flank = libm::tan(self.threads.cycle.nose.to_radians() / 2.0);
+        let mut first = true;
+        for pass in passes {
+            let aside = match plan.mode {
+                1 | 3 => true,
+                2 | 4 => pass.number > 0 && pass.number % 2 == 0,
+                _ => false,
+            };
+            let shift = if aside { flank * pass.depth } else { 0.0 };
+            let root = thread.root + outward * (plan.depth - pass.depth);
+            for _ in 0..self.threads.starts as u32 {
+                if !std::mem::take(&mut first) {
+                    further(self)?;
+                }
+                self.pass(thread, root, shift)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// One pass that ends at `root` across and begins `shift` further along.
+    pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
+        let [along, across] = thread.axes;
+        let home = self.place.position;
+        let of = |axis: usize| home.get(axis).copied().unwrap_or(0.0);
+        let level = of(across) * thread.scales[1];
+        let way = thread.end - thread.begin;
+        let begin = thread.begin + way.signum() * shift.min(way.abs());
+        self.rapid_aside(thread, [begin, thread.across(root, begin)])?;
+        let chamfer = self.pull_out(thread, root, level, begin);
+        let last = chamfer.as_ref().map_or(thread.end, |chamfer| chamfer.from);
+        let target = self.place_of(thread, [last, thread.across(root, last)]);
+        self.cut(1 << along | self.moved(across, &target), target, &thread.screw)?;
+        if let Some(chamfer) = chamfer {
+            self.chamfer(thread, &chamfer, (last - begin).abs())?;
+        }
+        let mut clear = self.place.position;
+        if let Some(slot) = clear.get_mut(across) {
+            *slot = of(across);
+        }
+        self.rapid_to(1 << across, clear)?;
+        self.rapid_to(1 << along, home)
+    }
+
+    /// A position with these places along and across the thread.
+    fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
+        let mut target = self.place.position;
+        for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
+            if let Some(slot) = target.get_mut(*axis) {
+                let wanted = value / scale;
+                // What sums leave behind the ninth digit is nothing that was programmed.
+                *slot = if (wanted - *slot).abs() < 1e-9 { *slot } else { wanted };
+            }
+        }
+        target
+    }
+
+    /// Bit of an axis if it moves to the target.
+    fn moved(&self, axis: usize, target: &Position) -> u8 {
+        if self.place.position.get(axis) == target.get(axis) { 0 } else { 1 << axis }
+    }
+
+    fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {
+        let target = self.place_of(thread, places);
+        let coded = thread.axes.iter().fold(0, |bits, axis| bits | self.moved(*axis, &target));
+        self.rapid_to(coded, target)
+    }
+
+    /// The chamfer of a pass, if there is one: no higher than where the tool stands.
+    fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
+        let cycle = &mut self.threads.cycle;
+        if !cycle.chamfer {
+            return None;
+        }
+        let slope = libm::tan(cycle.chamfer_angle.to_radians());
+        if let Some(leads) = cycle.chamfer_leads {
+            cycle.chamfer_length = leads * thread.screw.lead;
+        }
+        let starts = self.threads.starts;
+        let cycle = &self.threads.cycle;
+        let length = if cycle.chamfer_length > 0.0 {
+            cycle.chamfer_length
+        } else {
+            // As high as a thread of 60 degrees is deep.
+            thread.screw.lead / starts / (2.0 * libm::tan(std::f64::consts::FRAC_PI_6)) / slope
+        };
+        let angle = cycle.chamfer_angle;
+        let way = thread.end - begin;
+        let length = length.min(way.abs());
+        if length.is_nan() || length <= 0.0 {
+            return None;
+        }
+        let from = thread.end - way.signum() * length;
+        let foot = thread.across(root, from);
+        let outward = thread.outward(level);
+        let room = outward * (level - foot);
+        let height = if room > 0.0 { (length * slope).min(room) } else { length * slope };
+        let to = [from + way.signum() * height / slope, foot + outward * height];
+        Some(Chamfer { from, to, locked: (30.0..=60.0).contains(&angle) })
+    }
+
+    fn chamfer(&mut self, thread: &Thread, chamfer: &Chamfer, way: f64) -> Acted {
+        let target = self.place_of(thread, chamfer.to);
+        let coded = 1 << thread.axes[0] | 1 << thread.axes[1];
+        let lead = Lead { start: thread.screw.lead, change: thread.screw.change }.after(way);
+        if chamfer.locked {
+            return self.cut(coded, target, &Screw { lead, ..thread.screw });
+        }
+        self.feed_to(coded, target, Some(lead), FeedUnit::PerRevolution)
+    }
+}

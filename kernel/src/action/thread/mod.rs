@@ -1,0 +1,194 @@
+//! Threads cut in one move: feed locked to the spindle.
+//!
+//! Facts: reference control-emulator.md 6.1 (lead = pitch · starts); the lead counts along the axis with the longer
+//! travel as on the real control, unless a word names its axis; cycles made of such moves are in `cycle`. Invariant: the time is integrated exactly, with leads
+//! and speeds that change along the way. Decisions: docs/emulation.md, "Threads".
+
+pub(crate) mod cycle;
+
+use counterpoint_motion::thread::Lead;
+
+use super::spindle::Turning;
+use crate::channel::block::Firing;
+use crate::channel::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
+use crate::machine::Machine;
+use crate::machine::ident::{DataId, data};
+
+/// What a code says about the change of the lead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Change {
+    /// There is none.
+    None,
+    /// There may be one, by its sign.
+    May,
+    /// By its sign.
+    Signed,
+    /// The lead grows.
+    Up,
+    /// The lead falls.
+    Down,
+}
+
+/// What is known about the threads of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct State {
+    /// Starts of the last thread.
+    pub(crate) starts: f64,
+    /// Its cycles.
+    pub(crate) cycle: cycle::State,
+}
+
+impl State {
+    /// No thread yet.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        Self { starts: 1.0, cycle: cycle::State::new(machine) }
+    }
+}
+
+/// A thread as words tell it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Screw {
+    /// Length per revolution; 0 and less is none.
+    pub(super) lead: f64,
+    /// Change of the lead with each revolution.
+    pub(super) change: f64,
+    /// Axis that the lead counts along; none for the one with the longer travel.
+    pub(super) along: Option<usize>,
+}
+
+/// Cuts one pass.
+pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) -> Acted {
+    let (pitch, sides) = take_pitch(kernel);
+    let change = take_change(kernel, change, firing.implied);
+    kernel.take(data::INTERP_THREAD_ANGLE);
+    let starts = take_starts(kernel);
+    kernel.threads.starts = starts;
+    let (coded, target) = kernel.targets();
+    if coded == 0 || target == kernel.place.position {
+        return Ok(());
+    }
+    let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(kernel, sides, &target) };
+    if let Some(pitch) = pitch {
+        kernel.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+    }
+    let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
+    kernel.cut(coded, target, &screw)
+}
+
+/// Ends threads: what moves here moves straight.
+pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
+    super::motion::linear(kernel)
+}
+
+/// The pitch, and those that count along X and Z alone.
+fn take_pitch(kernel: &mut Kernel<'_>) -> (Option<f64>, [Option<f64>; 2]) {
+    let pitch = kernel.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
+    if pitch.is_some() {
+        return (pitch, [None; 2]);
+    }
+    let sides =
+        [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Z].map(|id| kernel.take(id).map(|datum| datum.value));
+    (kernel.modal.value(data::INTERP_THREAD_PITCH), sides)
+}
+
+/// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
+fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
+    let changes = kernel.changes(&kernel.place.position, target);
+    let axes = [0, 2].map(|role| kernel.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
+    let [x, z] = axes.map(way);
+    let (pitch, axis, way) = match sides {
+        [Some(pitch), None] => (pitch, axes[0], x),
+        [Some(pitch), Some(_)] if x > z => (pitch, axes[0], x),
+        [_, Some(pitch)] => (pitch, axes[1], z),
+        [None, None] => return (None, None),
+    };
+    (Some(pitch.abs()), axis.filter(|_| way > 0.0))
+}
+
+/// Change of the pitch with each revolution.
+fn take_change(kernel: &mut Kernel<'_>, change: Change, implied: bool) -> f64 {
+    let id = data::INTERP_THREAD_PITCH_VAR;
+    let said = if change == Change::None { None } else { kernel.take(id).map(|datum| datum.value) };
+    let last = kernel.modal.value(id).unwrap_or(0.0);
+    let value = match (change, said) {
+        (Change::None, _) => 0.0,
+        (Change::May, None) if !implied => 0.0,
+        (Change::May | Change::Signed, said) => said.unwrap_or(last),
+        (Change::Up, said) => said.unwrap_or(last).abs(),
+        (Change::Down, said) => -said.unwrap_or(last).abs(),
+    };
+    if value == 0.0 && said.is_none() && matches!(change, Change::Signed | Change::Up | Change::Down) {
+        let text = format!("a thread with a changing lead needs its change in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+    }
+    kernel.modal.remember(id, value);
+    value
+}
+
+/// Number of starts; which of them is cut makes no difference to the move.
+fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
+    let take = |kernel: &mut Kernel<'_>, id: DataId| kernel.take(id).map(|datum| datum.value);
+    let starts = take(kernel, data::INTERP_THREAD_STARTS);
+    let current = take(kernel, data::INTERP_THREAD_START_CURRENT);
+    let total = take(kernel, data::INTERP_THREAD_START_TOTAL);
+    let known = starts.or(total).or_else(|| kernel.modal.value(data::INTERP_THREAD_STARTS));
+    let starts = known.map_or(1.0, |starts| starts.max(1.0));
+    if let Some(current) = current
+        && !(1.0..=starts).contains(&current)
+    {
+        let text = format!("start {current} of a thread with {starts} starts in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+    }
+    starts
+}
+
+impl Kernel<'_> {
+    /// One thread move to a target in the work frame.
+    pub(super) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
+        let from = self.place.position;
+        if target == from {
+            return Ok(());
+        }
+        let changes = self.changes(&from, &target);
+        let seconds = self.thread_seconds(&target, &changes, screw)?;
+        let length = self.tool_path(&changes);
+        let feed = (screw.lead, FeedUnit::PerRevolution);
+        self.travel(seconds, &Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
+    }
+
+    /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
+    fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
+        let from = self.place.position;
+        if screw.lead.is_nan() || screw.lead <= 0.0 {
+            let text = format!("thread without a lead in '{}', the move is timed as rapid", self.block_text());
+            self.diagnose(&diag::DATA_MISSING, text);
+            return Ok(self.rapid_seconds(&from, target));
+        }
+        let Some(turning) = self.spindle_speed()? else {
+            let text =
+                format!("thread while the spindle stands in '{}', the move is timed as rapid", self.block_text());
+            self.diagnose(&diag::SPINDLE_STANDS, text);
+            return Ok(self.rapid_seconds(&from, target));
+        };
+        let longest = || changes.iter().fold(0.0_f64, |most, change| most.max(change.abs()));
+        let way = screw.along.and_then(|axis| changes.get(axis)).map_or_else(longest, |change| change.abs());
+        let minutes = |lead: Lead| match turning {
+            Turning::Fixed(rpm) => lead.minutes(way, rpm),
+            Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
+        };
+        let lead = Lead { start: screw.lead, change: screw.change };
+        if let Some(minutes) = minutes(lead) {
+            return Ok(minutes * 60.0);
+        }
+        let steady = minutes(Lead { change: 0.0, ..lead }).unwrap_or(0.0) * 60.0;
+        let text = format!(
+            "the lead falls to nothing before the end of the thread in '{}', the move is timed with its first lead",
+            self.block_text()
+        );
+        self.diagnose(&diag::THREAD_LEAD, text);
+        Ok(steady)
+    }
+}
