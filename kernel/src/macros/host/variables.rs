@@ -154,8 +154,8 @@ pub(crate) struct Store {
     /// Time of all motions and of all waiting, in nanoseconds.
     pub(crate) moving: i64,
     pub(crate) idle: i64,
-    /// The pre-processor takes comments and messages off the block.
-    pub(crate) taken_off: [bool; 2],
+    /// What `$FCEPP` has set.
+    pub(crate) preprocessor: super::preprocessor::Settings,
     /// What may be set before Machine Startup ends is still open.
     pub(crate) starting: bool,
 }
@@ -176,7 +176,7 @@ impl Store {
             added_times: [0.0; 2],
             moving: 0,
             idle: 0,
-            taken_off: [true; 2],
+            preprocessor: super::preprocessor::Settings::default(),
             starting: false,
         }
     }
