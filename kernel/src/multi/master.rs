@@ -108,11 +108,14 @@ impl<'a> Shop<'a> {
         }
         if let Some(runtime) = kernel.macros.as_deref_mut() {
             runtime.store.starting = false;
-            let program = |at| runtime.store.element(names().kernel_program, (at, 0)).and_then(Value::as_text);
-            let programs = (1..).take(machine.channels.len()).map(|at| program(at).unwrap_or("").trim().to_owned());
-            // The master starts once, so nothing is there yet.
-            let _ = self.given.set(programs.collect());
         }
+        let program = |at| {
+            let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_program, (at, 0)));
+            set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
+        };
+        let given = (1..).take(machine.channels.len()).map(|at| (program(at), kernel.model_channel(at)));
+        // The master starts once, so nothing is there yet.
+        let _ = self.given.set(given.collect());
         let tag = kernel.tag();
         kernel.emitter.flush(tag);
         let runtime = kernel.macros.take();

@@ -160,8 +160,8 @@ struct Shop<'a> {
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
-    /// Programs of the kernels as Machine Startup left them, by kernel; nothing without a master.
-    given: &'a OnceLock<Vec<String>>,
+    /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
+    given: &'a OnceLock<Vec<(String, f64)>>,
 }
 
 impl<'a> Shop<'a> {
@@ -353,8 +353,8 @@ impl<'a> Shop<'a> {
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());
-        for (program, at) in given.get().into_iter().flatten().zip(1..) {
-            kernel.tell_program(at, program);
+        for ((program, channel), at) in given.get().into_iter().flatten().zip(1..) {
+            kernel.tell_program(at, program, *channel);
         }
         kernel
     }

@@ -74,6 +74,7 @@ impl Kernel<'_> {
 
     /// Notes where a motion leads.
     pub(crate) fn note_travel(&mut self, motion: &Motion) {
+        self.note_offsets(motion.moving);
         let preset = self.place.preset;
         let info = self.info;
         let axes = info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());

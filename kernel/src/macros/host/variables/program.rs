@@ -219,7 +219,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$MCECNT" => (|k, _| number(k.machine.channels.len() as u32), None),
         "$MFICNT" => (|k, _| number(k.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None),
-        "$VMCHN" => (|k, _| number(k.rank), None),
         _ => return None,
     };
     Some(row)
