@@ -52,8 +52,8 @@ pub(crate) enum Task {
     Head(u32),
     /// A hole of a canned cycle is made.
     Cycle(Box<Hole>),
-    /// A diagnostic is issued.
-    Diagnostic,
+    /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
+    Diagnostic(Arc<[Value; 3]>),
 }
 
 /// A running macro.
@@ -185,6 +185,8 @@ pub(crate) struct Runtime {
     pub(crate) identifying: bool,
     /// Another file that the shutdown macro goes on with.
     pub(crate) restart: Option<Restart>,
+    /// The pre-processor has left words of the block.
+    pub(crate) made: bool,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
 }
@@ -246,6 +248,7 @@ impl Runtime {
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
             restart: None,
+            made: false,
             closing: false,
         };
         runtime.measure();

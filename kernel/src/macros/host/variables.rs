@@ -18,6 +18,8 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
+pub(super) use positions::axis_letter;
+
 use crate::channel::Kernel;
 use crate::diag;
 use crate::macros::model::{HOOKS, Hook};
