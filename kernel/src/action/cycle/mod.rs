@@ -196,7 +196,7 @@ fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<
     let base = if state.activator { state.reference } else { state.initial };
     let bottom = state.bottom.map(|height| height.from(base));
     let distance = kernel.machine.cycles.clearance == Heights::Incremental;
-    if state.clear.is_none() && !kind.bores_back() && !distance {
+    if state.clear.is_none() && !kind.bores_back() && !distance && kernel.machine.cycles.clearance_required {
         let text = format!("a cycle needs its clearance height, '{}' starts where it stands", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
