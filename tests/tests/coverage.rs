@@ -1,8 +1,8 @@
 //! What the spec pages show: identifiers, system variables.
 //!
-//! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; what comes up
-//! there has been shown. `tests/spec/owed.txt` names the built-in identifiers that no page shows yet: an identifier that
-//! a page shows, or that does not exist, must be taken off it, so the list only gets shorter.
+//! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; what comes
+//! up there has been shown. `tests/spec/owed.txt` names the built-in identifiers that no page shows yet: an identifier
+//! that a page shows, or that does not exist, must be taken off it, so the list only gets shorter.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -131,8 +131,8 @@ impl<'a> Shop<'a> {
 }
 
 impl Kernel<'_> {
-    /// Where the kernels go on with the file that Machine Shutdown named: its main programs from left to right, as for a
-    /// job of this file alone. `wrong` tells why the machine cannot be started again.
+    /// Where the kernels go on with the file that Machine Shutdown named: its main programs from left to right, as for
+    /// a job of this file alone. `wrong` tells why the machine cannot be started again.
     pub(super) fn spread(&mut self, restart: Restart, wrong: Option<&str>) -> Option<Again> {
         let Restart { file, line, reset } = restart;
         let (info, machine) = (self.info, self.machine);

@@ -1,8 +1,8 @@
 //! Holes through several webs: at feed through each, at rapid over the gaps between them.
 //!
-//! Facts: the moves are those of the emulated system's cycle for several webs. Decisions: the data of further webs are this
-//! project's own, since the annex names none; a distance above a web where feed begins is the way back of the cycle.
-//! Invariant: a web has a start and a depth, or it is left out and told.
+//! Facts: the moves are those of the emulated system's cycle for several webs. Decisions: the data of further webs are
+//! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
+//! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
 use super::{Height, State};
 use crate::channel::{Acted, Kernel};

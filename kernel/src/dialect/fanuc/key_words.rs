@@ -13,14 +13,16 @@ pub(super) const STATEMENTS: &[&str] =
 /// A key word of statements, or the first letters of one, stands at a place: it begins and ends there with its letters,
 /// and no literal text that is longer stands there. Only behind `THEN` may letters follow at once.
 pub(crate) fn key_word(names: Names<'_>, line: &[u8], at: usize) -> bool {
+    let letter = |at: Option<usize>| at.and_then(|at| line.get(at)).is_some_and(u8::is_ascii_alphabetic);
+    if !letter(Some(at)) || letter(at.checked_sub(1)) {
+        return false;
+    }
     let rest = line.get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
-    let inside = at.checked_sub(1).and_then(|before| line.get(before)).is_some_and(u8::is_ascii_alphabetic);
     let letters = rest.get(..length).unwrap_or_default();
     let opens = |word: &&str| word.as_bytes().get(..length).is_some_and(|begin| begin.eq_ignore_ascii_case(letters));
     let then = letters.len() > 4 && letters.get(..4).is_some_and(|four| four.eq_ignore_ascii_case(b"THEN"));
     length >= 2
-        && !inside
         && (then || STATEMENTS.iter().any(opens))
         && !names.texts.iter().any(|(text, _)| text.len() > length && stands(text, line, at))
 }

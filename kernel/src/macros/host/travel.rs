@@ -1,7 +1,7 @@
 //! How far axes went, by tool and by operation: `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX`.
 //!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C of tables, 10 to 12
-//! of heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decisions: positions are those
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C of tables, 10 to 12 of
+//! heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decisions: positions are those
 //! of `$XM`, arcs with their extremes. Invariant: an axis that has not moved in a row has no position there.
 
 use counterpoint_lang::fault::Outcome;

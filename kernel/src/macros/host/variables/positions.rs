@@ -40,8 +40,8 @@ pub(super) fn place(name: &str) -> Option<Place> {
     "XYZUVWEABCND".contains(letter).then_some(Place { letter, side, kind, before })
 }
 
-/// Which machine axis a data identifier is: its letter as `$AXES` shows it, lower case for a table and for the second one
-/// that can be removed.
+/// Which machine axis a data identifier is: its letter as `$AXES` shows it, lower case for a table and for the second
+/// one that can be removed.
 pub(in crate::macros::host) fn axis_letter(id: DataId) -> Option<char> {
     Some(match id {
         data::AXIS_AT => 'a',
