@@ -94,6 +94,7 @@ impl Kernel<'_> {
         for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
             *position += old - new;
         }
+        self.cycle.reframed(&self.place.shift, &wanted);
         self.place.shift = wanted;
         self.emit(0, Kind::Frame { shift: Box::new(wanted) });
     }

@@ -7,16 +7,16 @@ use crate::channel::state::{feed_of, group};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
-use crate::machine::ident::codes;
+use crate::machine::ident::{codes, data};
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.take(crate::machine::ident::data::RAPID_FEED);
+    let feed = kernel.rapid_feed();
     let (coded, target) = kernel.targets();
     if coded == 0 {
         return Ok(());
     }
-    kernel.rapid_to(coded, target)
+    kernel.rapid_within(coded, target, feed)
 }
 
 /// Straight feed.
@@ -52,6 +52,21 @@ impl Kernel<'_> {
             None if unit == FeedUnit::InverseTime => (None, unit),
             None => (self.modal.value(id), unit),
         }
+    }
+
+    /// Feed that a rapid move must not pass: that of the block, else the remembered one where the row is modal.
+    fn rapid_feed(&mut self) -> Option<f64> {
+        let Some(datum) = self.take(data::RAPID_FEED) else { return self.modal.value(data::RAPID_FEED) };
+        if datum.value <= 0.0 {
+            let text = format!("the feed is zero or less in '{}', the move is timed as rapid", self.block_text());
+            self.diagnose(&diag::FEED_NOT_POSITIVE, text);
+            return None;
+        }
+        let mut sources = self.plan.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
+        if sources.any(|source| source.modal) {
+            self.modal.remember(data::RAPID_FEED, datum.value);
+        }
+        Some(datum.value)
     }
 
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
@@ -98,11 +113,20 @@ impl Kernel<'_> {
 
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
+        self.rapid_within(coded, target, None)
+    }
+
+    /// The same, along its path not faster than a feed per minute.
+    fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
         let from = self.place.position;
         if target == from {
             return Ok(());
         }
-        let seconds = self.rapid_seconds(&from, &target);
+        let mut seconds = self.rapid_seconds(&from, &target);
+        if let Some(feed) = feed {
+            let length = self.changes(&from, &target).iter().map(|change| change * change).sum::<f64>().sqrt();
+            seconds = seconds.max(length / feed * 60.0);
+        }
         let length = self.tool_path(&self.changes(&from, &target));
         let feed = (0.0, FeedUnit::Rapid);
         self.travel(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, target], feed, length))

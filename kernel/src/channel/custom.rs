@@ -148,9 +148,27 @@ impl Kernel<'_> {
                 if self.may_have_remarks() || self.plan.scanner.has_messages() {
                     self.remarks(bytes)?;
                 }
-                self.macro_line(bytes)
+                self.macro_line(bytes)?;
+                self.consumed_block()
             }
         }
+    }
+
+    /// Pre-Processor Shutdown behind a statement that left no words; the text that the macro gives is the block.
+    fn consumed_block(&mut self) -> Acted {
+        let made = self.macros.as_deref_mut().is_none_or(|runtime| std::mem::take(&mut runtime.made));
+        if made || self.hook(Hook::PreprocessorShutdown).is_none() {
+            return Ok(());
+        }
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.text = Some(Arc::default());
+        }
+        let edited = self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited;
+        if !edited || self.text_bytes().trim_ascii().is_empty() {
+            return Ok(());
+        }
+        self.scan_again();
+        self.words_block()
     }
 
     /// Keeps the level of the first mark of optional skip, on machines that have a row for it.
@@ -169,6 +187,9 @@ impl Kernel<'_> {
 
     /// Words that the pre-processor made, on a kernel with macros.
     pub(crate) fn made_block(&mut self) -> Acted {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.made = true;
+        }
         let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
         if wanted || self.has_embedded(1) {
             self.write_block();

@@ -7,11 +7,13 @@ use counterpoint_lang::value::Value;
 use super::flow::{Flow, Frame};
 use super::state::Modal;
 use super::{Acted, Halt, Kernel};
+use crate::action;
 use crate::diag;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
+use crate::mcd::program::Range;
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -52,22 +54,29 @@ impl Kernel<'_> {
         self.blocks += 1;
         self.idle_blocks += 1;
         let done = self.check_limits().and_then(|()| self.load(file));
-        Some(match done.and_then(|()| self.start_over(file, line, reset)) {
+        Some(match done.and_then(|()| self.start_at(file, line, reset)) {
             Ok(()) => self.program(),
             Err(halt) => halt,
         })
     }
 
-    fn start_over(&mut self, file: FileId, line: u32, reset: bool) -> Acted {
+    fn start_at(&mut self, file: FileId, line: u32, reset: bool) -> Acted {
         let name = self.info.file_name(file).to_owned();
         let Some((file, range)) = self.place_in_file(&name, line)? else {
             let text = format!("the run cannot go on at line {line} of {name}");
             return Err(self.alarm(&diag::FILE_UNREADABLE, text));
         };
+        self.start_over(file, range, name.into(), reset)
+    }
+
+    /// Begins another program in place of the one that has ended.
+    pub(super) fn start_over(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         if reset {
             self.modal = Modal::new(self.machine);
             self.initial_codes();
             (self.place.tool, self.place.selected) = (0, 0);
+            (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
+            (*self.threads, *self.skip) = (action::thread::State::new(self.machine), action::skip::State::default());
             if let Some(runtime) = self.macros.as_deref_mut() {
                 (runtime.store.counts, runtime.operations) = Default::default();
                 runtime.store.listed.clear();
@@ -80,7 +89,7 @@ impl Kernel<'_> {
             self.variables.leave();
         }
         self.flow = Flow::default();
-        self.flow.frames.push(Frame::main(file, range, name.into()));
+        self.flow.frames.push(Frame::main(file, range, name));
         self.plain_macro(Hook::ProgramStartup)?;
         self.follow()
     }

@@ -66,6 +66,11 @@ impl<'a> Emitter<'a> {
         self.gone + self.count as u64
     }
 
+    /// Counts on from the events of an earlier life.
+    pub(crate) fn go_on_from(&mut self, events: u64) {
+        self.gone = events;
+    }
+
     /// Adds an event; a full chunk goes out first.
     pub(crate) fn push(&mut self, event: Event) {
         if let Some(slot) = self.slot(event.t_ns, event.micro) {

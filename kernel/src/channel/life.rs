@@ -1,10 +1,11 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use super::carried::Lived;
 use super::flow::Frame;
 use super::{Acted, Halt, Kernel};
 use crate::control::State;
 use crate::diag::{self, Facts};
-use crate::log::event::{Diagnostic, Kind, Member, Phase, Verdict, VerdictKind};
+use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use crate::mcd::program::Range;
 use crate::multi::coordinator::Coordinator;
 use crate::multi::verdict;
@@ -12,17 +13,18 @@ use crate::multi::waits::{Finish, Terminal};
 
 impl Kernel<'_> {
     /// Runs the kernel's whole life.
-    pub(crate) fn live(mut self, start: (u16, Range, Box<str>)) -> Halt {
+    /// With `again` it goes on with another file, as if that were the first one or not.
+    pub(crate) fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
         let (file, range, name) = start;
         self.coordinator.begin(self.rank);
         self.progress.set_state(State::Running);
         (self.file, self.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
-        self.flow.frames.push(Frame::main(file, range, name));
-        self.initial_codes();
-        self.initial_frame();
-        let loaded = self.load(file);
-        let halt = match loaded.and_then(|()| self.begin_macros()) {
+        let begun = match again {
+            Some(reset) => self.begin_again(file, range, name, reset),
+            None => self.begin(file, range, name),
+        };
+        let halt = match begun {
             Ok(()) => self.program(),
             Err(halt) => halt,
         };
@@ -32,11 +34,19 @@ impl Kernel<'_> {
         }
         self.close_files(halt);
         self.finish(halt);
-        halt
+        self.lived(halt)
+    }
+
+    fn begin(&mut self, file: FileId, range: Range, name: Box<str>) -> Acted {
+        self.flow.frames.push(Frame::main(file, range, name));
+        self.initial_codes();
+        self.initial_frame();
+        self.load(file)?;
+        self.begin_macros()
     }
 
     /// Says how it ended and lets the others know.
-    fn finish(mut self, halt: Halt) {
+    fn finish(&mut self, halt: Halt) {
         let (how, phase, state) = match halt {
             Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
             Halt::Alarm => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
@@ -86,7 +96,7 @@ impl Kernel<'_> {
         let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
         let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
         let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
-        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into() };
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into() };
         for kind in [
             (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
             Some(Kind::Verdict(Box::new(verdict))),

@@ -224,6 +224,10 @@ impl Kernel<'_> {
                     continue;
                 }
             };
+            let value = match (register, word.written) {
+                (Some((register, _)), Some(number)) => self.read_by_register(register, number),
+                _ => value,
+            };
             match register {
                 Some((register, incremental)) => self.block.push(Word {
                     register,
@@ -243,6 +247,14 @@ impl Kernel<'_> {
             }
         }
         self.act_block()
+    }
+
+    /// A number beside an expression is read as on a line without one.
+    fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
+        let reading = self.plan.scanner.reading(register, number, self.secondary);
+        let (value, too_long) = reading.unwrap_or((number.value, false));
+        self.block.too_many_digits |= too_long;
+        value
     }
 
     /// The first word of the register of sequence numbers is no word.
@@ -269,7 +281,11 @@ impl Kernel<'_> {
         let mut levels = [0_u8; 3];
         for word in words {
             let Name::Letter(letter) = word.name else { continue };
-            let value = self.eval(&word.value)?;
+            let register = self.plan.scanner.register(letter);
+            let value = match (register, word.written) {
+                (Some((register, _)), Some(number)) => self.read_by_register(register, number),
+                _ => self.eval(&word.value)?,
+            };
             match letter {
                 b'G' | b'N' | b'O' => {}
                 b'P' if program.is_none() => program = Some(number(value)),

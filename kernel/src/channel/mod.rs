@@ -5,6 +5,7 @@
 //! allocates nothing.
 
 pub(crate) mod block;
+pub(crate) mod carried;
 pub(crate) mod codes;
 pub(crate) mod custom;
 pub(crate) mod custom_calls;

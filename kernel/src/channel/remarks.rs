@@ -21,14 +21,16 @@ impl Kernel<'_> {
     pub(super) fn may_have_remarks(&self) -> bool {
         let fire = |off: &bool| !(*off && self.plan.scanner.has_macros());
         !self.block.messages.is_empty()
-            || self.macros.as_deref().is_some_and(|runtime| runtime.store.taken_off.iter().any(fire))
+            || self.macros.as_deref().is_some_and(|runtime| runtime.store.preprocessor.taken_off.iter().any(fire))
     }
 
     /// Comments and messages of a text, from left to right.
     pub(super) fn remarks(&mut self, text: &[u8]) -> Acted {
         let kept = self.plan.scanner.has_macros();
-        let fires =
-            self.macros.as_deref().map_or([false; 2], |runtime| runtime.store.taken_off.map(|off| !(off && kept)));
+        let fires = self
+            .macros
+            .as_deref()
+            .map_or([false; 2], |runtime| runtime.store.preprocessor.taken_off.map(|off| !(off && kept)));
         self.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();

@@ -33,7 +33,8 @@ impl Kernel<'_> {
         if self.macros.is_some() {
             return self.issue(facts.number, severity, text);
         }
-        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number: facts.number, severity, text: text.into() })));
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into() };
+        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
     /// Logs an alarm of the control and returns what stops the channel.

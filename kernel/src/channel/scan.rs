@@ -7,7 +7,7 @@ mod marks;
 
 use super::block::{Block, Word};
 use super::special::{self, Early};
-use crate::dialect::fanuc::Names;
+use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 
@@ -164,10 +164,10 @@ impl Scanner {
                         at = next;
                         continue;
                     }
-                    None if macros && opens_macro(line, at) => return Kind::Macro,
+                    None if macros && self.opens_macro(line, at) => return Kind::Macro,
                     None => {}
                 }
-            } else if macros && (byte == b'#' || opens_macro(line, at)) {
+            } else if macros && (byte == b'#' || self.opens_macro(line, at)) {
                 return Kind::Macro;
             }
             at = self.other(line, at, byte, block);
@@ -191,7 +191,7 @@ impl Scanner {
                 at = next;
                 continue;
             }
-            formula.read(line, at);
+            formula.read(self.names(), line, at);
             at += 1;
         }
     }
@@ -338,6 +338,19 @@ impl Scanner {
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
 
+    /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
+    fn opens_macro(&self, line: &[u8], at: usize) -> bool {
+        special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
+    }
+
+    /// Value of a number as a register reads it, and whether it has more digits than the register's format.
+    #[inline(always)]
+    pub(super) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, bool)> {
+        let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
+        let value = if number.point || !read.implied { number.value } else { implied(number, &read.format) };
+        Some((value, number.value.abs() >= if number.point { read.room } else { read.room_without_point }))
+    }
+
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
     #[inline(always)]
     fn word(
@@ -353,11 +366,8 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
-        let value = if number.point || !read.implied { number.value } else { implied(number, &read.format) };
-        if number.value.abs() >= if number.point { read.room } else { read.room_without_point } {
-            block.too_many_digits = true;
-        }
+        let (value, too_long) = self.reading(register, number, secondary)?;
+        block.too_many_digits |= too_long;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -367,19 +377,6 @@ impl Scanner {
     }
 }
 
-/// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
-fn opens_macro(line: &[u8], at: usize) -> bool {
-    special::starts_expression(line, at + 1) || is_keyword(line, at)
-}
-
-/// A statement key word of the macro language, or the first two letters of one.
-fn is_keyword(line: &[u8], at: usize) -> bool {
-    const PAIRS: &[&[u8; 2]] = &[b"IF", b"WH", b"GO", b"DO", b"EN", b"EL", b"TH", b"PO", b"PC", b"BP", b"DP"];
-    let Some([a, b]) = line.get(at..at + 2) else { return false };
-    let pair = [a.to_ascii_uppercase(), b.to_ascii_uppercase()];
-    PAIRS.contains(&&pair)
-}
-
 fn starts_word(line: &[u8], at: usize) -> bool {
     line.get(at).is_some_and(u8::is_ascii_alphabetic)
         && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
@@ -387,17 +384,6 @@ fn starts_word(line: &[u8], at: usize) -> bool {
 
 fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
-}
-
-/// A number as written.
-#[derive(Debug, Clone, Copy)]
-struct Number {
-    /// Value read as a plain number.
-    value: f64,
-    /// A decimal point was written.
-    point: bool,
-    /// Digits written before the point.
-    digits: u8,
 }
 
 /// Powers of ten that are exact in `f64`.

@@ -77,8 +77,17 @@ impl Kernel<'_> {
 
     /// Value of a variable that the kernel itself knows.
     pub(crate) fn get_known(&mut self, index: u32) -> Result<f64, Fault> {
+        match self.value_of(index) {
+            Ok(value) if !is_vacant(value) => Ok(value),
+            Err(Fault::Stopped) => Err(Fault::Stopped),
+            _ if self.reads_zero() => Ok(0.0),
+            nothing => nothing,
+        }
+    }
+
+    fn value_of(&mut self, index: u32) -> Result<f64, Fault> {
         match index {
-            0 => Ok(VACANT),
+            0 | 3100 => Ok(VACANT),
             1..=33 => Ok(self.variables.local(index)),
             _ if within(&self.machine.variables.shared, index) => {
                 self.flow.pass.polled = true;
@@ -88,7 +97,10 @@ impl Kernel<'_> {
             _ if within(&self.machine.variables.channel, index) => {
                 Ok(self.variables.own.get(&index).copied().unwrap_or(VACANT))
             }
-            _ => self.system(index).ok_or(Fault::NoVariable(f64::from(index))),
+            _ => match self.kept_variable(index) {
+                Some(value) => Ok(value),
+                None => self.system(index).ok_or(Fault::NoVariable(f64::from(index))),
+            },
         }
     }
 }
@@ -121,8 +133,12 @@ impl Kernel<'_> {
                 self.variables.own.insert(index, value);
                 Ok(())
             }
+            _ if self.keep_variable(index, value) => {
+                self.flow.pass.effects = true;
+                Ok(())
+            }
             _ if self.identify_write(index, value)? => Ok(()),
-            _ if self.system(index).is_some() || index == 0 => Err(Fault::ReadOnly(index)),
+            _ if self.system(index).is_some() || matches!(index, 0 | 3100) => Err(Fault::ReadOnly(index)),
             _ => Err(Fault::NoVariable(f64::from(index))),
         }
     }

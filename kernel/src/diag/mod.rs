@@ -82,6 +82,7 @@ diagnostics! {
     START_ONLY 2900085 4 false "variable set after Machine Startup";
     MACRO_FILES 2900086 8 false "too many or too large files written by macros";
     TOOL_TABLE 2900087 8 false "more tools than the tool table has rows";
+    NO_RESTART 2900120 8 false "machine that Machine Shutdown cannot start again";
     CYCLE_NOT_CANCELLED 2900090 4 false "cycle that should have been cancelled before";
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";

@@ -402,6 +402,9 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&diagnostic.number.to_le_bytes());
             out.push(diagnostic.severity);
             text(out, &diagnostic.text);
+            if !diagnostic.operation.is_empty() {
+                text(out, &diagnostic.operation);
+            }
         }
         Kind::Trace { letter, text: line } => {
             out.extend_from_slice(&u32::from(*letter).to_le_bytes());

@@ -322,6 +322,8 @@ pub struct Diagnostic {
     pub severity: u8,
     /// Text for people, one line.
     pub text: Box<str>,
+    /// Name of the operation as macros have set it (`$OPNAME`), empty without one.
+    pub operation: Box<str>,
 }
 
 /// Why channels can never go on.

@@ -105,7 +105,7 @@ impl Lane {
             }
             Kind::Lifecycle(phase) => {
                 let own = self.info.channel(self.number).filter(|c| !c.program.is_empty()).map(|c| c.file);
-                if *phase == Phase::ProgramStart && own != Some(event.file) {
+                if *phase == Phase::ProgramStart && own != Some(event.file) && !self.tally.has_run() {
                     self.program = Some(event.file);
                 }
                 self.tally.life(*phase, event.t_ns);

@@ -141,6 +141,9 @@ pub struct Diagnostic {
     pub block: String,
     /// Text for people.
     pub text: String,
+    /// Name of the operation as macros have set it, left out without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub operation: String,
     /// When, ns.
     pub t_ns: i64,
 }
@@ -222,6 +225,7 @@ impl Findings {
             line: told.line,
             block,
             text: diagnostic.text.to_string(),
+            operation: diagnostic.operation.to_string(),
             t_ns: told.t_ns,
         });
     }

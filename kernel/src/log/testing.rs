@@ -82,7 +82,13 @@ pub(crate) fn release(channel: u16, line: u32, since_ns: i64, t_ns: i64, key: &s
 }
 
 pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severity: u8, text: &str) -> Event {
-    at(channel, line, t_ns, 0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into() })))
+    at(
+        channel,
+        line,
+        t_ns,
+        0,
+        Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation: "".into() })),
+    )
 }
 
 /// A log in memory.

@@ -562,6 +562,8 @@ pub struct Cycles {
     pub clearance: Heights,
     /// How depths are read.
     pub depth: Heights,
+    /// A cycle without its clearance height is diagnosed; otherwise it starts where it stands.
+    pub clearance_required: bool,
     /// A deep or chip-breaking cycle without a step is a mistake, not a plain cycle.
     pub step_required: bool,
     /// Way back of a chip-breaking cycle, distance above the last depth of a deep one, in geometry units.

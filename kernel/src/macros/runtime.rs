@@ -53,8 +53,8 @@ pub(crate) enum Task {
     Head(u32),
     /// A hole of a canned cycle is made.
     Cycle(Box<Hole>),
-    /// A diagnostic is issued.
-    Diagnostic,
+    /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
+    Diagnostic(Arc<[Value; 3]>),
 }
 
 /// A running macro.
@@ -168,7 +168,7 @@ pub(crate) struct Runtime {
     pub(crate) counts: FxHashMap<u32, u32>,
     /// Current folder, temporary files and open stores of values.
     pub(crate) folder: Folder,
-    /// The kernel has come to its end: what it writes is what it had open.
+    /// The kernel comes to its end: what it writes is what it had open.
     pub(crate) leaving: bool,
     /// Texts handed to block macros.
     pub(crate) texts: Reused<String>,
@@ -186,6 +186,8 @@ pub(crate) struct Runtime {
     pub(crate) identifying: bool,
     /// Another file that the shutdown macro goes on with.
     pub(crate) restart: Option<Restart>,
+    /// The pre-processor has left words of the block.
+    pub(crate) made: bool,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
 }
@@ -247,6 +249,7 @@ impl Runtime {
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
             restart: None,
+            made: false,
             closing: false,
         };
         runtime.measure();
@@ -284,9 +287,13 @@ impl Runtime {
         }
     }
 
-    /// Open units and variables, when no macro will run any more.
-    pub(crate) fn last_state(&mut self) -> Option<Box<State>> {
+    /// Open units and variables, while no macro runs; they are to be [given back](Self::give_back).
+    pub(crate) fn state(&mut self) -> Option<Box<State>> {
         self.state.take()
+    }
+
+    pub(crate) fn give_back(&mut self, state: Box<State>) {
+        self.state = Some(state);
     }
 
     /// The innermost running macro.

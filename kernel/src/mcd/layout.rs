@@ -221,6 +221,12 @@ fn mains(source: &Source) -> Vec<Range> {
     mains
 }
 
+/// Main programs of a file from a line on, left to right; none in place of one that ends before it.
+pub(crate) fn from_line(source: &Source, line: u32, format: &Format) -> Vec<Option<Range>> {
+    let opened = mains(source).into_iter().map(|range| opening(source, range, format));
+    opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
+}
+
 /// The first program of a file begins at the rewind-stop before it, so that the listing shows that line. Where a
 /// rewind-stop is expected before the program, one that stands only at the end leaves nothing to do (reference
 /// control-emulator.md 5.1).

@@ -24,6 +24,7 @@ use super::merge::Message;
 use super::shared::Shared;
 use super::tag::Tag;
 use super::waits::{Waiting, Waits};
+use crate::job::WrittenFiles;
 
 /// Where a kernel stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -314,6 +315,11 @@ impl Coordinator {
         if running && let Ok(mut guard) = self.enter(tag) {
             self.leave(&mut guard);
         }
+    }
+
+    /// The files that macros have written, when no kernel runs any more.
+    pub(crate) fn written(&self) -> WrittenFiles {
+        self.lock().shared.files.take()
     }
 
     /// Nothing after this tag belongs to the log.

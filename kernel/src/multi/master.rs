@@ -6,6 +6,7 @@
 use counterpoint_lang::value::Value;
 
 use super::Shop;
+use super::rounds::Again;
 use crate::channel::Halt;
 use crate::channel::emit::Target;
 use crate::diag;
@@ -17,7 +18,7 @@ use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
 
 /// Where a kernel starts.
-pub(super) type At = (FileId, Range, Box<str>);
+pub(crate) type At = (FileId, Range, Box<str>);
 
 /// What the master has left for later.
 pub(super) struct Master {
@@ -107,11 +108,14 @@ impl<'a> Shop<'a> {
         }
         if let Some(runtime) = kernel.macros.as_deref_mut() {
             runtime.store.starting = false;
-            let program = |at| runtime.store.element(names().kernel_program, (at, 0)).and_then(Value::as_text);
-            let programs = (1..).take(machine.channels.len()).map(|at| program(at).unwrap_or("").trim().to_owned());
-            // The master starts once, so nothing is there yet.
-            let _ = self.given.set(programs.collect());
         }
+        let program = |at| {
+            let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_program, (at, 0)));
+            set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
+        };
+        let given = (1..).take(machine.channels.len()).map(|at| (program(at), kernel.model_channel(at)));
+        // The master starts once, so nothing is there yet.
+        let _ = self.given.set(given.collect());
         let tag = kernel.tag();
         kernel.emitter.flush(tag);
         let runtime = kernel.macros.take();
@@ -122,24 +126,30 @@ impl<'a> Shop<'a> {
         Some(Master { channel, runtime, programs, good })
     }
 
-    /// Runs Machine Shutdown at the end of the log.
+    /// Runs Machine Shutdown at the end of the log; how the machine goes on, if it does. `wrong` tells why it cannot.
     pub(super) fn master_shutdown(
         self,
-        master: Option<Master>,
+        master: &mut Option<Master>,
+        wrong: Option<&str>,
         (t, micro): (i64, u32),
         log: &mut dyn FnMut(&Event) -> bool,
-    ) {
-        let Some(Master { channel, runtime: Some(mut runtime), .. }) = master else { return };
+    ) -> Option<Again> {
+        let Master { channel, runtime: kept_runtime, .. } = master.as_mut()?;
+        let mut runtime = kept_runtime.take()?;
         runtime.closing = true;
         runtime.later.clear();
         let mut kept = Vec::new();
-        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept));
+        let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept));
         (kernel.clock, kernel.micro) = (t, micro);
         kernel.macros = Some(runtime);
-        let _ = kernel.plain_macro(Hook::MachineShutdown);
+        let done = kernel.plain_macro(Hook::MachineShutdown);
         kernel.close_files(Halt::End(None));
+        let restart = kernel.macros.as_deref_mut().and_then(|runtime| runtime.restart.take());
+        let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
+        let again = restart.and_then(|restart| kernel.spread(restart, wrong));
         let tag = kernel.tag();
         kernel.emitter.flush(tag);
+        *kept_runtime = kernel.macros.take();
         drop(kernel);
         // What the macro may have let pass does not take the log beyond its end.
         kept.iter_mut().for_each(|event| {
@@ -147,5 +157,6 @@ impl<'a> Shop<'a> {
             (event.t_ns, event.micro) = (t, micro);
             log(event);
         });
+        again
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod feed;
 pub(crate) mod files;
 mod master;
 pub(crate) mod merge;
+mod rounds;
 pub(crate) mod shared;
 pub(crate) mod tag;
 pub(crate) mod verdict;
@@ -15,22 +16,19 @@ pub(crate) mod waits;
 
 use std::sync::OnceLock;
 
-use counterpoint_lang::pattern::Memory;
-use crossbeam_channel::Sender;
-
 use coordinator::Coordinator;
+use counterpoint_lang::pattern::Memory;
 use feed::Feed;
-use master::Master;
-use merge::{End, Feeder, Merger, Message};
-use shared::{Shared, Spindle};
-use tag::Tag;
-use waits::Waits;
+use master::{At, Master};
+use merge::{End, Feeder, Merger};
+use rounds::Round;
 
 use crate::action::sync::Known;
 use crate::channel::plan::Plan;
 use crate::channel::{
-    Halt, Kernel,
+    Kernel,
     block::Block,
+    carried::{Carried, Lived},
     emit::{Emitter, Target},
     flow::Flow,
     life, state,
@@ -38,7 +36,7 @@ use crate::channel::{
 };
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
-use crate::job::{Job, Outcome, Sink, Spec, WrittenFiles};
+use crate::job::{Job, Outcome, Sink, WrittenFiles};
 use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
@@ -56,108 +54,83 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 
 /// Runs a job whose events go into its results, channel by channel.
 fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> (Outcome, WrittenFiles) {
-    let machine = &*job.spec().machine;
-    let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, None));
-    let given = OnceLock::new();
-    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
-    let mut count = 0;
-    let mut log = |event: &Event| {
-        count += 1;
-        folds.event(event);
-        true
-    };
-    let kernel_0 = shop.master_startup(&mut log);
-    log(&master(0, Kind::Lifecycle(Phase::MachineStart)));
-    let starting = shop.starting(kernel_0.as_ref(), &mut log);
-    let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
-    let halts = shop.folded(starting, &mut feeds);
-    let stop = coordinator.stop_tag();
-    let (mut lanes, mut last, mut events) = (Vec::new(), (0, 0), 0);
-    for feed in feeds {
-        let (lane, count, end) = feed.close(stop);
-        last = last.max(end);
-        events += count;
-        lanes.push(lane);
+    let plan = Plan::new(&job.spec().machine, &job.spec().options.opskip);
+    let (given, mut count, mut round) = (OnceLock::new(), 0, Some(Round::default()));
+    let mut written = WrittenFiles::new();
+    while let Some(mut now) = round.take() {
+        let coordinator = now.coordinator(job, None);
+        let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
+        let mut log = |event: &Event| {
+            count += 1;
+            folds.event(event);
+            true
+        };
+        let starting = shop.begin(&mut now, &mut log);
+        let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
+        let lived = shop.folded(starting, &mut feeds);
+        let stop = coordinator.stop_tag();
+        let (mut lanes, mut last) = (Vec::new(), now.at);
+        for feed in feeds {
+            let (lane, events, end) = feed.close(stop);
+            last = last.max(end);
+            count += events;
+            lanes.push(lane);
+        }
+        let ended: Vec<u16> = lanes.iter().filter(|lane| lane.ended()).map(|lane| lane.number).collect();
+        folds.join(lanes);
+        let mut log = |event: &Event| {
+            count += 1;
+            folds.event(event);
+            true
+        };
+        round = shop.close(now, lived, &ended, last, &mut log);
+        written = coordinator.written();
     }
-    let ended: Vec<u16> = lanes.iter().filter(|lane| lane.ended()).map(|lane| lane.number).collect();
-    folds.join(lanes);
-    let mut log = |event: &Event| {
-        count += 1;
-        folds.event(event);
-        true
-    };
-    let halts = halts.iter().filter(|(channel, _)| !ended.contains(channel));
-    let written = close(shop, halts, kernel_0, last, &mut log);
-    (Outcome { events: count + events, cancelled: control.cancelled(), sink_failed: false }, written)
+    (Outcome { events: count, cancelled: control.cancelled(), sink_failed: false }, written)
+}
+
+/// The ordered log on its way to the sink, between the runs of the kernels.
+struct Log<'s> {
+    sink: &'s mut dyn Sink,
+    /// Events so far.
+    count: u64,
+    refused: bool,
+}
+
+impl Log<'_> {
+    fn note(&mut self, event: &Event) -> bool {
+        if !self.refused {
+            self.count += 1;
+            self.refused = !self.sink.events(self.count, std::slice::from_ref(event));
+        }
+        !self.refused
+    }
 }
 
 /// Runs a job whose events become one ordered log.
 fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
-    let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
-    let (plan, coordinator) = (Plan::new(machine, &job.spec().options.opskip), coordinator(job, Some(sender)));
-    let given = OnceLock::new();
-    let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
-    let mut seq = 0;
-    let mut log = |event: &Event| {
-        seq += 1;
-        sink.events(seq, std::slice::from_ref(event))
-    };
-    let mut refused = false;
-    let mut note = |event: &Event| {
-        refused |= !log(event);
-        !refused
-    };
-    let kernel_0 = shop.master_startup(&mut note);
-    let begun = note(&master(0, Kind::Lifecycle(Phase::MachineStart)));
-    let starting = shop.starting(kernel_0.as_ref(), &mut note);
-    if refused || !begun {
-        coordinator.abort();
-    }
-    merger.next_seq = seq + 1;
-    let halts = shop.ordered(starting, feeders, &mut merger, sink);
-    refused |= !begun || merger.end() == End::Refused;
-    let mut next = merger.next_seq;
-    let mut log = |event: &Event| {
-        if !refused {
-            refused = !sink.events(next, std::slice::from_ref(event));
-            next += 1;
+    let plan = Plan::new(machine, &job.spec().options.opskip);
+    let (given, mut round) = (OnceLock::new(), Some(Round::default()));
+    let mut written = WrittenFiles::new();
+    let mut log = Log { sink, count: 0, refused: false };
+    while let Some(mut now) = round.take() {
+        let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
+        let coordinator = now.coordinator(job, Some(sender));
+        let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
+        let starting = shop.begin(&mut now, &mut |event| log.note(event));
+        if log.refused {
+            coordinator.abort();
         }
-        !refused
-    };
-    let ended = merger.ended();
-    let halts = halts.iter().filter(|(channel, _)| !ended.contains(channel));
-    let written = close(shop, halts, kernel_0, merger.last, &mut log);
-    (Outcome { events: next - 1, cancelled: control.cancelled(), sink_failed: refused }, written)
-}
-
-fn coordinator(job: &Job, messages: Option<Sender<Message>>) -> Coordinator {
-    let Spec { machine, options, .. } = job.spec();
-    let shared = Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
-    let waits = Waits::new(machine.channels.len(), machine.sync.release_ns);
-    Coordinator::new(machine.channels.len(), usize::from(options.threads), shared, waits, messages)
-}
-
-/// Logs how channels without an end in the log came to a stand, and the end of the master. How far a thread got beyond
-/// a cut of the log is chance; only what is in the log counts.
-fn close<'h>(
-    shop: Shop<'_>,
-    halts: impl Iterator<Item = &'h (u16, Halt)>,
-    kernel_0: Option<Master>,
-    (t_ns, micro): (i64, u32),
-    log: &mut dyn FnMut(&Event) -> bool,
-) -> WrittenFiles {
-    let stop = shop.coordinator.stop_tag();
-    shop.coordinator.lock().shared.files.close(stop);
-    for &(channel, halt) in halts {
-        let phase = if halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
-        log(&Event { micro, channel, ..master(t_ns, Kind::Lifecycle(phase)) });
+        (merger.next_seq, merger.last) = (log.count + 1, now.at);
+        let lived = shop.ordered(starting, feeders, &mut merger, log.sink);
+        log.refused |= merger.end() == End::Refused;
+        log.count = merger.next_seq - 1;
+        round = shop.close(now, lived, &merger.ended(), merger.last, &mut |event| log.note(event));
+        round = round.filter(|_| !log.refused);
+        written = coordinator.written();
     }
-    shop.master_shutdown(kernel_0, (t_ns, micro), log);
-    log(&Event { micro, ..master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
-    let files = &mut shop.coordinator.lock().shared.files;
-    files.close(Tag::END);
-    files.take()
+    (Outcome { events: log.count, cancelled: control.cancelled(), sink_failed: log.refused }, written)
 }
 
 /// A kernel about to start.
@@ -165,6 +138,10 @@ struct Start<'a> {
     channel: &'a Channel,
     progress: &'a Progress,
     at: (FileId, Range, Box<str>),
+    /// When the machine is started again: time and microstep, and what the kernel was before.
+    before: Option<((i64, u32), Option<Carried>)>,
+    /// The kernel goes on with another file, as if it were the first one or not.
+    reset: Option<bool>,
 }
 
 /// Where the events of a kernel on its own thread go.
@@ -190,8 +167,8 @@ struct Shop<'a> {
     coordinator: &'a Coordinator,
     files: &'a dyn Files,
     control: &'a Control,
-    /// Programs of the kernels as Machine Startup left them, by kernel; nothing without a master.
-    given: &'a OnceLock<Vec<String>>,
+    /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
+    given: &'a OnceLock<Vec<(String, f64)>>,
 }
 
 impl<'a> Shop<'a> {
@@ -209,7 +186,7 @@ impl<'a> Shop<'a> {
                 kernel_0.and_then(|master| master.programs.iter().find(|(number, _)| *number == channel.number));
             let at = given.map_or(own, |(_, at)| at.clone()).filter(|_| kernel_0.is_none_or(|master| master.good));
             match at {
-                Some(at) => starting.push(Start { channel, progress, at }),
+                Some(at) => starting.push(Start { channel, progress, at, before: None, reset: None }),
                 None => {
                     progress.set_state(State::NotStarted);
                     log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
@@ -222,7 +199,7 @@ impl<'a> Shop<'a> {
     }
 
     /// Every kernel feeds the results of its own channel.
-    fn folded(self, starting: Vec<Start<'_>>, feeds: &mut [Feed]) -> Vec<(u16, Halt)> {
+    fn folded(self, starting: Vec<Start<'_>>, feeds: &mut [Feed]) -> Vec<Lived> {
         let mut free: Vec<Option<&mut Feed>> = feeds.iter_mut().map(Some).collect();
         let mut work = Vec::new();
         for start in starting {
@@ -246,7 +223,7 @@ impl<'a> Shop<'a> {
         feeders: Vec<Feeder>,
         merger: &mut Merger,
         sink: &mut dyn Sink,
-    ) -> Vec<(u16, Halt)> {
+    ) -> Vec<Lived> {
         if starting.len() == 1
             && let Some(start) = starting.pop()
         {
@@ -261,28 +238,47 @@ impl<'a> Shop<'a> {
     }
 
     /// Runs the only kernel of a job on this thread.
-    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> (u16, Halt)
+    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Lived
     where
         'a: 'k,
     {
-        let Start { channel, progress, at } = start;
         self.coordinator.set_single();
-        (channel.number, self.kernel(channel, progress, target).live(at))
+        let (kernel, at, reset) = self.started(start, target);
+        kernel.live(at, reset)
+    }
+
+    /// A kernel as it starts, with its program.
+    fn started<'k>(self, start: Start<'k>, target: Target<'k>) -> (Kernel<'k>, At, Option<bool>)
+    where
+        'a: 'k,
+    {
+        let Start { channel, progress, at, before, reset } = start;
+        let mut kernel = self.kernel(channel, progress, target);
+        if let Some((now, carried)) = before {
+            (kernel.clock, kernel.micro) = now;
+            if let Some(carried) = carried {
+                kernel.take_over(carried);
+            }
+        }
+        (kernel, at, reset)
     }
 
     /// A thread for each kernel; meanwhile this one does something else.
-    fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<(u16, Halt)> {
+    fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
         if let [(a, _), (b, _)] = &work[..] {
             self.coordinator.set_pair(a.channel.number, b.channel.number);
         }
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();
-            for (Start { channel, progress, at }, way) in work {
-                let number = channel.number;
-                let work = move || guarded(self.kernel(channel, progress, way.into()), at, coordinator);
+            for (start, way) in work {
+                let number = start.channel.number;
+                let work = move || {
+                    let (kernel, at, reset) = self.started(start, way.into());
+                    guarded(kernel, at, reset, coordinator)
+                };
                 match std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, work) {
-                    Ok(handle) => running.push((number, handle)),
+                    Ok(handle) => running.push(handle),
                     Err(_) => {
                         // The operating system refuses a thread: the job cannot be run and counts as cancelled.
                         control.cancel();
@@ -292,8 +288,8 @@ impl<'a> Shop<'a> {
                 }
             }
             meanwhile();
-            let join = |(number, handle): (u16, std::thread::ScopedJoinHandle<'_, Halt>)| match handle.join() {
-                Ok(halt) => (number, halt),
+            let join = |handle: std::thread::ScopedJoinHandle<'_, Lived>| match handle.join() {
+                Ok(lived) => lived,
                 // A mistake of this program: the job's owner gets it, after all kernels have come to their end.
                 Err(panic) => std::panic::resume_unwind(panic),
             };
@@ -303,9 +299,9 @@ impl<'a> Shop<'a> {
 }
 
 /// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
-fn guarded(kernel: Kernel<'_>, start: (FileId, Range, Box<str>), coordinator: &Coordinator) -> Halt {
+fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
     let rank = kernel.rank;
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(start))).unwrap_or_else(|panic| {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();
         coordinator.closed(rank);
         coordinator.done(&mut coordinator.lock(), rank);
@@ -367,8 +363,8 @@ impl<'a> Shop<'a> {
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());
-        for (program, at) in given.get().into_iter().flatten().zip(1..) {
-            kernel.tell_program(at, program);
+        for ((program, channel), at) in given.get().into_iter().flatten().zip(1..) {
+            kernel.tell_program(at, program, *channel);
         }
         kernel
     }

@@ -53,7 +53,12 @@ fn kinds() -> Vec<Kind> {
             participants: [1, 2, 300].into(),
         })),
         Kind::Release(Release { key: "M101".into(), primitive: Primitive::Barrier, since_ns: 5, meeting: 3 }),
-        Kind::Diagnostic(Box::new(Diagnostic { number: 1201, severity: 9, text: "no such register".into() })),
+        Kind::Diagnostic(Box::new(Diagnostic {
+            number: 1201,
+            severity: 9,
+            text: "no such register".into(),
+            operation: "ROUGH".into(),
+        })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,
             at_ns: 99,

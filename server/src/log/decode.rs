@@ -191,6 +191,7 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             number: m.number(1) as u32,
             severity: m.number(2) as u8,
             text: m.get(3).text(),
+            operation: m.get(4).text(),
         })),
         28 => Kind::Trace { letter: m.get(1).text().chars().next()?, text: m.get(2).text() },
         27 => Kind::Verdict(Box::new(Verdict {

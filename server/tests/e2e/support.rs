@@ -87,7 +87,9 @@ fn position(value: f64) -> Position {
 pub fn event(seq: u64) -> Event {
     let line = (seq % 100) as u32 + 1;
     let kind = match seq % 50 {
-        0 => Kind::Diagnostic(Box::new(Diagnostic { number: 7, severity: 2, text: "note".into() })),
+        0 => {
+            Kind::Diagnostic(Box::new(Diagnostic { number: 7, severity: 2, text: "note".into(), operation: "".into() }))
+        }
         n if n % 2 == 0 => Kind::Block { number: seq },
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
@@ -107,7 +109,12 @@ pub fn event(seq: u64) -> Event {
 
 impl Ready {
     fn alarm(&self, seq: u64) -> Event {
-        let kind = Kind::Diagnostic(Box::new(Diagnostic { number: 9, severity: 9, text: "alarm".into() }));
+        let kind = Kind::Diagnostic(Box::new(Diagnostic {
+            number: 9,
+            severity: 9,
+            text: "alarm".into(),
+            operation: "".into(),
+        }));
         Event { kind, ..event(seq) }
     }
 }
@@ -147,7 +154,12 @@ impl Prepared for Ready {
                     self.own.asked.fetch_add(1, Ordering::SeqCst);
                     let text = answer.map_or("-".to_owned(), |answer| answer.button.unwrap_or_default());
                     let text = format!("{name}: {text}");
-                    let kind = Kind::Diagnostic(Box::new(Diagnostic { number: 8, severity: 0, text: text.into() }));
+                    let kind = Kind::Diagnostic(Box::new(Diagnostic {
+                        number: 8,
+                        severity: 0,
+                        text: text.into(),
+                        operation: "".into(),
+                    }));
                     assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
                     seq += 1;
                 }

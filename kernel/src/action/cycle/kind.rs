@@ -105,6 +105,18 @@ impl Kind {
         self.0 == 8
     }
 
+    /// A tap of this type: 0 floating, 1 rigid, 2 deep, 3 breaking chips; none for another type.
+    pub(super) fn tap(self, kind: f64) -> Option<Self> {
+        let left = u8::from(self.direction() == 2.0);
+        let base = [3, 14, 16, 18].into_iter().zip(0_u8..).find(|(_, number)| f64::from(*number) == kind)?.0;
+        Some(Self(base + left))
+    }
+
+    /// Goes through several webs.
+    pub(super) fn has_webs(self) -> bool {
+        self.0 == 13
+    }
+
     /// Taps.
     pub(super) fn taps(self) -> bool {
         self.out() == Out::Reversed
@@ -148,5 +160,12 @@ mod tests {
         let rigid = |number: f64, steps| Kind::numbered(number).map(|kind| kind.rigid(steps).number());
         assert_eq!([rigid(3.0, false), rigid(4.0, false), rigid(3.0, true)], [Some(14.0), Some(15.0), Some(18.0)]);
         assert_eq!([rigid(1.0, false), rigid(16.0, true)], [Some(1.0), Some(16.0)]);
+    }
+
+    #[test]
+    fn types_of_taps() {
+        let tap = |number: f64, kind: f64| Kind::numbered(number).and_then(|one| one.tap(kind)).map(Kind::number);
+        assert_eq!([tap(3.0, 0.0), tap(4.0, 1.0), tap(14.0, 2.0), tap(19.0, 3.0)], [3.0, 15.0, 16.0, 19.0].map(Some));
+        assert_eq!([tap(3.0, 4.0), tap(3.0, -1.0), tap(3.0, f64::NAN), tap(3.0, 0.5)], [None; 4]);
     }
 }

@@ -9,6 +9,7 @@ mod event;
 mod kind;
 mod path;
 mod state;
+mod webs;
 mod words;
 
 pub(crate) use kind::Kind;
@@ -44,6 +45,8 @@ pub(crate) struct Hole {
     pub(crate) depth: Option<f64>,
     /// Lower clearance of back boring.
     pub(crate) bottom: Option<f64>,
+    /// Start and depth of the webs behind the first one.
+    pub(crate) webs: [Option<[f64; 2]>; webs::FURTHER],
 }
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
@@ -193,7 +196,7 @@ fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<
     let base = if state.activator { state.reference } else { state.initial };
     let bottom = state.bottom.map(|height| height.from(base));
     let distance = kernel.machine.cycles.clearance == Heights::Incremental;
-    if state.clear.is_none() && !kind.bores_back() && !distance {
+    if state.clear.is_none() && !kind.bores_back() && !distance && kernel.machine.cycles.clearance_required {
         let text = format!("a cycle needs its clearance height, '{}' starts where it stands", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
@@ -216,7 +219,8 @@ fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<
         Some(depth) if depth > clear => wanted.min(clear),
         _ => wanted,
     };
-    Some(Hole { target: words.target, coded: words.coded, axis, clear, back, depth, bottom })
+    let webs = if kind.has_webs() { webs::of_hole(kernel, &state, start) } else { Default::default() };
+    Some(Hole { target: words.target, coded: words.coded, axis, clear, back, depth, bottom, webs })
 }
 
 impl Kernel<'_> {
@@ -224,14 +228,16 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn imply_motion(&mut self) {
         let action = |row: u16| self.plan.actions.get(usize::from(row)).copied().flatten();
+        let mut in_machine = false;
         for firing in &self.block.firings {
             match action(firing.row) {
                 Some(Action::Cycle(_) | Action::CycleOn | Action::ThreadCycle(_)) => return,
                 Some(Action::CycleOff) => return self.queue_modal(group::MOTION),
+                Some(Action::MachineFrame) => in_machine = true,
                 _ => {}
             }
         }
-        if !self.cycle_repeats() || self.inside_cycle_macro() {
+        if in_machine || !self.cycle_repeats() || self.inside_cycle_macro() {
             return self.queue_modal(group::MOTION);
         }
         self.queue_modal(group::CYCLE);

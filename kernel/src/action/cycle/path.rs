@@ -15,10 +15,10 @@ use crate::machine::model::Approach;
 const MOST_STEPS: u32 = 10_000;
 
 /// A hole being made.
-struct Drill<'h> {
-    hole: &'h Hole,
+pub(super) struct Drill<'h> {
+    pub(super) hole: &'h Hole,
     kind: Kind,
-    cycle: State,
+    pub(super) cycle: State,
     /// Direction of the spindle when the hole began.
     turning: Direction,
 }
@@ -39,6 +39,7 @@ impl Kernel<'_> {
             };
         }
         self.go_down(&drill, depth)?;
+        self.further_webs(&drill, depth)?;
         self.rest(&drill, 0)?;
         self.come_out(&drill)
     }
@@ -69,12 +70,12 @@ impl Kernel<'_> {
     }
 
     /// Along the axis of the cycle at rapid.
-    fn lift(&mut self, drill: &Drill<'_>, level: f64) -> Acted {
+    pub(super) fn lift(&mut self, drill: &Drill<'_>, level: f64) -> Acted {
         self.rapid_to(1 << drill.hole.axis, self.level(drill.hole.axis, level))
     }
 
     /// Along the axis of the cycle at feed.
-    fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
+    pub(super) fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
         let (feed, unit) = drill.cycle.feed;
         let target = self.level(drill.hole.axis, level);
         self.feed_to(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)

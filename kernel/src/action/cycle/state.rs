@@ -4,7 +4,7 @@
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
 use super::Kind;
-use crate::log::event::FeedUnit;
+use crate::log::event::{FeedUnit, Position};
 use crate::machine::Machine;
 use crate::machine::ident::{CodeId, codes};
 
@@ -48,6 +48,10 @@ pub(crate) struct State {
     pub(crate) depth: Option<Height>,
     pub(crate) retract: Option<Height>,
     pub(crate) bottom: Option<Height>,
+    /// Start and depth of further webs.
+    pub(super) webs: [[Option<Height>; 2]; super::webs::FURTHER],
+    /// Type of a tap as programmed.
+    pub(super) tap: Option<f64>,
     /// The feed is the cycle's own, not that of the feed mode.
     pub(crate) own_feed: bool,
     pub(crate) feed: (Option<f64>, FeedUnit),
@@ -93,6 +97,8 @@ impl State {
             depth: None,
             retract: None,
             bottom: None,
+            webs: Default::default(),
+            tap: None,
             own_feed: false,
             feed: (None, FeedUnit::PerMinute),
             step: None,
@@ -131,6 +137,15 @@ impl State {
         self.prepared = false;
         (self.number, self.code, self.axis) = (kind.number(), Some(code), Some(axis));
         self.direction = kind.direction();
+    }
+
+    /// The work frame has changed: levels where the tool has been stay where they are.
+    pub(crate) fn reframed(&mut self, old: &Position, new: &Position) {
+        let change = |axis: usize| Some(old.get(axis)? - new.get(axis)?);
+        if let Some(change) = self.axis.and_then(|(_, axis)| change(axis)) {
+            self.initial += change;
+            self.reference += change;
+        }
     }
 
     /// The cycle is over; its values can still be read.

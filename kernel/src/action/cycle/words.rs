@@ -7,6 +7,7 @@ use super::{Height, Kind};
 use crate::channel::Kernel;
 use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
+use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{Dimension, Heights};
@@ -39,6 +40,17 @@ pub(super) fn take(kernel: &mut Kernel<'_>, kind: Kind) -> (Kind, Words) {
     }
     if let Some(clear) = height(kernel, data::CYCLE_CLEAR, rules.0, scale) {
         kernel.cycle.clear = Some(clear);
+    }
+    if kind.has_webs() {
+        for (web, ids) in super::webs::DATA.into_iter().enumerate() {
+            for (end, id) in ids.into_iter().enumerate() {
+                let height = height(kernel, id, rules.1, scale);
+                let slot = kernel.cycle.webs.get_mut(web).and_then(|web| web.get_mut(end));
+                if let (Some(slot), Some(height)) = (slot, height) {
+                    *slot = Some(height);
+                }
+            }
+        }
     }
     let mut words = position(kernel);
     if let Some(retract) = height(kernel, data::CYCLE_RETRACT, rules.0, scale) {
@@ -103,7 +115,9 @@ fn depth(kernel: &mut Kernel<'_>, (role, axis): (usize, usize), scale: f64, rule
 fn height(kernel: &mut Kernel<'_>, id: DataId, rule: Heights, scale: f64) -> Option<Height> {
     let datum = kernel.take(id)?;
     let relative = is_relative(kernel, rule, &datum);
-    Some(Height { value: if relative { datum.value / scale } else { datum.value }, relative })
+    let axis = kernel.cycle.axis.map(|(_, axis)| axis).filter(|_| kernel.block.machine_frame && !relative);
+    let shift = axis.and_then(|axis| kernel.place.shift.get(axis)).copied().unwrap_or(0.0);
+    Some(Height { value: if relative { datum.value / scale } else { datum.value - shift }, relative })
 }
 
 fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {
@@ -136,7 +150,7 @@ fn position(kernel: &mut Kernel<'_>) -> Words {
 /// Steps, dwell and shift, as far as the kind has them.
 fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
     use super::kind::{Out, Steps};
-    let mut kind = kind;
+    let mut kind = tap_type(kernel, kind);
     if kernel.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
         if let Some(step) = kernel.take(data::CYCLE_STEP) {
@@ -160,12 +174,11 @@ fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
         if let Some(decrement) = kernel.take(data::CYCLE_STEP_DECR) {
             kernel.cycle.decrement = decrement.value.abs();
         }
-        if let Some(back) = kernel.take(data::CYCLE_STEP_BACK) {
-            kernel.cycle.step_back = back.value.abs();
-        }
     }
-    if kind.taps() {
-        kernel.take(data::CYCLE_TAP_TYPE);
+    if (kind.steps() != Steps::None || kind.has_webs())
+        && let Some(back) = kernel.take(data::CYCLE_STEP_BACK)
+    {
+        kernel.cycle.step_back = back.value.abs();
     }
     if kind.is_rigid()
         && let Some(orient) = kernel.take(data::CYCLE_RIGID_ORIENT)
@@ -176,6 +189,31 @@ fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
         shifts(kernel);
     }
     kind
+}
+
+/// A tap as its type says, if one has been programmed.
+fn tap_type(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
+    if !kind.taps() {
+        return kind;
+    }
+    if let Some(datum) = kernel.take(data::CYCLE_TAP_TYPE) {
+        if kind.tap(datum.value).is_none() {
+            let text = format!(
+                "{} is no type of a tap in '{}': 0 floating, 1 rigid, 2 deep, 3 breaking chips",
+                datum.value,
+                kernel.block_text()
+            );
+            kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
+        } else {
+            kernel.cycle.tap = Some(datum.value);
+        }
+    }
+    let Some(typed) = kernel.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
+    kernel.cycle.number = typed.number();
+    if !typed.is_rigid() && kernel.cycle.rigid == 1.0 {
+        kernel.cycle.rigid = 0.0;
+    }
+    typed
 }
 
 fn shifts(kernel: &mut Kernel<'_>) {

@@ -2,8 +2,9 @@
 //!
 //! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message is none.
 
-use super::{Scanner, find, is_keyword};
+use super::{Scanner, find};
 use crate::channel::block::Block;
+use crate::dialect::fanuc::{Names, key_word};
 use crate::machine::Machine;
 
 /// Whether a place of a line lies inside an expression or a statement of the pre-processor.
@@ -16,12 +17,12 @@ pub(super) struct Formula {
 
 impl Formula {
     /// Takes the next character.
-    pub(super) fn read(&mut self, line: &[u8], at: usize) {
+    pub(super) fn read(&mut self, names: Names<'_>, line: &[u8], at: usize) {
         match line.get(at) {
             Some(b'[') => self.depth += 1,
             Some(b']') => self.depth = self.depth.saturating_sub(1),
             Some(b'#') => self.statement = true,
-            _ => self.statement |= is_keyword(line, at),
+            _ => self.statement = self.statement || key_word(names, line, at),
         }
     }
 
@@ -47,7 +48,7 @@ impl Scanner {
         let kept = line;
         let line = seen;
         while let Some(&byte) = line.get(at) {
-            formula.read(line, at);
+            formula.read(self.names(), line, at);
             let end = match self.comment_end(line, at) {
                 Some(end) => end,
                 None if byte == mark && !(self.macros && formula.divides()) => {
@@ -71,7 +72,7 @@ impl Scanner {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, line).is_some())?;
         let (mut at, mut formula) = (0, Formula::default());
         while let Some(&byte) = line.get(at) {
-            formula.read(line, at);
+            formula.read(self.names(), line, at);
             if byte == mark && !(self.macros && formula.divides()) {
                 return Some(match line.get(at + 1) {
                     Some(digit @ b'1'..=b'9') => digit - b'0',
@@ -96,7 +97,7 @@ impl Scanner {
             // Inside brackets of an expression nothing begins.
             let found_here = if self.macros && formula.depth > 0 { None } else { kinds.into_iter().find(starts) };
             let Some((message, (start, end))) = found_here else {
-                formula.read(line, at);
+                formula.read(self.names(), line, at);
                 at += 1;
                 continue;
             };

@@ -1,7 +1,8 @@
 //! From the text of a line to a [`Line`].
 
 use super::expr::{Expr, Op, STACK};
-use super::statement::{Line, Names, Statement};
+use super::key_words::{STATEMENTS, key_word};
+use super::statement::{Line, Names, Number, Statement};
 
 /// Why a line cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -21,7 +22,7 @@ const NESTING: usize = 32;
 /// # Errors
 /// [`Error`] with the column and what was expected.
 pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
-    let mut parser = Parser { text, at: 0, depth: 0, names };
+    let mut parser = Parser { text, at: 0, depth: 0, names, written: None };
     let mut sequence = None;
     parser.blanks();
     if matches!(parser.peek(), Some(b'N' | b'n')) {
@@ -45,11 +46,9 @@ pub(super) struct Parser<'a> {
     pub(super) at: usize,
     depth: usize,
     pub(super) names: Names<'a>,
+    /// The value read last, if it is a number as written.
+    pub(super) written: Option<Number>,
 }
-
-/// Key words of statements; two letters are enough.
-const STATEMENTS: &[&str] =
-    &["IF", "WHILE", "GOTO", "DO", "END", "ENDIF", "ELSE", "THEN", "POPEN", "PCLOS", "BPRNT", "DPRNT"];
 
 /// Functions of one argument in brackets.
 const FUNCTIONS: &[(&str, Op)] = &[
@@ -145,7 +144,7 @@ impl Parser<'_> {
         if self.peek() == Some(b'#') {
             return self.assignments();
         }
-        if self.stands_long_name() {
+        if self.stands_long_name() || !key_word(self.names, self.text, self.at) {
             return self.words();
         }
         match self.keyword(STATEMENTS) {

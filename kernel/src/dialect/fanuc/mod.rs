@@ -6,10 +6,12 @@
 
 mod compile;
 mod expr;
+mod key_words;
 pub(crate) mod loops;
 mod statement;
 mod words;
 
 pub(crate) use compile::compile;
 pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number};
-pub(crate) use statement::{Line, Name, Names, Statement, TemplateWord};
+pub(crate) use key_words::key_word;
+pub(crate) use statement::{Line, Name, Names, Number, Statement, TemplateWord};

@@ -50,10 +50,23 @@ pub(crate) struct TemplateWord {
     pub(crate) name: Name,
     /// Value; vacant values drop the word.
     pub(crate) value: Expr,
+    /// The value is this number, which the word's register reads.
+    pub(crate) written: Option<Number>,
     /// Start in the line.
     pub(crate) start: u32,
     /// End in the line.
     pub(crate) end: u32,
+}
+
+/// A number as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Number {
+    /// Value read as a plain number.
+    pub(crate) value: f64,
+    /// A decimal point was written.
+    pub(crate) point: bool,
+    /// Digits written before the point.
+    pub(crate) digits: u8,
 }
 
 /// What a word is called.

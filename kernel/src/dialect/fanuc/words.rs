@@ -5,7 +5,7 @@
 
 use super::compile::{Error, Parser};
 use super::expr::{Expr, Op};
-use super::statement::{Name, Statement, TemplateWord};
+use super::statement::{Name, Number, Statement, TemplateWord};
 use crate::channel::special::{stands, starts_value};
 
 impl Parser<'_> {
@@ -19,6 +19,7 @@ impl Parser<'_> {
         let mut words = Vec::new();
         while let Some(byte) = self.peek() {
             let start = self.at;
+            self.written = None;
             let (name, value) = match self.long_name() {
                 Some(word) => word,
                 None if byte.is_ascii_uppercase() => {
@@ -27,7 +28,8 @@ impl Parser<'_> {
                 }
                 None => return Err(self.error("a word")),
             };
-            words.push(TemplateWord { name, value, start: start as u32, end: self.at as u32 });
+            let written = self.written.take();
+            words.push(TemplateWord { name, value, written, start: start as u32, end: self.at as u32 });
         }
         Ok(Statement::Words(words))
     }
@@ -59,9 +61,27 @@ impl Parser<'_> {
         Some((Name::Text(*row), Expr::constant(0.0)))
     }
 
+    /// The number whose digits stand from `start` to here; an expression in brackets is none.
+    fn as_written(&self, start: usize, value: f64) -> Option<Number> {
+        let text = self.text.get(start..self.at)?.trim_ascii();
+        if !text.iter().all(|byte| byte.is_ascii_digit() || *byte == b'.') {
+            return None;
+        }
+        let point = text.iter().position(|byte| *byte == b'.');
+        let digits = point.unwrap_or(text.len()).min(255) as u8;
+        Some(Number { value, point: point.is_some(), digits })
+    }
+
     fn enclosed(&mut self) -> Result<Expr, Error> {
         let mut ops = Vec::new();
+        let sign = self.peek().filter(|byte| b"+-".contains(byte));
+        let start = self.at + usize::from(sign.is_some());
         self.expression(&mut ops)?;
+        self.written = match ops.as_slice() {
+            [Op::Number(value)] => self.as_written(start, *value),
+            [Op::Number(value), Op::Neg] => self.as_written(start, -*value),
+            _ => None,
+        };
         self.checked(ops)
     }
 
@@ -74,7 +94,13 @@ impl Parser<'_> {
             }
             _ => false,
         };
+        self.blanks();
+        let start = self.at;
         self.primary(&mut ops)?;
+        self.written = match ops.as_slice() {
+            [Op::Number(value)] => self.as_written(start, if negative { -*value } else { *value }),
+            _ => None,
+        };
         if negative {
             ops.push(Op::Neg);
             // A negated constant stays one.

@@ -74,6 +74,9 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             integer(out, "number", i64::from(diagnostic.number));
             integer(out, "severity", i64::from(diagnostic.severity));
             text(out, "text", &diagnostic.text);
+            if !diagnostic.operation.is_empty() {
+                text(out, "operation", &diagnostic.operation);
+            }
         }
         Kind::Trace { letter, text: line } => {
             text(out, "letter", letter.encode_utf8(&mut [0; 4]));

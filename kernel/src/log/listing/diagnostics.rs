@@ -25,6 +25,9 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
     let file = path.rsplit('/').next().unwrap_or(path);
     let (severity, line, number) = (diagnostic.severity, event.line, diagnostic.number);
     write!(out, "  SEVERITY({severity:02}) LINE({line:05}) ERRNUM({number:08}) INPUT({file})")?;
+    if !diagnostic.operation.is_empty() {
+        write!(out, " OPER({})", diagnostic.operation)?;
+    }
     if info.channels.len() > 1 {
         let name = info.channel(event.channel).map_or("MASTER", |c| c.name.as_str());
         write!(out, " KERNEL({name})")?;

@@ -41,7 +41,15 @@ impl Tally {
     pub(crate) fn life(&mut self, phase: Phase, t_ns: i64) {
         if let Some(state) = terminal(phase) {
             self.end = Some((state, t_ns));
+        } else if let Some((_, before)) = self.end.take_if(|_| phase == Phase::ProgramStart) {
+            // Started again: it stood idle in between.
+            self.add(Work::Wait, t_ns.saturating_sub(before));
         }
+    }
+
+    /// Its kernel has had a program before.
+    pub(crate) fn has_run(&self) -> bool {
+        self.end.is_some_and(|(state, _)| state != ChannelState::NotStarted)
     }
 
     /// Its program came to an end or stands on an alarm.

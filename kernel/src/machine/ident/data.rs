@@ -223,6 +223,12 @@ pub const TABLE: &[DataFacts] = &[
     DataFacts { name: "REG_CYCLE_STEP", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_STEP_DECR", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_REPEAT", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_START_2", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_DEPTH_2", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_START_3", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_DEPTH_3", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_START_4", built_in: true, own: true },
+    DataFacts { name: "REG_CYCLE_WEB_DEPTH_4", built_in: true, own: true },
 ];
 
 /// `REG_AIR`.
@@ -659,3 +665,15 @@ pub const CYCLE_STEP: DataId = DataId(214);
 pub const CYCLE_STEP_DECR: DataId = DataId(215);
 /// `REG_CYCLE_REPEAT`: how often a cycle is carried out (Fanuc K or L).
 pub const CYCLE_REPEAT: DataId = DataId(216);
+/// `REG_CYCLE_WEB_START_2`: where a further web of a hole begins.
+pub const CYCLE_WEB_START_2: DataId = DataId(217);
+/// `REG_CYCLE_WEB_DEPTH_2`: where it ends.
+pub const CYCLE_WEB_DEPTH_2: DataId = DataId(218);
+/// `REG_CYCLE_WEB_START_3`: where a further web of a hole begins.
+pub const CYCLE_WEB_START_3: DataId = DataId(219);
+/// `REG_CYCLE_WEB_DEPTH_3`: where it ends.
+pub const CYCLE_WEB_DEPTH_3: DataId = DataId(220);
+/// `REG_CYCLE_WEB_START_4`: where a further web of a hole begins.
+pub const CYCLE_WEB_START_4: DataId = DataId(221);
+/// `REG_CYCLE_WEB_DEPTH_4`: where it ends.
+pub const CYCLE_WEB_DEPTH_4: DataId = DataId(222);

@@ -11,6 +11,7 @@ pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
     let mut cycles = Cycles {
         approach: Approach::Direct,
         clearance: Heights::Mode,
+        clearance_required: true,
         depth: Heights::Mode,
         step_required: true,
         step_back: if unit == Unit::Inch { 0.04 } else { 1.0 },
@@ -25,6 +26,7 @@ pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
     cycles.clearance = section.choice("clearance", &heights).unwrap_or(cycles.clearance);
     cycles.depth = section.choice("depth", &heights).unwrap_or(cycles.depth);
     let needed = [("required", true), ("optional", false)];
+    cycles.clearance_required = section.choice("clearance_word", &needed).unwrap_or(cycles.clearance_required);
     cycles.step_required = section.choice("step", &needed).unwrap_or(cycles.step_required);
     cycles.step_back = section.at_least_zero("step_back").unwrap_or(cycles.step_back);
     cycles.min_step = section.at_least_zero("min_step").unwrap_or(cycles.min_step);

@@ -217,6 +217,7 @@ fn cycles(machine: &Machine) -> Value {
         "approach": word(cycles.approach),
         "clearance": word(cycles.clearance),
         "depth": word(cycles.depth),
+        "clearance_word": if cycles.clearance_required { "required" } else { "optional" },
         "step": if cycles.step_required { "required" } else { "optional" },
         "step_back": cycles.step_back,
         "min_step": cycles.min_step,

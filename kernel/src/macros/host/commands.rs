@@ -116,8 +116,10 @@ impl Kernel<'_> {
                 let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(Value::as_real));
                 self.meanwhile(state, |kernel| kernel.output_cycle(*hole, heights))
             }
-            Task::Diagnostic => {
-                let values = [2, 3, 5].map(|at| argument(at).cloned());
+            Task::Diagnostic(came) => {
+                let [number, severity, text] = &*came;
+                let values =
+                    [(2, number), (3, severity), (5, text)].map(|(at, came)| argument(at).unwrap_or(came).clone());
                 self.output_diagnostic(&values)
             }
         }

@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. Invariant: what the diagnostic macro itself raises goes
 //! straight to the log.
 
+use std::sync::Arc;
+
 use counterpoint_lang::diag::{Number, TABLE};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
@@ -63,14 +65,16 @@ impl Kernel<'_> {
             Value::Real(f64::from(before)),
             Value::text(text),
         ];
-        match self.run_macro(code, Task::Diagnostic, &mut arguments) {
+        let [_, number, severity, _, text] = &arguments;
+        let came = Arc::new([number.clone(), severity.clone(), text.clone()]);
+        match self.run_macro(code, Task::Diagnostic(came), &mut arguments) {
             Err(halt) => self.keep_halt(halt),
             // OUTPUT has issued it already.
             Ok(1..) => {}
             Ok(0) => {
                 let [flag, number, severity, _, text] = &arguments;
                 if flag.as_real() != Some(0.0) {
-                    let values = [Some(number.clone()), Some(severity.clone()), Some(text.clone())];
+                    let values = [number.clone(), severity.clone(), text.clone()];
                     if let Err(fault) = self.output_diagnostic(&values) {
                         self.put_diagnostic(fault.number.0, fault.number.severity(), &fault.message);
                     }
@@ -80,11 +84,11 @@ impl Kernel<'_> {
     }
 
     /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
-    pub(super) fn output_diagnostic(&mut self, [index, severity, text]: &[Option<Value>; 3]) -> Outcome<()> {
+    pub(super) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
         let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
-        let index = number(index.as_ref()).ok_or_else(|| wrong("this is no number"))?;
-        let severity = number(severity.as_ref()).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
-        let text = text.as_ref().and_then(Value::as_text).ok_or_else(|| wrong("this is no text"))?;
+        let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
+        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
+        let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
         self.put_diagnostic(index, severity as u8, text);
         Ok(())
     }
@@ -107,7 +111,8 @@ impl Kernel<'_> {
             }
         }
         let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into() })));
+        let operation = self.operation_name().into();
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation })));
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.

@@ -52,12 +52,16 @@ impl Kernel<'_> {
     /// that was stopped had open is lost: how far it got is chance.
     pub(crate) fn close_files(&mut self, halt: Halt) {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let Some(mut state) = runtime.last_state() else { return };
+        let Some(mut state) = runtime.state() else { return };
         runtime.leaving = true;
         if halt != Halt::Stopped {
             vm::close_all(&mut state, self);
         }
         self.with_files(Folder::clean);
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.leaving = false;
+            runtime.give_back(state);
+        }
     }
 
     /// A file stored with the machine.

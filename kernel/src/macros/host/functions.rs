@@ -87,25 +87,9 @@ impl Kernel<'_> {
         })
     }
 
-    /// `$FCEPP`: whether the pre-processor takes comments or messages off the block.
-    fn preprocessor_setting(&mut self, state: &mut State, arguments: &[Value]) -> Value {
-        let is = |at: usize, word: &str| text(arguments, at).trim().eq_ignore_ascii_case(word);
-        let which = [is(1, "COMMENTS"), is(1, "MESSAGES")].iter().position(|is| *is).filter(|_| is(0, "PROCESS"));
-        let on = arguments.get(2).and_then(Value::as_logical).filter(|_| arguments.len() == 3);
-        let known = which.zip(on).filter(|_| self.plan.scanner.has_macros());
-        let (Some((which, on)), Some(runtime)) = (known, self.macros.as_deref_mut()) else {
-            state.warn(Fault::new(Number::NO_SETTING, "the pre-processor of this machine has no such setting"));
-            return Value::Logical(false);
-        };
-        if let Some(slot) = runtime.store.taken_off.get_mut(which) {
-            *slot = on;
-        }
-        Value::Logical(true)
-    }
-
     /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
     fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
-        if !self.inside(Hook::ProgramShutdown) {
+        if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
             return Self::not_here("$FCERST");
         }
         let name = text(arguments, 0).trim();

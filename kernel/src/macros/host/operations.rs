@@ -9,9 +9,14 @@ use counterpoint_lang::value::Value;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::channel::state::group;
+use crate::machine::ident::{codes, data};
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;
+
+/// Numbers of offsets that a row keeps of a kind.
+const MOST_OFFSETS: usize = 64;
 
 /// Characters of a name that a row keeps.
 const LONGEST_NAME: usize = 200;
@@ -28,6 +33,10 @@ struct Operation {
     blocks: (u32, u32),
     /// Highest severity of a diagnostic in it.
     severity: u8,
+    /// Head that was active when it began.
+    head: Option<u8>,
+    /// Numbers of the length, diameter and fixture offsets in force when something moved.
+    offsets: [Vec<u32>; 3],
 }
 
 /// The operations of a kernel.
@@ -69,6 +78,37 @@ impl Kernel<'_> {
         self.begin_operation(name);
     }
 
+    /// `$OPNAME` as diagnostics show it, empty without a name.
+    pub(super) fn operation_name(&self) -> String {
+        let Some(runtime) = self.macros.as_deref() else { return String::new() };
+        let name = runtime.store.get(names().operation_name).as_text().unwrap_or("").trim();
+        name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
+    }
+
+    /// Number of the diameter offset in force, 0 for none.
+    fn diameter_number(&self) -> u32 {
+        let active = self.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+        let number = self.modal.value(data::COMP_DIAM).filter(|_| active).unwrap_or(0.0);
+        number.clamp(0.0, f64::from(u32::MAX)) as u32
+    }
+
+    /// Notes the offsets in force while the axes of a motion move.
+    pub(super) fn note_offsets(&mut self, moving: u8) {
+        let lathe = self.machine.tool.offset_digits > 0;
+        let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & 1 << axis != 0);
+        // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
+        let compensated = moves('Z') || lathe && (moves('X') || moves('Y'));
+        let length = if lathe { self.place.tool_offset } else { self.place.length_number };
+        let numbers = [if compensated { length } else { 0 }, self.diameter_number(), self.place.work_offset];
+        let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| !runtime.operations.full) else { return };
+        let Some(row) = runtime.operations.rows.last_mut() else { return };
+        for (list, number) in row.offsets.iter_mut().zip(numbers) {
+            if moving != 0 && number != 0 && list.len() < MOST_OFFSETS && !list.contains(&number) {
+                list.push(number);
+            }
+        }
+    }
+
     /// `$OPNAME` is assigned.
     pub(super) fn name_operation(&mut self, name: &str) {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
@@ -92,6 +132,11 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let tool = runtime.store.get(names().tool_row).clone();
         let last = runtime.last_sequence;
+        let head = match self.modal.code(group::HEAD) {
+            Some(codes::HEAD_MAIN) => Some(1),
+            Some(codes::HEAD_SIDE) => Some(2),
+            _ => None,
+        };
         let operations = &mut runtime.operations;
         if let Some(row) = operations.rows.last_mut().filter(|row| row.times.1.is_none()) {
             row.times.1 = Some(now);
@@ -102,7 +147,8 @@ impl Kernel<'_> {
             return;
         }
         let number = sequence.unwrap_or(last);
-        operations.rows.push(Operation { tool, name, times: (now, None), blocks: (number, number), severity: 0 });
+        let (times, blocks, offsets) = ((now, None), (number, number), [const { Vec::new() }; 3]);
+        operations.rows.push(Operation { tool, name, times, blocks, severity: 0, head, offsets });
         runtime.operation_sums.switch(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
@@ -117,12 +163,17 @@ impl Kernel<'_> {
         let ended = row.times.1.is_some();
         Some(match column {
             1 => row.tool.clone(),
+            2 => Value::Real(f64::from(row.head?)),
             5 => Value::text(row.name.as_str()),
             6 => Value::Real(row.times.0),
             7 => Value::Real(row.times.1.unwrap_or(self.clock as f64 / 1e9)),
             8 => Value::Real(f64::from(row.blocks.0)),
             9 => Value::Real(f64::from(if ended { row.blocks.1 } else { runtime.last_sequence })),
             10 => Value::Real(f64::from(row.severity)),
+            11..=13 => {
+                let numbers = row.offsets.get(usize::try_from(column - 11).ok()?)?;
+                Value::sequence(numbers.iter().map(|number| Value::Real(f64::from(*number))).collect())
+            }
             _ => return None,
         })
     }

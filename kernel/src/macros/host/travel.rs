@@ -1,13 +1,13 @@
 //! How far axes went, by tool and by operation: `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX`.
 //!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C as tables, 13 an
-//! extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decisions: positions are those of `$XM`, arcs
-//! with their extremes; the rotary axes of a machine count as tables. Invariant: an axis that has not moved in a row
-//! has no position there.
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C of tables, 10 to 12 of
+//! heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decisions: positions are those
+//! of `$XM`, arcs with their extremes. Invariant: an axis that has not moved in a row has no position there.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
+use super::variables::axis_letter;
 use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Motion};
 use crate::log::geometry::Round;
@@ -15,8 +15,8 @@ use crate::log::geometry::Round;
 /// Columns of the tables.
 const COLUMNS: usize = 15;
 
-/// Letters of the columns; 10 to 12 are rotary axes of heads.
-const LETTERS: &[u8; COLUMNS] = b"XYZUVWABC   END";
+/// Letters of the columns as `$AXES` shows them.
+const LETTERS: &[u8; COLUMNS] = b"XYZUVWabcABCENn";
 
 /// Smallest and largest position of each column.
 type Row = [[Option<f64>; 2]; COLUMNS];
@@ -64,8 +64,12 @@ impl Kernel<'_> {
     /// Column of each axis of the channel, none for those that the tables do not have.
     pub(crate) fn travel_columns(&self) -> [Option<usize>; MAX_AXES] {
         let mut columns = [None; MAX_AXES];
-        for (column, letter) in LETTERS.iter().enumerate().filter(|(_, letter)| **letter != b' ') {
-            if let Some(slot) = self.axis_of(char::from(*letter)).and_then(|axis| columns.get_mut(axis)) {
+        for (column, letter) in LETTERS.iter().enumerate() {
+            let axis = match column {
+                0..=2 => self.axis_of(char::from(*letter)),
+                _ => self.place.axes.iter().position(|axis| axis_letter(axis.data) == Some(char::from(*letter))),
+            };
+            if let Some(slot) = axis.and_then(|axis| columns.get_mut(axis)) {
                 *slot = Some(column);
             }
         }
@@ -74,6 +78,7 @@ impl Kernel<'_> {
 
     /// Notes where a motion leads.
     pub(crate) fn note_travel(&mut self, motion: &Motion) {
+        self.note_offsets(motion.moving);
         let preset = self.place.preset;
         let info = self.info;
         let axes = info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());

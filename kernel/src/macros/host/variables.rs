@@ -19,6 +19,8 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
+pub(super) use positions::axis_letter;
+
 use crate::channel::Kernel;
 use crate::diag;
 use crate::macros::model::{HOOKS, Hook};
@@ -89,6 +91,7 @@ pub(crate) struct Names {
     pub(crate) kernel_name: u32,
     pub(crate) kernel_channel: u32,
     pub(crate) kernel_line: u32,
+    pub(crate) model_channel: u32,
     pub(crate) operation_table: u32,
     pub(crate) operation_merge: u32,
     pub(crate) operation_name: u32,
@@ -117,6 +120,7 @@ pub(crate) fn names() -> &'static Names {
             kernel_name: index("$MCENAM"),
             kernel_channel: index("$MCECHN"),
             kernel_line: index("$MCESTA"),
+            model_channel: index("$VMCHN"),
             operation_table: index("$OPTAB"),
             operation_merge: index("$OPMERGE"),
             operation_name: index("$OPNAME"),
@@ -151,8 +155,8 @@ pub(crate) struct Store {
     /// Time of all motions and of all waiting, in nanoseconds.
     pub(crate) moving: i64,
     pub(crate) idle: i64,
-    /// The pre-processor takes comments and messages off the block.
-    pub(crate) taken_off: [bool; 2],
+    /// What `$FCEPP` has set.
+    pub(crate) preprocessor: super::preprocessor::Settings,
     /// What may be set before Machine Startup ends is still open.
     pub(crate) starting: bool,
 }
@@ -173,7 +177,7 @@ impl Store {
             added_times: [0.0; 2],
             moving: 0,
             idle: 0,
-            taken_off: [true; 2],
+            preprocessor: super::preprocessor::Settings::default(),
             starting: false,
         }
     }

@@ -57,11 +57,21 @@ impl Coordinator {
         Met::Not
     }
 
+    /// Meetings so far.
+    pub(crate) fn meetings(&self) -> u64 {
+        self.meetings.load(SeqCst).max(self.pair_meetings())
+    }
+
+    /// Counts on from earlier meetings; nothing runs yet.
+    pub(crate) fn go_on_from(&self, meetings: u64) {
+        self.meetings.store(meetings, SeqCst);
+    }
+
     /// A meeting takes place: its number.
     pub(crate) fn count_meeting(&self, inner: &mut Inner, channels: Set) -> u64 {
         inner.shared.met(channels);
         self.set_orders(inner.shared.has_orders(channels));
-        let meeting = self.meetings.load(SeqCst).max(self.pair_meetings()) + 1;
+        let meeting = self.meetings() + 1;
         self.meetings.store(meeting, SeqCst);
         meeting
     }

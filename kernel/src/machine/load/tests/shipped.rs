@@ -23,7 +23,10 @@ fn meaning(machine: &Machine, letter: char, value: f64) -> Vec<&str> {
 
 #[test]
 fn all_machines_load_without_a_finding() {
-    assert_eq!(package::shipped_names(), ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill", "tern-bar-lathe"]);
+    assert_eq!(
+        package::shipped_names(),
+        ["fanuc-2path-lathe", "fanuc-3path-lathe", "fanuc-mill", "haas-mill-turn", "tern-bar-lathe"]
+    );
     for name in package::shipped_names() {
         assert_eq!(shipped(&name).name, name);
     }
@@ -31,7 +34,7 @@ fn all_machines_load_without_a_finding() {
 
 #[test]
 fn families_say_that_they_are_families_and_nothing_else() {
-    for name in ["fanuc-common", "fanuc-turning", "fanuc-milling"] {
+    for name in ["fanuc-common", "fanuc-turning", "fanuc-milling", "haas-turning"] {
         let loaded = load(&package::shipped(), name);
         assert!(loaded.machine.is_none());
         assert_eq!(loaded.findings.len(), 1, "{:?}", loaded.findings);

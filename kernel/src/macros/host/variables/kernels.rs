@@ -1,4 +1,5 @@
-//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, and the names of the files, `$MFINAM`.
+//! Which input file each kernel gets: `$MCEMCD`, `$MCEINP`, `$MFIKER`, the names of the files, `$MFINAM`, and
+//! the channels of the model that kernels and their files start on, `$MCECHN`, `$MFICHN`, `$VMCHN`.
 //!
 //! Invariant: there is one truth, the program of each kernel; an index of a file is another way to say it, so that the
 //! later assignment wins. Facts: reference system-variables.md 17.
@@ -96,12 +97,32 @@ fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()>
     }
 }
 
+/// Channel of the model that a kernel starts on.
+pub(super) fn channel_of(kernel: &Kernel<'_>, at: i64) -> f64 {
+    let set = kernel.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_channel, (at, 0)));
+    set.and_then(Value::as_real).unwrap_or(at as f64)
+}
+
+fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &Value) -> Outcome<()> {
+    let wanted = whole(value, "channel")?;
+    match kernel.macros.as_deref_mut() {
+        Some(runtime) => runtime.store.keep_element(names().kernel_channel, (at, 0), number(wanted as f64)),
+        None => Ok(()),
+    }
+}
+
 impl Kernel<'_> {
-    /// A kernel has got this program.
-    pub(crate) fn tell_program(&mut self, at: i64, program: &str) {
+    /// A kernel has got this program, and starts on this channel of the model.
+    pub(crate) fn tell_program(&mut self, at: i64, program: &str, channel: f64) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.store.set_element(names().kernel_program, (at, 0), Value::text(program));
+            runtime.store.set_element(names().kernel_channel, (at, 0), Value::Real(channel));
         }
+    }
+
+    /// Channel of the model that a kernel starts on.
+    pub(crate) fn model_channel(&self, at: i64) -> f64 {
+        channel_of(self, at)
     }
 }
 
@@ -114,6 +135,33 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$MCEINP" => (|k, at| number(input_of(k, index(at)) as f64), Some(set_input)),
         "$MFIKER" => (|k, at| number(kernel_of(k, index(at)) as f64), Some(set_kernel)),
+        "$MCECHN" => {
+            (|k, at| Value::Real(channel_of(k, index(at))), Some(|k, at, value| set_channel(k, index(at), value)))
+        }
+        "$VMCHN" => (
+            |k, _| {
+                let set = k.macros.as_deref().and_then(|r| r.store.element(names().model_channel, (0, 0)));
+                set.cloned()
+                    .unwrap_or_else(|| if k.rank == 0 { number(0) } else { Value::Real(channel_of(k, k.rank.into())) })
+            },
+            Some(|k, _, value| {
+                let wanted = whole(value, "channel")?;
+                match k.macros.as_deref_mut() {
+                    Some(runtime) => runtime.store.keep_element(names().model_channel, (0, 0), number(wanted as f64)),
+                    None => Ok(()),
+                }
+            }),
+        ),
+        "$MFICHN" => (
+            |k, at| match kernel_of(k, index(at)) {
+                0 => number(0),
+                owner => Value::Real(channel_of(k, owner)),
+            },
+            Some(|k, at, value| match kernel_of(k, index(at)) {
+                0 => Err(Fault::new(Number::OUT_OF_RANGE, format!("input file {} has no kernel", index(at)))),
+                owner => set_channel(k, owner, value),
+            }),
+        ),
         "$MFINAM" => (|k, at| Value::text(file(k, index(at))), None),
         _ => return None,
     };

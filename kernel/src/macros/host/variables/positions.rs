@@ -4,11 +4,14 @@
 //! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
+use crate::machine::ident::{DataId, data};
 
 /// Which value of which axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     letter: char,
+    /// `T` of a table, `H` of a head, none for either.
+    side: Option<char>,
     kind: char,
     /// At the start of the last motion.
     before: bool,
@@ -24,29 +27,62 @@ pub(super) fn place(name: &str) -> Option<Place> {
     let mut letters = name.chars();
     let letter = letters.next()?;
     let rest: String = letters.collect();
-    let kind = match rest.as_str() {
-        "M" | "TM" | "HM" => 'M',
-        "J" | "TJ" | "HJ" => 'J',
-        "W" if "XYZ".contains(letter) => 'W',
+    let (side, kind) = match rest.as_str() {
+        "M" => (None, 'M'),
+        "TM" => (Some('T'), 'M'),
+        "HM" => (Some('H'), 'M'),
+        "J" => (None, 'J'),
+        "TJ" => (Some('T'), 'J'),
+        "HJ" => (Some('H'), 'J'),
+        "W" if "XYZ".contains(letter) => (None, 'W'),
         _ => return None,
     };
-    "XYZUVWEABCND".contains(letter).then_some(Place { letter, kind, before })
+    "XYZUVWEABCND".contains(letter).then_some(Place { letter, side, kind, before })
+}
+
+/// Which machine axis a data identifier is: its letter as `$AXES` shows it, lower case for a table and for the second
+/// one that can be removed.
+pub(in crate::macros::host) fn axis_letter(id: DataId) -> Option<char> {
+    Some(match id {
+        data::AXIS_AT => 'a',
+        data::AXIS_BT => 'b',
+        data::AXIS_CT | data::AXIS_CT2 => 'c',
+        data::AXIS_AH => 'A',
+        data::AXIS_BH => 'B',
+        data::AXIS_CH => 'C',
+        data::AXIS_N => 'N',
+        data::AXIS_N2 => 'n',
+        data::AXIS_U => 'U',
+        data::AXIS_V => 'V',
+        data::AXIS_W => 'W',
+        data::AXIS_E => 'E',
+        _ => return None,
+    })
 }
 
 impl Kernel<'_> {
     /// Channel axis with this letter.
     pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
-        let role = "XYZ".find(letter).and_then(|at| self.place.cartesian.get(at).copied().flatten());
-        role.map(usize::from).or_else(|| {
-            self.place.axes.iter().position(|axis| {
-                let own = self.machine.axes.get(axis.machine);
-                own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
-            })
-        })
+        self.axis_on(letter, None)
+    }
+
+    /// The same of a table or a head only; without a side the table goes first. N and D are those that can be removed.
+    fn axis_on(&self, letter: char, side: Option<char>) -> Option<usize> {
+        if let Some(at) = "XYZ".find(letter) {
+            return self.place.cartesian.get(at).copied().flatten().map(usize::from);
+        }
+        let wanted: &[char] = match (letter, side) {
+            ('N', _) => &['N'],
+            ('D', _) => &['n'],
+            (_, Some('T')) => &[letter.to_ascii_lowercase()],
+            (_, Some(_)) => &[letter],
+            _ => &[letter.to_ascii_lowercase(), letter],
+        };
+        wanted.iter().find_map(|wanted| self.place.axes.iter().position(|axis| axis_letter(axis.data) == Some(*wanted)))
     }
 
     pub(super) fn position_of(&self, place: Place) -> f64 {
-        let Some(axis) = self.axis_of(place.letter) else { return 0.0 };
+        let Some(axis) = self.axis_on(place.letter, place.side) else { return 0.0 };
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
             _ => &self.place.position,
@@ -72,13 +108,13 @@ impl Kernel<'_> {
 
     /// `$AXES`
     pub(super) fn axes_text(&self) -> String {
-        let letter = |(slot, axis): (usize, Option<usize>)| {
+        let letter = |axis: Option<usize>| {
             let axis = axis.and_then(|at| self.place.axes.get(at));
             let own = axis.and_then(|axis| self.machine.axes.get(axis.machine));
-            let letter = own.and_then(|own| own.letter.chars().next()).unwrap_or('*');
-            if slot == 3 || slot == 4 { letter.to_ascii_lowercase() } else { letter }
+            let known = axis.and_then(|axis| axis_letter(axis.data));
+            known.or_else(|| own.and_then(|own| own.letter.chars().next())).unwrap_or('*')
         };
-        self.six_axes().into_iter().enumerate().map(letter).collect()
+        self.six_axes().into_iter().map(letter).collect()
     }
 }
 
@@ -89,6 +125,7 @@ mod tests {
     #[test]
     fn names_of_positions() {
         let of = |name: &str| place(name).map(|p| (p.letter, p.kind, p.before));
+        assert_eq!(place("$BHM").and_then(|p| p.side), Some('H'));
         assert_eq!(of("$XM"), Some(('X', 'M', false)));
         assert_eq!(of("$LZJ"), Some(('Z', 'J', true)));
         assert_eq!(of("$ATM"), Some(('A', 'M', false)));

@@ -174,6 +174,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$MACHIN" => (|k, _| Value::text(k.machine.name.as_str()), None),
         "$MCHNUM" => (|k, _| number(k.machine.number), None),
         "$MCHDSC" => (machine_text, None),
+        // A job knows no clock.
+        "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
         "$PREPROC" => (
             |k, _| {
                 Value::text(match k.machine.preprocessor {
@@ -219,7 +221,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$MCECNT" => (|k, _| number(k.machine.channels.len() as u32), None),
         "$MFICNT" => (|k, _| number(k.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None),
-        "$VMCHN" => (|k, _| number(k.rank), None),
         _ => return None,
     };
     Some(row)

@@ -111,6 +111,16 @@ fn rule(kernel: &Kernel<'_>, at: &[i64]) -> Option<usize> {
     (at < kernel.machine.tape_editor.len()).then_some(at)
 }
 
+/// Number of the length offset: that of the tool word on a lathe.
+fn length_offset(kernel: &Kernel<'_>) -> u32 {
+    if kernel.machine.tool.offset_digits > 0 { kernel.place.tool_offset } else { kernel.place.length_number }
+}
+
+/// Number of an offset in force, −1 when it is off.
+fn in_force(offset: u32) -> Value {
+    if offset == 0 { Value::Real(-1.0) } else { number(offset) }
+}
+
 fn whole(value: &Value) -> u32 {
     value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
 }
@@ -145,14 +155,10 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$TCF" | "$TCFM" => (|k, _| number(k.place.work_offset), None),
-        "$TCL" | "$TCLM" => (
-            |k, _| {
-                let lathe = k.machine.tool.offset_digits > 0;
-                number(if lathe { k.place.tool_offset } else { k.place.length_number })
-            },
-            None,
-        ),
+        "$TCF" => (|k, _| number(k.place.work_offset), None),
+        "$TCFM" => (|k, _| in_force(k.place.work_offset), None),
+        "$TCL" => (|k, _| number(length_offset(k)), None),
+        "$TCLM" => (|k, _| in_force(length_offset(k)), None),
         "$XDIAM" => (
             |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
             None,

@@ -1,0 +1,53 @@
+//! Holes through several webs: at feed through each, at rapid over the gaps between them.
+//!
+//! Facts: the moves are those of the emulated system's cycle for several webs. Decisions: the data of further webs are
+//! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
+//! cycle. Invariant: a web has a start and a depth, or it is left out and told.
+
+use super::{Height, State};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::machine::ident::{DataId, data};
+
+/// Webs behind the first one.
+pub(super) const FURTHER: usize = 3;
+
+/// Their data: start and depth.
+pub(super) const DATA: [[DataId; 2]; FURTHER] = [
+    [data::CYCLE_WEB_START_2, data::CYCLE_WEB_DEPTH_2],
+    [data::CYCLE_WEB_START_3, data::CYCLE_WEB_DEPTH_3],
+    [data::CYCLE_WEB_START_4, data::CYCLE_WEB_DEPTH_4],
+];
+
+/// Positions of the webs of a hole; distances count from `base` like the depth.
+pub(super) fn of_hole(kernel: &mut Kernel<'_>, state: &State, base: f64) -> [Option<[f64; 2]>; FURTHER] {
+    let mut webs = [None; FURTHER];
+    for (number, (slot, given)) in (2..).zip(webs.iter_mut().zip(state.webs)) {
+        let at = |height: Option<Height>| height.map(|height| height.from(base));
+        *slot = match given.map(at) {
+            [Some(start), Some(depth)] => Some([start, depth]),
+            [None, None] => None,
+            _ => {
+                let block = kernel.block_text();
+                let text = format!("web {number} needs its start and its depth in '{block}', it is left out");
+                kernel.diagnose(&diag::DATA_MISSING, text);
+                None
+            }
+        };
+    }
+    webs
+}
+
+impl Kernel<'_> {
+    /// From the depth of the first web through the others.
+    pub(super) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
+        let hole = drill.hole;
+        let scale = self.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let up = (hole.clear - depth).signum() * drill.cycle.step_back / scale;
+        for [start, depth] in hole.webs.into_iter().flatten() {
+            self.lift(drill, start + up)?;
+            self.plunge(drill, depth, 1.0)?;
+        }
+        Ok(())
+    }
+}
