@@ -108,7 +108,7 @@ fn event(info: &Info, event: &Event) -> Option<String> {
         Kind::Mode { text } => format!("mode {text}"),
         Kind::Tool { action, tool, .. } => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => format!("spindle {} {}", format!("{:?}", s.direction).to_lowercase(), s.speed),
-        Kind::Coolant { on } => format!("coolant {}", if *on { "on" } else { "off" }),
+        Kind::Coolant(coolant) => coolant.to_string(),
         Kind::Function { letter, value } => format!("function {letter}{value}"),
         Kind::Call { program, .. } => format!("call {program}"),
         Kind::Return { .. } => "return".to_owned(),

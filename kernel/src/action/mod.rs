@@ -4,6 +4,7 @@
 //! axes) and never touches another channel except through a shared operation.
 
 mod arc;
+pub(crate) mod coolant;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -11,6 +12,7 @@ mod home;
 mod mode;
 mod motion;
 pub(crate) mod spindle;
+pub(crate) mod states;
 mod stop;
 mod subprogram;
 pub(crate) mod sync;
@@ -59,7 +61,7 @@ pub(crate) enum Action {
     Rpm,
     MaxRpm,
     CssDriver(u16),
-    Coolant(bool),
+    Coolant(coolant::Switch),
     /// A state that nothing here depends on: it shows in the log, macros read it from the group.
     State,
     ToolSelect,
@@ -126,10 +128,7 @@ impl Action {
             codes::SPINDLE_MAXRPM => A::MaxRpm,
             codes::SPINDLE_CSS_MAIN => A::CssDriver(1),
             codes::SPINDLE_CSS_SIDE => A::CssDriver(2),
-            codes::COOLANT_FLOOD | codes::COOLANT_MIST | codes::COOLANT_ON | codes::COOLANT_THRU => A::Coolant(true),
-            codes::COOLANT_OFF => A::Coolant(false),
             codes::SPINDLE_FRONT | codes::SPINDLE_REAR => A::State,
-            CodeId(device) if (codes::COOLANT_DEV1_OFF.0..=codes::COOLANT_DEV9_ON.0).contains(&device) => A::State,
             codes::TOOL_SELECT => A::ToolSelect,
             codes::TOOL_LOAD => A::ToolLoad,
             codes::HEAD_MAIN => A::Head(Some(1)),
@@ -144,7 +143,10 @@ impl Action {
             codes::CALSUB_RETURN => A::Return,
             codes::SYNC_REG => A::Sync,
             codes::FUNCTION => A::Function,
-            _ => return cycle::Kind::of(id).map(A::Cycle).or_else(|| spindle_code(id)),
+            _ => {
+                let cycle = cycle::Kind::of(id).map(A::Cycle);
+                return cycle.or_else(|| coolant::of(id).map(A::Coolant)).or_else(|| spindle_code(id));
+            }
         })
     }
 }
@@ -202,7 +204,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::Rpm => spindle::rpm(kernel),
         Action::MaxRpm => spindle::limit(kernel),
         Action::CssDriver(channel) => spindle::driver(kernel, channel),
-        Action::Coolant(on) => mode::coolant(kernel, on),
+        Action::Coolant(switch) => coolant::switch(kernel, switch),
         Action::State => mode::state(kernel, row),
         Action::ToolSelect => tool::select(kernel),
         Action::ToolLoad => tool::load(kernel),

@@ -53,12 +53,6 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
     Ok(())
 }
 
-/// Coolant.
-pub(super) fn coolant(kernel: &mut Kernel<'_>, on: bool) -> Acted {
-    kernel.emit(0, Kind::Coolant { on });
-    Ok(())
-}
-
 /// A function of the machine that only takes time; the time itself is added by the code loop.
 pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acted {
     kernel.take(data::FUNCTION);

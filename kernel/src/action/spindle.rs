@@ -29,7 +29,7 @@ pub(super) fn turn(kernel: &mut Kernel<'_>, number: u16, direction: Direction, c
         kernel.take(data::SPINDLE_ORIENT);
     }
     if let Some(on) = coolant {
-        kernel.emit(0, Kind::Coolant { on });
+        super::coolant::with_spindle(kernel, on);
     }
     let css = kernel.current()?.css;
     let speed = take_speed(kernel, css);

@@ -120,6 +120,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) edited: Option<Arc<[u8]>>,
     /// Canned cycle.
     pub(crate) cycle: crate::action::cycle::State,
+    /// What actions remember beyond codes, data and positions.
+    pub(crate) states: Box<crate::action::states::States>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

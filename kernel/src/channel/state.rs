@@ -18,6 +18,7 @@ pub(crate) mod group {
     pub(crate) const RETRACT: u16 = 10;
     pub(crate) const EXACT_STOP: u16 = 15;
     pub(crate) const COOLANT: u16 = 54;
+    pub(crate) const COOLANT_SIDE: u16 = 540;
     pub(crate) const HEAD: u16 = 68;
 }
 

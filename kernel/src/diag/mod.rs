@@ -86,6 +86,7 @@ diagnostics! {
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
+    COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
 }
 
 #[cfg(test)]

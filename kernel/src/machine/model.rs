@@ -52,6 +52,8 @@ pub struct Machine {
     pub time: Time,
     /// Canned cycles.
     pub cycles: Cycles,
+    /// Pump of the coolant.
+    pub pump: Pump,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -559,6 +561,15 @@ pub struct Cycles {
     pub cancel_required: bool,
     /// A motion code of the program cancels the cycle.
     pub motion_cancels: bool,
+}
+
+/// Pump of the coolant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pump {
+    /// Largest pressure, 0 = no limit.
+    pub max_pressure: f64,
+    /// Pressures of `CODE_COOLANT_PRESSURE_0` and the following ones; the number of the code beyond the list.
+    pub pressures: Vec<f64>,
 }
 
 /// Way of a cycle to its clearance height.

@@ -350,6 +350,7 @@ impl<'a> Shop<'a> {
             raised: rustc_hash::FxHashMap::default(),
             edited: None,
             cycle: crate::action::cycle::State::new(machine),
+            states: Box::default(),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());

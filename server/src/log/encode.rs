@@ -4,8 +4,8 @@
 //! files stay the only contract. Numbers of fields are those of `event.proto`.
 
 use counterpoint_kernel::log::event::{
-    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Stop, ToolAction,
-    VerdictKind,
+    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Outlet, Phase, Position, Primitive, Stop,
+    ToolAction, VerdictKind,
 };
 
 const VARINT: u8 = 0;
@@ -57,7 +57,15 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             double_field(out, 4, spindle.speed);
             double_field(out, 5, spindle.limit);
         }),
-        Kind::Coolant { on } => nested(out, 16, |out| varint_field(out, 1, u64::from(*on))),
+        Kind::Coolant(coolant) => nested(out, 16, |out| {
+            varint_field(out, 1, u64::from(coolant.on));
+            varint_field(out, 2, u64::from(coolant.fluid));
+            match coolant.outlet {
+                Outlet::Main => {}
+                Outlet::Side => varint_field(out, 3, 1),
+                Outlet::Device(number) => varint_field(out, 4, u64::from(number)),
+            }
+        }),
         Kind::Function { letter, value } => nested(out, 17, |out| {
             text_field(out, 1, letter.encode_utf8(&mut [0; 4]));
             double_field(out, 2, *value);

@@ -37,7 +37,7 @@ impl Actions {
                 Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
                 Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
             }),
-            Kind::Coolant { on } => one(format!("coolant {}", if *on { "on" } else { "off" })),
+            Kind::Coolant(coolant) => one(coolant.to_string()),
             Kind::Function { letter, value } => {
                 one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
             }

@@ -5,7 +5,7 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers,
+    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -34,6 +34,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
+    let pump = pump::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -71,6 +72,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         sync,
         time,
         cycles,
+        pump,
         variables,
         tool,
         work_offsets,

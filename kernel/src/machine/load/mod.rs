@@ -19,6 +19,7 @@ mod initial;
 mod macros;
 mod names;
 mod overlap;
+mod pump;
 mod questionnaire;
 mod questions;
 mod registers;

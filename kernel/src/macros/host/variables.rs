@@ -4,6 +4,7 @@
 //! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
 //! positions and decisions: docs/emulation.md.
 
+mod coolant;
 mod cycles;
 mod kernels;
 mod positions;
@@ -65,8 +66,9 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let found =
-        [program::find, state::find, cycles::find, spindles::find, kernels::find].iter().find_map(|find| find(name));
+    let found = [program::find, state::find, cycles::find, spindles::find, coolant::find, kernels::find]
+        .iter()
+        .find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,

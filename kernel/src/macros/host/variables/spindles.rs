@@ -1,4 +1,4 @@
-//! Variables of spindles, coolant devices and threads.
+//! Variables of spindles and threads.
 //!
 //! Invariant: what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
 //! 6, 9.
@@ -12,14 +12,11 @@ use crate::action::spindle::set_command;
 use crate::channel::Kernel;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
-use crate::machine::ident::{CodeId, codes, data};
+use crate::machine::ident::{codes, data};
 use crate::multi::shared::Command;
 
 /// Modal group of the main and the sub-spindle.
 const SPINDLES: u16 = 67;
-
-/// Modal group of the first coolant device, less one.
-const DEVICES: u16 = 540;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
@@ -106,37 +103,6 @@ fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     number(kernel.spindle.command.limit.min(machine))
 }
 
-/// The code of a coolant device; custom tables of a machine need not have it.
-fn device(at: &[i64], on: bool) -> Option<CodeId> {
-    let number = u16::try_from(*at.first()?).ok().filter(|number| (1..=9).contains(number))?;
-    Some(CodeId(codes::COOLANT_DEV1_OFF.0 + (number - 1) * 2 + u16::from(on)))
-}
-
-fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
-    let group = at.first().and_then(|at| u16::try_from(*at).ok()).map_or(0, |at| DEVICES + at);
-    let active = kernel.modal.code(group);
-    number(match active {
-        Some(code) if Some(code) == device(at, true) => 1.0,
-        Some(code) if Some(code) == device(at, false) => 0.0,
-        _ => -1.0,
-    })
-}
-
-fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
-    let wanted = match real(value) {
-        0.0 => device(at, false),
-        1.0 => device(at, true),
-        _ => None,
-    };
-    match wanted.filter(|code| kernel.row_of_code(*code).is_some()) {
-        Some(code) => {
-            kernel.activate_code(code);
-            Ok(())
-        }
-        None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this state of the coolant device")),
-    }
-}
-
 fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let rear = kernel.modal.code(SPINDLES) == Some(codes::SPINDLE_REAR);
     let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
@@ -203,7 +169,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 set(k, |command| command.driver = head)
             }),
         ),
-        "$COOLDEV" => (device_state, Some(set_device)),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
         "$PITCH" => (
             |k, _| number(pitch(k)),

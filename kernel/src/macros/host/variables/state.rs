@@ -24,20 +24,6 @@ fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) 
 
 const DIAMETER: [(CodeId, f64); 3] =
     [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
-const COOLANTS: [(CodeId, f64); 5] = [
-    (codes::COOLANT_OFF, 0.0),
-    (codes::COOLANT_FLOOD, 1.0),
-    (codes::COOLANT_MIST, 2.0),
-    (codes::COOLANT_TAPKUL, 3.0),
-    (codes::COOLANT_THRU, 4.0),
-];
-const COOLANT_WORDS: [(CodeId, &str); 5] = [
-    (codes::COOLANT_OFF, "OFF"),
-    (codes::COOLANT_FLOOD, "FLOOD"),
-    (codes::COOLANT_MIST, "MIST"),
-    (codes::COOLANT_TAPKUL, "TAPKUL"),
-    (codes::COOLANT_THRU, "THRU"),
-];
 const HEADS: [(CodeId, &str); 2] = [(codes::HEAD_MAIN, "MAIN"), (codes::HEAD_SIDE, "SIDE")];
 
 /// Keyword of the active code of a group in a list; the first one without one.
@@ -166,25 +152,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 number(u8::from(active))
             },
             None,
-        ),
-        "$COOLTYP" => {
-            (|k, _| of_group(k, group::COOLANT, &COOLANTS, 0.0), Some(|k, _, value| set_group(k, &COOLANTS, value)))
-        }
-        "$COOLNT" => (
-            |k, _| keyword(k, group::COOLANT, &COOLANT_WORDS),
-            Some(|k, _, value| {
-                let is = |word: &str| {
-                    matches!(value, Value::Keyword(code)
-                    if counterpoint_lang::ident::minor_code(word) == Some(*code))
-                };
-                match COOLANT_WORDS.iter().find(|(_, word)| is(word)) {
-                    Some((code, _)) => {
-                        k.activate_code(*code);
-                        Ok(())
-                    }
-                    None => Err(Fault::new(Number::BAD_VALUE, "there is no coolant of this name")),
-                }
-            }),
         ),
         "$HEAD" => (|k, _| keyword(k, group::HEAD, &HEADS), None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
