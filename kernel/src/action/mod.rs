@@ -4,14 +4,17 @@
 //! axes) and never touches another channel except through a shared operation.
 
 mod arc;
+mod change_point;
 pub(crate) mod coolant;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
+mod head;
 mod home;
 mod mode;
 mod motion;
 pub(crate) mod spindle;
+pub(crate) mod spindles;
 pub(crate) mod states;
 mod stop;
 mod subprogram;
@@ -61,17 +64,27 @@ pub(crate) enum Action {
     Rpm,
     MaxRpm,
     CssDriver(u16),
+    CssDriverById,
+    CssRadial,
+    SpindleInWork {
+        rear: bool,
+    },
+    Apply {
+        milling: bool,
+    },
     Coolant(coolant::Switch),
-    /// A state that nothing here depends on: it shows in the log, macros read it from the group.
-    State,
+    Additive(bool),
     ToolSelect,
     ToolLoad,
+    ToolPoint,
+    ToolPointReturn,
     Head(Option<u32>),
+    OtherHead(head::Event),
     Stop(Stop),
     Call,
     CallRange,
     Return,
-    Sync,
+    Sync(sync::Mark),
     Function,
     Cycle(cycle::Kind),
     CycleOn,
@@ -128,9 +141,18 @@ impl Action {
             codes::SPINDLE_MAXRPM => A::MaxRpm,
             codes::SPINDLE_CSS_MAIN => A::CssDriver(1),
             codes::SPINDLE_CSS_SIDE => A::CssDriver(2),
-            codes::SPINDLE_FRONT | codes::SPINDLE_REAR => A::State,
+            codes::SPINDLE_CSS_ID => A::CssDriverById,
+            codes::SPINDLE_CSS_RADIAL => A::CssRadial,
+            codes::SPINDLE_FRONT => A::SpindleInWork { rear: false },
+            codes::SPINDLE_REAR => A::SpindleInWork { rear: true },
+            codes::APPLY_TURN => A::Apply { milling: false },
+            codes::APPLY_MILL => A::Apply { milling: true },
+            codes::AM_ON => A::Additive(true),
+            codes::AM_OFF => A::Additive(false),
             codes::TOOL_SELECT => A::ToolSelect,
             codes::TOOL_LOAD => A::ToolLoad,
+            codes::TOOL_LOAD_POINT => A::ToolPoint,
+            codes::TOOL_LOAD_RETURN => A::ToolPointReturn,
             codes::HEAD_MAIN => A::Head(Some(1)),
             codes::HEAD_SIDE => A::Head(Some(2)),
             codes::HEAD_ID => A::Head(None),
@@ -141,11 +163,16 @@ impl Action {
             codes::CALSUB_ID => A::Call,
             codes::CALSUB_RANGE => A::CallRange,
             codes::CALSUB_RETURN => A::Return,
-            codes::SYNC_REG => A::Sync,
+            codes::SYNC_REG => A::Sync(sync::Mark::Word),
+            codes::SYNC_REG_MAIN => A::Sync(sync::Mark::Main),
+            codes::SYNC_REG_SIDE => A::Sync(sync::Mark::Side),
+            codes::SYNC_REG_START => A::Sync(sync::Mark::Start),
+            codes::SYNC_REG_STOP => A::Sync(sync::Mark::Stop),
             codes::FUNCTION => A::Function,
             _ => {
                 let cycle = cycle::Kind::of(id).map(A::Cycle);
-                return cycle.or_else(|| coolant::of(id).map(A::Coolant)).or_else(|| spindle_code(id));
+                let other = || coolant::of(id).map(A::Coolant).or_else(|| head::of(id).map(A::OtherHead));
+                return cycle.or_else(other).or_else(|| spindle_code(id));
             }
         })
     }
@@ -165,7 +192,9 @@ fn spindle_code(id: CodeId) -> Option<Action> {
     let direction = match rest {
         "CLW" => Direction::Clockwise,
         "CCLW" => Direction::CounterClockwise,
-        "OFF" | "NEUTRAL" | "LOCK" => Direction::Off,
+        "OFF" => Direction::Off,
+        "LOCK" => Direction::Locked,
+        "NEUTRAL" => Direction::Neutral,
         "ORIENT" => Direction::Oriented,
         _ => return None,
     };
@@ -205,15 +234,22 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::MaxRpm => spindle::limit(kernel),
         Action::CssDriver(channel) => spindle::driver(kernel, channel),
         Action::Coolant(switch) => coolant::switch(kernel, switch),
-        Action::State => mode::state(kernel, row),
+        Action::CssDriverById => spindles::driver_by_id(kernel),
+        Action::CssRadial => spindle::radial(kernel),
+        Action::SpindleInWork { rear } => spindles::in_work(kernel, rear),
+        Action::Apply { milling } => spindles::apply(kernel, milling),
+        Action::Additive(on) => mode::additive(kernel, on),
         Action::ToolSelect => tool::select(kernel),
         Action::ToolLoad => tool::load(kernel),
-        Action::Head(number) => tool::head(kernel, number),
+        Action::ToolPoint => change_point::go(kernel),
+        Action::ToolPointReturn => change_point::come_back(kernel),
+        Action::Head(number) => head::load(kernel, number),
+        Action::OtherHead(event) => head::other(kernel, event, row),
         Action::Stop(stop) => stop::stop(kernel, stop),
         Action::Call => subprogram::call(kernel),
         Action::CallRange => subprogram::call_range(kernel),
         Action::Return => subprogram::give_back(kernel),
-        Action::Sync => sync::meet(kernel, row),
+        Action::Sync(mark) => sync::meet(kernel, row, mark),
         Action::Function => mode::function(kernel, row, firing),
         Action::Cycle(kind) => cycle::cycle(kernel, kind, row, firing),
         Action::CycleOn => cycle::on(kernel, row, firing),

@@ -14,16 +14,6 @@ pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
     Ok(())
 }
 
-/// A state with the words of its code.
-pub(super) fn state(kernel: &mut Kernel<'_>, row: &CodeRow) -> Acted {
-    if kernel.mode_changed {
-        let name = kernel.machine.code_name(row.id);
-        let text = name.strip_prefix("CODE_").unwrap_or(name).to_lowercase().replace('_', " ");
-        kernel.emit(0, Kind::Mode { text: text.into() });
-    }
-    Ok(())
-}
-
 /// Primary or secondary units.
 pub(super) fn units(kernel: &mut Kernel<'_>, secondary: bool) -> Acted {
     use crate::log::info::Unit;
@@ -60,5 +50,17 @@ pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -
         let (letter, value) = kernel.written(row, firing);
         kernel.emit(0, Kind::Function { letter, value });
     }
+    Ok(())
+}
+
+/// Power of additive machining.
+pub(super) fn additive(kernel: &mut Kernel<'_>, on: bool) -> Acted {
+    let power = kernel.take(data::AM).map(|d| counterpoint_lang::format::wildcard_text(d.value));
+    let text = match (on, power) {
+        (true, Some(power)) => format!("am on p={power}"),
+        (true, None) => "am on".to_owned(),
+        (false, _) => "am off".to_owned(),
+    };
+    kernel.emit(0, Kind::Mode { text: text.into() });
     Ok(())
 }

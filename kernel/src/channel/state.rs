@@ -19,6 +19,7 @@ pub(crate) mod group {
     pub(crate) const EXACT_STOP: u16 = 15;
     pub(crate) const COOLANT: u16 = 54;
     pub(crate) const COOLANT_SIDE: u16 = 540;
+    pub(crate) const SPINDLES: u16 = 67;
     pub(crate) const HEAD: u16 = 68;
 }
 

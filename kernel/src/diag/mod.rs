@@ -87,6 +87,7 @@ diagnostics! {
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
     COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
+    NO_HEAD 2900161 8 false "head that the machine does not have";
 }
 
 #[cfg(test)]

@@ -361,10 +361,13 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
                 Direction::Clockwise => 1,
                 Direction::CounterClockwise => 2,
                 Direction::Oriented => 3,
+                Direction::Locked => 4,
+                Direction::Neutral => 5,
             });
             out.push(u8::from(spindle.css));
             float(out, spindle.speed);
             float(out, spindle.limit);
+            float(out, spindle.angle);
         }
         Kind::Coolant(coolant) => out.extend_from_slice(&[
             u8::from(coolant.on),

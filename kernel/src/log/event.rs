@@ -235,6 +235,8 @@ pub struct Spindle {
     pub speed: f64,
     /// Speed limit in rev/min; infinite when none.
     pub limit: f64,
+    /// Angle of an oriented stop, degrees; 0 otherwise.
+    pub angle: f64,
 }
 
 /// Rotation of a spindle.
@@ -249,6 +251,10 @@ pub enum Direction {
     CounterClockwise,
     /// Oriented, M19.
     Oriented,
+    /// Held in its place.
+    Locked,
+    /// Free to be turned by hand.
+    Neutral,
 }
 
 /// A coolant that was switched.

@@ -422,6 +422,10 @@ pub struct Channel {
     pub axes: Vec<usize>,
     /// Spindle number its feed per revolution and S word mean.
     pub spindle: Option<u16>,
+    /// Sub-spindle, for `CODE_SPINDLE_REAR`.
+    pub rear: Option<u16>,
+    /// Spindle of the milling mode.
+    pub milling: Option<u16>,
 }
 
 /// A spindle.
@@ -617,6 +621,10 @@ pub struct Tool {
     pub offset_digits: u8,
     /// Offsets by number: per machine axis, axis units, and nose radius.
     pub offsets: Vec<ToolOffset>,
+    /// Tool-change position in the machine frame, per machine axis, as programmed.
+    pub change_point: Vec<Option<f64>>,
+    /// The axes go there before a tool is loaded.
+    pub change_motion: bool,
 }
 
 /// One tool offset.

@@ -314,8 +314,7 @@ impl<'a> Shop<'a> {
         let Self { job, plan, coordinator, files, control, given } = self;
         let machine = &*job.spec().machine;
         let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
-        let shared =
-            machine.channels.iter().filter(|c| c.spindle.is_some() && c.spindle == channel.spindle).count() > 1;
+        let shared = spindle.is_some_and(|index| crate::action::spindles::is_shared(machine, index));
         let mut kernel = Kernel {
             machine,
             info: job.info(),
@@ -350,7 +349,7 @@ impl<'a> Shop<'a> {
             raised: rustc_hash::FxHashMap::default(),
             edited: None,
             cycle: crate::action::cycle::State::new(machine),
-            states: Box::default(),
+            states: Box::new(crate::action::states::States::new(machine, channel)),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());

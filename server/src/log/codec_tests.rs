@@ -37,6 +37,7 @@ fn kinds() -> Vec<Kind> {
             css: true,
             speed: 180.0,
             limit: f64::INFINITY,
+            angle: 90.0,
         }),
         Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
         Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),

@@ -126,11 +126,11 @@ pub(crate) fn event(bytes: &[u8]) -> Option<(u64, Event)> {
 }
 
 /// The first fields of a small message, by number from 1; absent ones are zero.
-struct Small<'a>([Value<'a>; 6]);
+struct Small<'a>([Value<'a>; 7]);
 
 impl<'a> Small<'a> {
     fn read(bytes: &'a [u8]) -> Self {
-        let mut values = [const { Value::Number(0) }; 6];
+        let mut values = [const { Value::Number(0) }; 7];
         for (field, value) in Fields(bytes) {
             if let Some(slot) = values.get_mut(field as usize) {
                 *slot = value;
@@ -168,6 +168,7 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             css: m.number(3) != 0,
             speed: m.get(4).double(),
             limit: m.get(5).double(),
+            angle: m.get(6).double(),
         }),
         16 => Kind::Coolant(Coolant {
             on: m.number(1) != 0,

@@ -217,7 +217,7 @@ impl Kernel<'_> {
     fn turn(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
         match drill.turning {
             Direction::Clockwise | Direction::CounterClockwise => spindle::turn_inside(self, direction),
-            Direction::Off | Direction::Oriented => Ok(()),
+            _ => Ok(()),
         }
     }
 

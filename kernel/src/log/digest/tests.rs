@@ -94,8 +94,14 @@ fn minus_zero_counts_as_zero() {
 
 #[test]
 fn every_field_counts() {
-    let spindle =
-        Spindle { spindle: 1, direction: Direction::Clockwise, css: false, speed: 900.0, limit: f64::INFINITY };
+    let spindle = Spindle {
+        spindle: 1,
+        direction: Direction::Clockwise,
+        css: false,
+        speed: 900.0,
+        limit: f64::INFINITY,
+        angle: 0.0,
+    };
     let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
     let wait = Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: [1, 2].into() };

@@ -3,7 +3,7 @@
 //! Invariant: positions are objects with every axis of the channel, in channel order.
 
 use super::{bare_float, boolean, field, float, integer, text, value};
-use crate::log::event::{Coolant, Event, Kind, Motion, MotionKind, Outlet, Position, Spindle, Verdict};
+use crate::log::event::{Coolant, Direction, Event, Kind, Motion, MotionKind, Outlet, Position, Spindle, Verdict};
 use crate::log::info::{Axis, Info};
 
 /// Name of a kind.
@@ -116,6 +116,9 @@ fn write_spindle(spindle: &Spindle, out: &mut Vec<u8>) {
     boolean(out, "css", spindle.css);
     float(out, "speed", spindle.speed);
     float(out, "limit", spindle.limit);
+    if spindle.direction == Direction::Oriented {
+        float(out, "angle", spindle.angle);
+    }
 }
 
 fn write_coolant(coolant: &Coolant, out: &mut Vec<u8>) {

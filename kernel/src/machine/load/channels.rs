@@ -36,15 +36,16 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
     row.require("axes", "names of the channel's axes, in the order in which they are shown");
     let own = channel_axes(row, axes, check);
     let only = if let [spindle] = spindles { Some(spindle.number) } else { None };
-    let spindle = row.integer("spindle", 1..=99).map(|number| number as u16);
-    if let Some(spindle) = spindle
-        && !spindles.iter().any(|known| known.number == spindle)
-    {
-        check.missing(row.place_of("spindle"), format!("there is no spindle {spindle}"));
-    }
+    let [spindle, rear, milling] = ["spindle", "rear", "milling"].map(|key| {
+        let number = row.integer(key, 1..=99).map(|number| number as u16);
+        if let Some(number) = number.filter(|number| !spindles.iter().any(|known| known.number == *number)) {
+            check.missing(row.place_of(key), format!("there is no spindle {number}"));
+        }
+        number
+    });
     let number = number?;
     let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
-    Some(Channel { number, name, axes: own, spindle: spindle.or(only) })
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling })
 }
 
 fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {

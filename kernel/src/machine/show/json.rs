@@ -160,6 +160,8 @@ fn channel(machine: &Machine, channel: &Channel) -> Value {
         "name": channel.name,
         "axes": channel.axes.iter().map(|index| axis(machine, *index)).collect::<Vec<_>>(),
         "spindle": channel.spindle,
+        "rear": channel.rear,
+        "milling": channel.milling,
     })
 }
 

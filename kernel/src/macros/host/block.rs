@@ -29,6 +29,7 @@ impl Kernel<'_> {
         let before = self.modal.code(group);
         self.modal.activate(group, id, row);
         self.follow_cycle();
+        self.follow_spindle();
         before
     }
 

@@ -10,13 +10,11 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write, names};
 use crate::action::spindle::set_command;
 use crate::channel::Kernel;
+use crate::channel::state::group;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
 use crate::machine::ident::{codes, data};
 use crate::multi::shared::Command;
-
-/// Modal group of the main and the sub-spindle.
-const SPINDLES: u16 = 67;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
@@ -64,16 +62,17 @@ fn mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 
 /// 0 stops, 2 turns by rev/min, 1 and 3 by surface speed in the unit of the machine.
 fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let (mode, rank) = (real(value), kernel.rank);
+    let mode = real(value);
     if mode == 0.0 {
         kernel.activate_code(codes::SPINDLE_OFF);
         return set(kernel, |command| command.direction = Direction::Off);
     }
     let css = mode != 2.0;
+    let driver = kernel.states.spindles.driver.unwrap_or(kernel.rank);
     kernel.activate_code(if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
     set(kernel, |command| {
         if css && !command.css {
-            command.driver = rank;
+            command.driver = driver;
         }
         command.css = css;
     })
@@ -104,7 +103,7 @@ fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 }
 
 fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let rear = kernel.modal.code(SPINDLES) == Some(codes::SPINDLE_REAR);
+    let rear = kernel.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR);
     let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
     word.map_or(Value::Null, Value::Keyword)
 }
@@ -166,9 +165,13 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| number(k.spindle.command.driver),
             Some(|k, _, value| {
                 let head = real(value).clamp(0.0, f64::from(u16::MAX)) as u16;
+                k.states.spindles.driver = (head > 0).then_some(head);
                 set(k, |command| command.driver = head)
             }),
         ),
+        "$LTHMOD" => (|k, _| number(u8::from(k.states.spindles.milling)), None),
+        "$STID" => (|k, _| number(k.turning_code()), None),
+        "$SMID" => (|k, _| number(k.milling_code()), None),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
         "$PITCH" => (
             |k, _| number(pitch(k)),

@@ -24,14 +24,15 @@ fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) 
 
 const DIAMETER: [(CodeId, f64); 3] =
     [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
-const HEADS: [(CodeId, &str); 2] = [(codes::HEAD_MAIN, "MAIN"), (codes::HEAD_SIDE, "SIDE")];
-
-/// Keyword of the active code of a group in a list; the first one without one.
-fn keyword(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, &str)]) -> Value {
-    let active = kernel.modal.code(group);
-    let found = list.iter().find(|(code, _)| Some(*code) == active).or(list.first());
-    let code = found.and_then(|(_, word)| counterpoint_lang::ident::minor_code(word));
-    code.map_or(Value::Null, Value::Keyword)
+/// `$HEAD`: the active code of heads, or the head that its word has named.
+fn head(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let word = match (kernel.modal.code(group::HEAD), kernel.states.head) {
+        (Some(codes::HEAD_MAIN), _) => "MAIN",
+        (Some(codes::HEAD_SIDE), _) | (_, 2) => "SIDE",
+        (_, 3) => "RIGHT",
+        _ => "MAIN",
+    };
+    counterpoint_lang::ident::minor_code(word).map_or(Value::Null, Value::Keyword)
 }
 
 const PLANES: [(CodeId, f64); 3] = [(codes::PLANE_XY, 1.0), (codes::PLANE_ZX, 2.0), (codes::PLANE_YZ, 3.0)];
@@ -153,7 +154,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$HEAD" => (|k, _| keyword(k, group::HEAD, &HEADS), None),
+        "$HEAD" => (head, None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
         "$RAPID" => (
             |k, _| Value::Logical(k.modal.code(group::MOTION) == Some(codes::RAPID)),
