@@ -8,6 +8,7 @@ pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
 mod home;
+mod local;
 mod mode;
 mod motion;
 pub(crate) mod spindle;
@@ -49,6 +50,8 @@ pub(crate) enum Action {
     WorkOffset,
     WorkOffsetOff,
     Length(f64),
+    /// A code of the local frame.
+    Local(local::Change),
     Diameter(&'static str),
     Spindle {
         number: u16,
@@ -118,6 +121,8 @@ impl Action {
             codes::COMP_LENGTH_ON => A::Length(1.0),
             codes::COMP_LENGTH_ON_NEG => A::Length(-1.0),
             codes::COMP_LENGTH_OFF => A::Length(0.0),
+            codes::LCS_TRANSLATE_ON => A::Local(local::Change::On),
+            codes::LCS_TRANSLATE_OFF => A::Local(local::Change::Off),
             codes::COMP_DIAM_OFF => A::Diameter("off"),
             codes::COMP_DIAM_LEFT => A::Diameter("left"),
             codes::COMP_DIAM_RIGHT => A::Diameter("right"),
@@ -196,6 +201,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::WorkOffset => frame::work_offset(kernel),
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
         Action::Length(sign) => frame::length(kernel, sign),
+        Action::Local(change) => local::translate(kernel, change),
         Action::Diameter(side) => mode::diameter(kernel, side),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),
