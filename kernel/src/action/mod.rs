@@ -8,7 +8,7 @@ pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
 mod home;
-mod local;
+pub(crate) mod local;
 mod mode;
 mod motion;
 pub(crate) mod spindle;
@@ -18,8 +18,10 @@ pub(crate) mod sync;
 mod thread;
 mod time;
 mod tool;
+mod turned;
 
 use crate::channel::block::Firing;
+use crate::channel::frames::local::Part;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
 use crate::machine::ident::{CodeId, codes};
@@ -51,7 +53,7 @@ pub(crate) enum Action {
     WorkOffsetOff,
     Length(f64),
     /// A code of the local frame.
-    Local(local::Change),
+    Local(Part, local::Change),
     Diameter(&'static str),
     Spindle {
         number: u16,
@@ -121,8 +123,6 @@ impl Action {
             codes::COMP_LENGTH_ON => A::Length(1.0),
             codes::COMP_LENGTH_ON_NEG => A::Length(-1.0),
             codes::COMP_LENGTH_OFF => A::Length(0.0),
-            codes::LCS_TRANSLATE_ON => A::Local(local::Change::On),
-            codes::LCS_TRANSLATE_OFF => A::Local(local::Change::Off),
             codes::COMP_DIAM_OFF => A::Diameter("off"),
             codes::COMP_DIAM_LEFT => A::Diameter("left"),
             codes::COMP_DIAM_RIGHT => A::Diameter("right"),
@@ -149,7 +149,10 @@ impl Action {
             codes::CALSUB_RETURN => A::Return,
             codes::SYNC_REG => A::Sync,
             codes::FUNCTION => A::Function,
-            _ => return cycle::Kind::of(id).map(A::Cycle).or_else(|| spindle_code(id)),
+            _ => {
+                let local = || local::of(id).map(|(part, change)| A::Local(part, change));
+                return cycle::Kind::of(id).map(A::Cycle).or_else(local).or_else(|| spindle_code(id));
+            }
         })
     }
 }
@@ -201,7 +204,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::WorkOffset => frame::work_offset(kernel),
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
         Action::Length(sign) => frame::length(kernel, sign),
-        Action::Local(change) => local::translate(kernel, change),
+        Action::Local(part, change) => local::change(kernel, part, change),
         Action::Diameter(side) => mode::diameter(kernel, side),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),

@@ -17,6 +17,7 @@
 
 pub(crate) mod affine;
 pub(crate) mod local;
+mod told;
 
 use affine::Point;
 use local::Local;
@@ -44,7 +45,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_off()
+        self.local.is_empty()
     }
 }
 
@@ -55,6 +56,11 @@ impl Place {
             let at = axis.map(usize::from).and_then(|axis| Some((position.get(axis)?, self.axes.get(axis)?)));
             at.map_or(0.0, |(value, axis)| value * axis.scale)
         })
+    }
+
+    /// Which of the X, Y and Z axes the channel has.
+    pub(crate) fn has_axes(&self) -> [bool; 3] {
+        self.cartesian.map(|axis| axis.is_some())
     }
 
     /// Factor from programmed values to geometry of the X, Y or Z axis.

@@ -5,6 +5,7 @@
 //! positions and decisions: docs/emulation.md.
 
 mod cycles;
+mod frames;
 mod kernels;
 mod positions;
 mod program;
@@ -65,8 +66,8 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let found =
-        [program::find, state::find, cycles::find, spindles::find, kernels::find].iter().find_map(|find| find(name));
+    let all = [program::find, state::find, cycles::find, spindles::find, kernels::find, frames::find];
+    let found = all.iter().find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,
