@@ -6,17 +6,18 @@
 use counterpoint_motion::arc as geometry;
 
 use super::time::Path;
+use super::turned;
 use crate::channel::state::{group, plane};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{Motion, MotionKind};
+use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::data;
 
 /// An arc in the active plane, helical when the third axis is coded.
 pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
     let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+    let (coded, target) = kernel.programmed_targets();
     let plane_code = kernel.modal.code(group::PLANE);
     let axes = plane_code.and_then(plane).and_then(|p| {
         let index = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
@@ -38,7 +39,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
     if coded == 0 && radius.is_none() && !has_center {
         return Ok(());
     }
-    let from = kernel.place.position;
+    let from = kernel.programmed();
     let scales = [first, second].map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
     let in_plane = |p: &[f64]| {
         let at = |axis: usize, scale: f64| p.get(axis).copied().unwrap_or(0.0) * scale;
@@ -62,7 +63,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
             let text =
                 format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
-            return kernel.feed_to(coded, target, feed, unit);
+            return kernel.feed_to_point(coded, target, feed, unit);
         }
     };
     let off = made.end_error(end);
@@ -72,32 +73,59 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
     }
     let turns = if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 };
     let made = made.with_turns(turns);
-    let changes = kernel.changes(&from, &target);
-    let rise = changes
-        .iter()
-        .enumerate()
-        .filter(|&(i, _)| i != first && i != second && kernel.place.axes.get(i).is_some_and(|a| !a.rotary))
-        .map(|(_, c)| c * c)
-        .sum::<f64>();
-    let length = (made.length() * made.length() + rise).sqrt();
-    let x = kernel.place.cartesian.first().copied().flatten().map(usize::from);
-    let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-    let center = [made.center[0] / scales[0], made.center[1] / scales[1]];
-    let path = Path { from: &from, to: &target, length: made.length(), arc: Some((&made, radial)) };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    kernel.travel(
-        seconds,
-        &Motion {
-            kind: if clockwise { MotionKind::ArcCw } else { MotionKind::ArcCcw },
-            moving: coded | 1 << first | 1 << second,
-            from,
-            to: target,
-            center,
-            plane_axes: [first as u8, second as u8],
-            turns,
-            feed: feed.unwrap_or(0.0),
-            feed_unit: unit,
-            length,
-        },
-    )
+    let circle = Circle { made, coded, from, to: target, axes: [first, second], turns, feed, unit };
+    if kernel.place.frames.is_some() { turned::circle(kernel, plane, &circle) } else { kernel.circle_to(&circle) }
+}
+
+/// A circle to be made, in the frame of its points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Circle {
+    /// Geometry, with full turns.
+    pub(super) made: geometry::Arc,
+    pub(super) coded: u8,
+    pub(super) from: Position,
+    pub(super) to: Position,
+    /// Channel axes of its plane.
+    pub(super) axes: [usize; 2],
+    pub(super) turns: u16,
+    pub(super) feed: Option<f64>,
+    pub(super) unit: FeedUnit,
+}
+
+impl Kernel<'_> {
+    /// A circle in the work frame.
+    #[inline(always)]
+    pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
+        let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
+        let changes = self.changes(&from, &to);
+        let rise = changes
+            .iter()
+            .enumerate()
+            .filter(|&(i, _)| i != first && i != second && self.place.axes.get(i).is_some_and(|a| !a.rotary))
+            .map(|(_, c)| c * c)
+            .sum::<f64>();
+        let length = (made.length() * made.length() + rise).sqrt();
+        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
+        let radial = [first, second].iter().position(|&axis| Some(axis) == x);
+        let scale = |axis: usize| self.place.axes.get(axis).map_or(1.0, |a| a.scale);
+        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let moving = self.moving(coded, &changes) | 1 << first | 1 << second;
+        self.travel(
+            seconds,
+            &Motion {
+                kind: if made.sweep < 0.0 { MotionKind::ArcCw } else { MotionKind::ArcCcw },
+                moving,
+                from,
+                to,
+                center,
+                plane_axes: [first as u8, second as u8],
+                turns,
+                feed: feed.unwrap_or(0.0),
+                feed_unit: unit,
+                length,
+            },
+        )
+    }
 }

@@ -19,8 +19,9 @@ pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
+    let turned = kernel.place.frames.is_some();
     for (index, value) in target.iter().enumerate() {
-        if coded & (1 << index) != 0
+        if (turned || coded & (1 << index) != 0)
             && let (Some(preset), Some(position)) =
                 (kernel.place.preset.get_mut(index), kernel.place.position.get(index))
         {
@@ -91,10 +92,17 @@ impl Kernel<'_> {
         if wanted == self.place.shift {
             return;
         }
-        for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
-            *position += old - new;
+        if self.place.frames.is_some() {
+            let machine = self.machine_point(&self.place.position);
+            self.place.shift = wanted;
+            self.place.position = self.point_of_machine(&machine);
+            self.frames_changed();
+        } else {
+            for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
+                *position += old - new;
+            }
+            self.place.shift = wanted;
         }
-        self.place.shift = wanted;
         self.emit(0, Kind::Frame { shift: Box::new(wanted) });
     }
 

@@ -11,6 +11,7 @@ mod dwell;
 pub(crate) mod frame;
 mod head;
 mod home;
+pub(crate) mod local;
 mod mode;
 mod motion;
 pub(crate) mod spindle;
@@ -22,8 +23,10 @@ pub(crate) mod sync;
 mod thread;
 mod time;
 mod tool;
+mod turned;
 
 use crate::channel::block::Firing;
+use crate::channel::frames::local::Part;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
 use crate::machine::ident::{CodeId, codes};
@@ -54,6 +57,8 @@ pub(crate) enum Action {
     WorkOffset,
     WorkOffsetOff,
     Length(f64),
+    /// A code of the local frame.
+    Local(Part, local::Change),
     Diameter(&'static str),
     Spindle {
         number: u16,
@@ -170,9 +175,10 @@ impl Action {
             codes::SYNC_REG_STOP => A::Sync(sync::Mark::Stop),
             codes::FUNCTION => A::Function,
             _ => {
-                let cycle = cycle::Kind::of(id).map(A::Cycle);
-                let other = || coolant::of(id).map(A::Coolant).or_else(|| head::of(id).map(A::OtherHead));
-                return cycle.or_else(other).or_else(|| spindle_code(id));
+                let local = || local::of(id).map(|(part, change)| A::Local(part, change));
+                let head = || head::of(id).map(A::OtherHead);
+                let own = cycle::Kind::of(id).map(A::Cycle).or_else(|| coolant::of(id).map(A::Coolant));
+                return own.or_else(local).or_else(head).or_else(|| spindle_code(id));
             }
         })
     }
@@ -227,6 +233,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::WorkOffset => frame::work_offset(kernel),
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
         Action::Length(sign) => frame::length(kernel, sign),
+        Action::Local(part, change) => local::change(kernel, part, change),
         Action::Diameter(side) => mode::diameter(kernel, side),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),

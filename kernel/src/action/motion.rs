@@ -6,7 +6,7 @@ use super::time::Path;
 use crate::channel::state::{feed_of, group};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
+use crate::log::event::{FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
 use crate::machine::ident::codes;
 
 /// Positioning.
@@ -43,12 +43,31 @@ impl Kernel<'_> {
 
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
     pub(super) fn targets(&mut self) -> (u8, Position) {
+        if self.place.frames.is_none() {
+            return self.axis_words(self.place.position, self.place.shift);
+        }
+        let (coded, target) = self.programmed_targets();
+        (coded, self.work_point(&target))
+    }
+
+    /// Takes the axis words: bits of coded axes, and the target as programmed.
+    pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
+        if self.block.machine_frame && self.place.frames.is_some() {
+            let (coded, target) = self.axis_words(self.machine_point(&self.place.position), [0.0; MAX_AXES]);
+            return (coded, self.program_point(&self.point_of_machine(&target)));
+        }
+        self.axis_words(self.programmed(), self.place.shift)
+    }
+
+    /// Takes the axis words onto a point whose machine coordinates are `shift` away.
+    #[inline(always)]
+    fn axis_words(&mut self, from: Position, shift: Position) -> (u8, Position) {
         let relative = match self.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
             Some(_) => Some(false),
             None => None,
         };
-        let mut target = self.place.position;
+        let mut target = from;
         let mut coded = 0_u8;
         for index in 0..self.place.axes.len() {
             let Some(id) = self.place.axes.get(index).map(|a| a.data) else { break };
@@ -60,7 +79,7 @@ impl Kernel<'_> {
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }
-            let shift = self.place.shift.get(index).copied().unwrap_or(0.0);
+            let shift = shift.get(index).copied().unwrap_or(0.0);
             let Some(slot) = target.get_mut(index) else { break };
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
@@ -83,6 +102,27 @@ impl Kernel<'_> {
         if linear > 0.0 { linear.sqrt() } else { sum(true).sqrt() }
     }
 
+    /// A rapid move to a programmed point.
+    pub(super) fn rapid_to_point(&mut self, coded: u8, target: Position) -> Acted {
+        let target = self.work_point(&target);
+        self.rapid_to(coded, target)
+    }
+
+    /// A straight feed move to a programmed point.
+    pub(super) fn feed_to_point(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        let target = self.work_point(&target);
+        self.feed_to(coded, target, feed, unit)
+    }
+
+    /// Axes that a move concerns: a turned frame moves others than the coded ones.
+    #[inline(always)]
+    pub(super) fn moving(&self, coded: u8, changes: &Position) -> u8 {
+        if self.place.frames.is_none() {
+            return coded;
+        }
+        changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
+    }
+
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
         let from = self.place.position;
@@ -90,9 +130,11 @@ impl Kernel<'_> {
             return Ok(());
         }
         let seconds = self.rapid_seconds(&from, &target);
-        let length = self.tool_path(&self.changes(&from, &target));
+        let changes = self.changes(&from, &target);
+        let length = self.tool_path(&changes);
+        let moving = self.moving(coded, &changes);
         let feed = (0.0, FeedUnit::Rapid);
-        self.travel(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, target], feed, length))
+        self.travel(seconds, &Motion::straight(MotionKind::Rapid, moving, [from, target], feed, length))
     }
 
     /// A straight feed move to a target in the work frame.
@@ -106,8 +148,9 @@ impl Kernel<'_> {
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let length = self.tool_path(&changes);
+        let moving = self.moving(coded, &changes);
         let feed = (feed.unwrap_or(0.0), unit);
-        self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, target], feed, length))
+        self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
 
     /// Carries out a motion: limits, event, clock, position.
@@ -170,12 +213,12 @@ impl Kernel<'_> {
 
     fn check_travel(&mut self, to: &Position) {
         let mut over = None;
-        for ((axis, value), shift) in self.place.axes.iter().zip(to).zip(&self.place.shift) {
-            if let Some((low, high)) = axis.limits {
-                let at = value + shift;
-                if at < low - 1e-9 || at > high + 1e-9 {
-                    over = Some((axis.machine, at, low, high));
-                }
+        let machine = self.machine_point(to);
+        for (axis, at) in self.place.axes.iter().zip(machine) {
+            if let Some((low, high)) = axis.limits
+                && (at < low - 1e-9 || at > high + 1e-9)
+            {
+                over = Some((axis.machine, at, low, high));
             }
         }
         if let Some((axis, at, low, high)) = over {

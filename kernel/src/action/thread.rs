@@ -59,5 +59,6 @@ pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
     };
     let length = kernel.tool_path(&changes);
     let feed = (lead, FeedUnit::PerRevolution);
-    kernel.travel(seconds, &Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
+    let moving = kernel.moving(coded, &changes);
+    kernel.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))
 }

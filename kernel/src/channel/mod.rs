@@ -16,6 +16,7 @@ mod embedded;
 pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
+pub(crate) mod frames;
 pub(crate) mod leftover;
 pub(crate) mod life;
 pub(crate) mod macros;

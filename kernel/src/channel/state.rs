@@ -155,6 +155,8 @@ pub(crate) struct Place {
     pub(crate) tool: u32,
     /// Preselected tool.
     pub(crate) selected: u32,
+    /// What lies between the program and the work frame; none while nothing of it is active.
+    pub(crate) frames: Option<Box<super::frames::Frames>>,
 }
 
 impl Place {
@@ -197,6 +199,7 @@ impl Place {
             cartesian,
             tool: 0,
             selected: 0,
+            frames: None,
         }
     }
 }

@@ -130,8 +130,8 @@ impl Kernel<'_> {
     /// System variables that can be read: positions, modal codes, clock, tool.
     fn system(&self, index: u32) -> Option<f64> {
         let axis = |base: u32| self.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
-        let at = |i: usize| self.place.position.get(i).copied();
-        let machine = |i: usize| Some(at(i)? + self.place.shift.get(i)?);
+        let at = |i: usize| self.programmed().get(i).copied();
+        let machine = |i: usize| self.machine_point(&self.place.position).get(i).copied();
         match index {
             3001 => Some((self.clock / 1_000_000) as f64),
             3002 => Some(self.clock as f64 / 3.6e12),

@@ -86,6 +86,9 @@ diagnostics! {
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
+    FRAME_REFUSED 2900110 8 false "local frame that cannot be";
+    FRAME_AXIS 2900111 8 false "local frame that would move an axis the channel does not have";
+    ARC_SCALED 2900112 8 false "circle under unequal scales";
     COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
     NO_HEAD 2900161 8 false "head that the machine does not have";
 }

@@ -84,6 +84,7 @@ impl Kernel<'_> {
                 Value::numbers(&numbers)
             }
             "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
+            "$FMSLCS" => self.give_frame(arguments)?,
             name if name.starts_with("$FMS") => {
                 let message = format!("{name} needs a machine model, and there is none here");
                 state.warn(Fault::new(Number::NO_MODEL, message));

@@ -6,6 +6,7 @@
 
 mod coolant;
 mod cycles;
+mod frames;
 mod kernels;
 mod positions;
 mod program;
@@ -66,9 +67,8 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let found = [program::find, state::find, cycles::find, spindles::find, coolant::find, kernels::find]
-        .iter()
-        .find_map(|find| find(name));
+    let all = [program::find, state::find, cycles::find, spindles::find, coolant::find, kernels::find, frames::find];
+    let found = all.iter().find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,

@@ -63,10 +63,13 @@ G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
 G50 CODE_SPINDLE_MAXRPM 100 0
 G50 CODE_POSITION_PRESET 450 0
+G52 CODE_LCS_TRANSLATE_ON 100 17
 G53 CODE_POSITION_MACHINE 100 0
 G54-G59 CODE_COMP_WORKP_ON 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
+G68.1 CODE_LCS_ROTATE_ON 100 16
+G69.1 CODE_LCS_ROTATE_OFF 100 16
 G80 CODE_CYCLE_OFF 400 9
 G83 CODE_CYCLE_DEEP 400 9
 G84 CODE_CYCLE_TAP 400 9
@@ -119,15 +122,25 @@ fn the_two_path_lathe_has_these_data() {
         "N REG_SEQNO - - none",
         "X REG_AXIS_X yes - length",
         "X REG_DELAY - - time",
+        "X REG_LCS_TRANS_X - - length",
+        "X REG_LCS_ROT_CENTER_X - - length",
         "Y REG_AXIS_Y yes - length",
+        "Y REG_LCS_TRANS_Y - - length",
+        "Y REG_LCS_ROT_CENTER_Y - - length",
         "Z REG_AXIS_Z yes - length",
+        "Z REG_LCS_TRANS_Z - - length",
+        "Z REG_LCS_ROT_CENTER_Z - - length",
         "C REG_AXIS_CT yes - angle",
         "I REG_ARC_CENTER_X - - length",
+        "I REG_LCS_ROT_ANGLE_X - - angle",
         "J REG_ARC_CENTER_Y - - length",
+        "J REG_LCS_ROT_ANGLE_Y - - angle",
         "K REG_ARC_CENTER_Z - - length",
         "K REG_CYCLE_REPEAT - - none",
+        "K REG_LCS_ROT_ANGLE_Z - - angle",
         "R REG_ARC_RADIUS - - length",
         "R REG_CYCLE_CLEAR - - length",
+        "R REG_LCS_ROT_ANGLE - - angle",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
@@ -193,6 +206,9 @@ fn the_other_machines_differ_where_they_should() {
     assert_eq!(meaning(&mill, 'G', 91.0), ["CODE_POSITION_RELATIVE"]);
     assert_eq!(meaning(&mill, 'G', 98.0), ["CODE_CYCLE_RETRACT_INITIAL"]);
     assert_eq!(meaning(&mill, 'G', 85.0), ["CODE_CYCLE_REAM"]);
+    assert_eq!(meaning(&mill, 'G', 51.0), ["CODE_LCS_SCALE_ON"]);
+    assert_eq!(meaning(&mill, 'G', 51.1), ["CODE_LCS_MIRROR_ON"]);
+    assert_eq!(meaning(&mill, 'G', 68.0), ["CODE_LCS_ROTATE_ON"]);
     assert_eq!(meaning(&mill, 'G', 86.0), ["CODE_CYCLE_BORE"]);
     assert_eq!(meaning(&mill, 'T', 12.0), ["CODE_TOOL_SELECT"]);
     assert_eq!(meaning(&mill, 'M', 6.0), ["CODE_TOOL_LOAD"]);

@@ -54,8 +54,8 @@ impl Kernel<'_> {
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
             'M' => value(at) + value(&self.place.preset),
-            'J' => value(at) + value(&self.place.shift),
-            _ => value(at),
+            'J' => value(&self.machine_point(at)),
+            _ => value(&self.program_point(at)),
         }
     }
 
