@@ -5,6 +5,7 @@
 
 mod arc;
 mod change_point;
+pub(crate) mod clamp;
 pub(crate) mod coolant;
 pub(crate) mod cycle;
 mod dwell;
@@ -29,7 +30,7 @@ use crate::channel::block::Firing;
 use crate::channel::frames::local::Part;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
-use crate::machine::ident::{CodeId, codes};
+use crate::machine::ident::{CodeId, DataId, codes};
 use crate::machine::model::CodeRow;
 
 /// A built-in action.
@@ -85,6 +86,8 @@ pub(crate) enum Action {
     ToolPointReturn,
     Head(Option<u32>),
     OtherHead(head::Event),
+    Clamp(DataId, bool),
+    Unwind(Option<DataId>),
     Stop(Stop),
     Call,
     CallRange,
@@ -177,8 +180,11 @@ impl Action {
             _ => {
                 let local = || local::of(id).map(|(part, change)| A::Local(part, change));
                 let head = || head::of(id).map(A::OtherHead);
+                let clamp = || clamp::of(id).map(|(axis, on)| A::Clamp(axis, on));
+                let unwind = || clamp::unwinds(id).map(A::Unwind);
+                let axis = || clamp().or_else(unwind);
                 let own = cycle::Kind::of(id).map(A::Cycle).or_else(|| coolant::of(id).map(A::Coolant));
-                return own.or_else(local).or_else(head).or_else(|| spindle_code(id));
+                return own.or_else(local).or_else(head).or_else(axis).or_else(|| spindle_code(id));
             }
         })
     }
@@ -252,6 +258,8 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::ToolPointReturn => change_point::come_back(kernel),
         Action::Head(number) => head::load(kernel, number),
         Action::OtherHead(event) => head::other(kernel, event, row),
+        Action::Clamp(axis, on) => clamp::clamp(kernel, axis, on),
+        Action::Unwind(axis) => clamp::unwind(kernel, axis),
         Action::Stop(stop) => stop::stop(kernel, stop),
         Action::Call => subprogram::call(kernel),
         Action::CallRange => subprogram::call_range(kernel),

@@ -198,6 +198,9 @@ impl Kernel<'_> {
             self.sum_motion(rapid == 1, seconds, motion.length);
             self.note_travel(motion);
         }
+        if self.place.clamped != 0 {
+            self.check_clamps(motion);
+        }
         self.block.moved = true;
         self.flow.pass.effects = true;
         self.place.position = motion.to;

@@ -155,6 +155,8 @@ pub(crate) struct Place {
     pub(crate) tool: u32,
     /// Preselected tool.
     pub(crate) selected: u32,
+    /// Clamped axes, bit by axis.
+    pub(crate) clamped: u8,
     /// What lies between the program and the work frame; none while nothing of it is active.
     pub(crate) frames: Option<Box<super::frames::Frames>>,
 }
@@ -199,6 +201,7 @@ impl Place {
             cartesian,
             tool: 0,
             selected: 0,
+            clamped: 0,
             frames: None,
         }
     }

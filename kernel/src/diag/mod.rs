@@ -91,6 +91,7 @@ diagnostics! {
     ARC_SCALED 2900112 8 false "circle under unequal scales";
     COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
     NO_HEAD 2900161 8 false "head that the machine does not have";
+    CLAMPED 2900162 8 false "motion of a clamped axis";
 }
 
 #[cfg(test)]

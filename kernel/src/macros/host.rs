@@ -10,6 +10,7 @@ mod dialogs;
 mod files;
 mod functions;
 pub(crate) mod operations;
+mod rotary;
 mod search;
 pub(crate) mod sums;
 mod trace;

@@ -30,6 +30,7 @@ impl Kernel<'_> {
         self.modal.activate(group, id, row);
         self.follow_cycle();
         self.follow_spindle();
+        self.follow_clamps();
         before
     }
 

@@ -65,6 +65,7 @@ impl Kernel<'_> {
                 self.modal.restore(&groups);
                 self.follow_cycle();
                 self.follow_spindle();
+                self.follow_clamps();
                 self.secondary = self.modal.code(crate::channel::state::group::UNITS)
                     == Some(crate::machine::ident::codes::UNITS_SECONDARY);
             }

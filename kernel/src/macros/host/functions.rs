@@ -83,7 +83,8 @@ impl Kernel<'_> {
                 numbers.extend(direction);
                 Value::numbers(&numbers)
             }
-            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
+            "$FUNWIND" => self.unwind_named(arguments),
+            "$FKINCFG" | "$FKINROT" => Value::Real(1.0),
             "$FMSLCS" => self.give_frame(arguments)?,
             name if name.starts_with("$FMS") => {
                 let message = format!("{name} needs a machine model, and there is none here");

@@ -4,12 +4,15 @@
 //! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
 
 use crate::channel::Kernel;
+use crate::machine::ident::{DataId, data};
 
 /// Which value of which axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     letter: char,
     kind: char,
+    /// On the table (T) or the head (H), blank for either.
+    side: char,
     /// At the start of the last motion.
     before: bool,
 }
@@ -30,7 +33,9 @@ pub(super) fn place(name: &str) -> Option<Place> {
         "W" if "XYZ".contains(letter) => 'W',
         _ => return None,
     };
-    "XYZUVWEABCND".contains(letter).then_some(Place { letter, kind, before })
+    let side = if rest.len() == 2 { rest.chars().next()? } else { ' ' };
+    let rotary = "ABC".contains(letter);
+    ("XYZUVWEND".contains(letter) && side == ' ' || rotary).then_some(Place { letter, kind, side, before })
 }
 
 impl Kernel<'_> {
@@ -45,8 +50,27 @@ impl Kernel<'_> {
         })
     }
 
+    /// Channel axis of a name.
+    fn axis_at(&self, place: Place) -> Option<usize> {
+        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.axis_of_data(*id));
+        let of = |table: DataId, head: DataId| match place.side {
+            'T' => find(&[table]),
+            'H' => find(&[head]),
+            _ => find(&[table, head]),
+        };
+        match place.letter {
+            'A' => of(data::AXIS_AT, data::AXIS_AH),
+            'B' => of(data::AXIS_BT, data::AXIS_BH),
+            'C' => of(data::AXIS_CT, data::AXIS_CH).or_else(|| find(&[data::AXIS_CT2]).filter(|_| place.side != 'H')),
+            'N' => find(&[data::AXIS_N]),
+            'D' => find(&[data::AXIS_N2]),
+            'E' => find(&[data::AXIS_E]),
+            letter => self.axis_of(letter),
+        }
+    }
+
     pub(super) fn position_of(&self, place: Place) -> f64 {
-        let Some(axis) = self.axis_of(place.letter) else { return 0.0 };
+        let Some(axis) = self.axis_at(place) else { return 0.0 };
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
             _ => &self.place.position,
@@ -72,13 +96,14 @@ impl Kernel<'_> {
 
     /// `$AXES`
     pub(super) fn axes_text(&self) -> String {
-        let letter = |(slot, axis): (usize, Option<usize>)| {
+        let letter = |axis: Option<usize>| {
             let axis = axis.and_then(|at| self.place.axes.get(at));
-            let own = axis.and_then(|axis| self.machine.axes.get(axis.machine));
-            let letter = own.and_then(|own| own.letter.chars().next()).unwrap_or('*');
-            if slot == 3 || slot == 4 { letter.to_ascii_lowercase() } else { letter }
+            let name = axis.map_or("", |axis| self.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
+            let letter = name.chars().next().unwrap_or('*');
+            // Small letters: tables, and the second attachable axis.
+            if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
         };
-        self.six_axes().into_iter().enumerate().map(letter).collect()
+        self.six_axes().into_iter().map(letter).collect()
     }
 }
 
