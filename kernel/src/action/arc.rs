@@ -16,6 +16,9 @@ use crate::machine::ident::data;
 
 /// An arc in the active plane, helical when the third axis is coded.
 pub(super) fn arc(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
+    if let Some(polar) = kernel.polar() {
+        return super::polar::arc(kernel, polar, clockwise);
+    }
     let (feed, unit) = kernel.feed();
     let (coded, target) = kernel.programmed_targets();
     let plane_code = kernel.modal.code(group::PLANE);

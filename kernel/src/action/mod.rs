@@ -15,6 +15,7 @@ mod home;
 pub(crate) mod local;
 mod mode;
 mod motion;
+mod polar;
 pub(crate) mod spindle;
 pub(crate) mod spindles;
 pub(crate) mod states;
@@ -86,6 +87,10 @@ pub(crate) enum Action {
     ToolPointReturn,
     Head(Option<u32>),
     OtherHead(head::Event),
+    Polar {
+        cartesian: bool,
+    },
+    PolarOff,
     Clamp(DataId, bool),
     Unwind(Option<DataId>),
     Stop(Stop),
@@ -155,6 +160,9 @@ impl Action {
             codes::SPINDLE_REAR => A::SpindleInWork { rear: true },
             codes::APPLY_TURN => A::Apply { milling: false },
             codes::APPLY_MILL => A::Apply { milling: true },
+            codes::C2P_CART_ON => A::Polar { cartesian: true },
+            codes::C2P_POLAR_ON => A::Polar { cartesian: false },
+            codes::C2P_CART_OFF | codes::C2P_POLAR_OFF => A::PolarOff,
             codes::AM_ON => A::Additive(true),
             codes::AM_OFF => A::Additive(false),
             codes::TOOL_SELECT => A::ToolSelect,
@@ -258,6 +266,8 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::ToolPointReturn => change_point::come_back(kernel),
         Action::Head(number) => head::load(kernel, number),
         Action::OtherHead(event) => head::other(kernel, event, row),
+        Action::Polar { cartesian } => polar::on(kernel, cartesian),
+        Action::PolarOff => polar::off(kernel),
         Action::Clamp(axis, on) => clamp::clamp(kernel, axis, on),
         Action::Unwind(axis) => clamp::unwind(kernel, axis),
         Action::Stop(stop) => stop::stop(kernel, stop),

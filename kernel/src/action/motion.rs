@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
 use super::time::Path;
+use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
@@ -44,7 +45,7 @@ impl Kernel<'_> {
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
     pub(super) fn targets(&mut self) -> (u8, Position) {
         if self.place.frames.is_none() {
-            return self.axis_words(self.place.position, self.place.shift);
+            return self.axis_words(self.place.position, self.place.shift, Self::take_axis);
         }
         let (coded, target) = self.programmed_targets();
         (coded, self.work_point(&target))
@@ -53,15 +54,32 @@ impl Kernel<'_> {
     /// Takes the axis words: bits of coded axes, and the target as programmed.
     pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
         if self.block.machine_frame && self.place.frames.is_some() {
-            let (coded, target) = self.axis_words(self.machine_point(&self.place.position), [0.0; MAX_AXES]);
+            let machine = self.machine_point(&self.place.position);
+            let (coded, target) = self.axis_words(machine, [0.0; MAX_AXES], Self::take_axis);
             return (coded, self.program_point(&self.point_of_machine(&target)));
         }
-        self.axis_words(self.programmed(), self.place.shift)
+        let (from, shift) = (self.programmed(), self.place.shift);
+        match self.polar() {
+            Some(polar) => self.axis_words(from, shift, |kernel, axis| kernel.take_polar(polar, axis)),
+            None => self.axis_words(from, shift, Self::take_axis),
+        }
+    }
+
+    /// Takes the word of an axis.
+    #[inline(always)]
+    fn take_axis(&mut self, axis: usize) -> Option<Datum> {
+        let id = self.place.axes.get(axis).map(|a| a.data)?;
+        self.take(id)
     }
 
     /// Takes the axis words onto a point whose machine coordinates are `shift` away.
     #[inline(always)]
-    fn axis_words(&mut self, from: Position, shift: Position) -> (u8, Position) {
+    fn axis_words(
+        &mut self,
+        from: Position,
+        shift: Position,
+        take: impl Fn(&mut Self, usize) -> Option<Datum>,
+    ) -> (u8, Position) {
         let relative = match self.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
             Some(_) => Some(false),
@@ -70,8 +88,7 @@ impl Kernel<'_> {
         let mut target = from;
         let mut coded = 0_u8;
         for index in 0..self.place.axes.len() {
-            let Some(id) = self.place.axes.get(index).map(|a| a.data) else { break };
-            let Some(datum) = self.take(id) else { continue };
+            let Some(datum) = take(self, index) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
                     "neither absolute nor incremental is active in '{}', absolute is assumed",
@@ -123,6 +140,12 @@ impl Kernel<'_> {
         changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
     }
 
+    /// The same, by the ends of the move.
+    #[inline(always)]
+    fn moves(&self, coded: u8, from: &Position, to: &Position) -> u8 {
+        if self.place.frames.is_none() { coded } else { self.moving(coded, &self.changes(from, to)) }
+    }
+
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
         let from = self.place.position;
@@ -143,12 +166,12 @@ impl Kernel<'_> {
         if coded == 0 || target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.feed_changes(&from, &target);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = self.tool_path(&changes);
-        let moving = self.moving(coded, &changes);
+        let length = self.feed_path(&changes, feed_length);
+        let moving = self.moves(coded, &from, &target);
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
@@ -178,9 +201,11 @@ impl Kernel<'_> {
             MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
             _ => self.feed(),
         };
+        let changes = self.feed_changes(&from, &to);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
+        let length = self.feed_path(&changes, feed_length);
         let feed = (feed.unwrap_or(0.0), unit);
         self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))
     }

@@ -26,7 +26,7 @@ pub(super) struct Path<'a> {
 
 impl Kernel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
-    pub(super) fn changes(&self, from: &Position, to: &Position) -> Position {
+    pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
         for (((slot, axis), a), b) in out.iter_mut().zip(&self.place.axes).zip(from).zip(to) {
             *slot = (b - a) * axis.scale;

@@ -92,6 +92,7 @@ diagnostics! {
     COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
     NO_HEAD 2900161 8 false "head that the machine does not have";
     CLAMPED 2900162 8 false "motion of a clamped axis";
+    NO_POLAR_AXES 2900163 8 false "polar interpolation without its axes";
 }
 
 #[cfg(test)]

@@ -426,6 +426,8 @@ pub struct Channel {
     pub rear: Option<u16>,
     /// Spindle of the milling mode.
     pub milling: Option<u16>,
+    /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
+    pub polar: Option<[usize; 2]>,
 }
 
 /// A spindle.

@@ -7,16 +7,17 @@
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Kernel::machine_point`] |
 //!
 //! Lengths, feeds, arcs and rapids are those of the work frame. What couples axes to each other on the way from the work
-//! frame to the axes of the machine (tool tip control, polar interpolation) belongs into [`Kernel::machine_point`] and
+//! frame to the axes of the machine (tool tip control) belongs into [`Kernel::machine_point`] and
 //! its inverse [`Kernel::point_of_machine`], as a further field of [`Frames`]: travel limits, `G53`, reference points,
 //! changes of frames and joint positions all ask these two. What changes programmed words before they are points belongs
-//! into [`Kernel::work_point`] and [`Kernel::programmed`].
+//! into [`Kernel::work_point`] and [`Kernel::programmed`]; polar interpolation is there, since events name the axes.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
 pub(crate) mod affine;
 pub(crate) mod local;
+pub(crate) mod polar;
 mod told;
 
 use affine::Point;
@@ -38,6 +39,8 @@ const FINE: f64 = 1e6;
 pub(crate) struct Frames {
     /// The local frame.
     pub(crate) local: Local,
+    /// Polar interpolation.
+    pub(crate) polar: Option<polar::Polar>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
@@ -45,7 +48,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty()
+        self.local.is_empty() && self.polar.is_none()
     }
 }
 
@@ -110,6 +113,10 @@ impl Kernel<'_> {
             return *programmed;
         }
         let mut point = *work;
+        if let Some(polar) = frames.polar {
+            polar.to_program(&self.place, &mut point);
+        }
+        let work = &point.clone();
         self.place.put(&mut point, frames.local.to_program(self.place.geometry(work)));
         point
     }
@@ -133,6 +140,9 @@ impl Kernel<'_> {
         place.put(&mut work, frames.local.to_work(place.geometry(programmed)));
         for (slot, stands) in work.iter_mut().zip(&place.position) {
             *slot = clean(*slot, *stands);
+        }
+        if let Some(polar) = frames.polar {
+            polar.to_axes(place, &mut work);
         }
         if let Some(frames) = self.place.frames.as_deref_mut() {
             frames.reached = Some([work, *programmed]);

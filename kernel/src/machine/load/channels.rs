@@ -43,9 +43,34 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
         }
         number
     });
+    let polar = polar_axes(row, axes, &own, check);
     let number = number?;
     let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
-    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling })
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling, polar })
+}
+
+/// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.
+fn polar_axes(row: &mut Section<'_>, axes: &[Axis], own: &[usize], check: &Check) -> Option<[usize; 2]> {
+    let names = row.texts("polar")?;
+    let found: Vec<usize> = names
+        .iter()
+        .filter_map(|(name, place)| {
+            let index = own.iter().copied().find(|index| axes.get(*index).is_some_and(|axis| axis.name == *name));
+            if index.is_none() {
+                check.missing(place, format!("the channel has no axis \"{}\"", name.escape_debug()));
+            }
+            index
+        })
+        .collect();
+    let rotary = |index: usize| axes.get(index).is_some_and(|axis| axis.role.is_rotary());
+    match found.as_slice() {
+        [linear, turning] if !rotary(*linear) && rotary(*turning) => Some([*linear, *turning]),
+        _ if found.len() < names.len() => None,
+        _ => {
+            row.error("polar", "`polar` must be a linear and a rotary axis of the channel");
+            None
+        }
+    }
 }
 
 fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {

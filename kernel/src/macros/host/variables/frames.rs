@@ -43,6 +43,14 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
             None,
         ),
+        "$C2PMCH" => (|k, _| Value::Logical(k.polar().is_some()), None),
+        "$AXESC2P" => (
+            |k, _| {
+                let letters = k.polar().map(|polar| [polar.linear, polar.rotary].map(|axis| k.axis_letter(Some(axis))));
+                Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
+            },
+            None,
+        ),
         "$LCSMTN" => (
             |_, _| Value::Real(-1.0),
             Some(|_, _, _| Err(Fault::new(Number::BAD_VALUE, "frames cannot move the rotary axes of this machine"))),

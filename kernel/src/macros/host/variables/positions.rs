@@ -94,16 +94,18 @@ impl Kernel<'_> {
         [x, y, z, fourth, fifth, sixth]
     }
 
+    /// Letter of a channel axis in `$AXES`.
+    pub(super) fn axis_letter(&self, axis: Option<usize>) -> char {
+        let axis = axis.and_then(|at| self.place.axes.get(at));
+        let name = axis.map_or("", |axis| self.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
+        let letter = name.chars().next().unwrap_or('*');
+        // Small letters: tables, and the second attachable axis.
+        if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
+    }
+
     /// `$AXES`
     pub(super) fn axes_text(&self) -> String {
-        let letter = |axis: Option<usize>| {
-            let axis = axis.and_then(|at| self.place.axes.get(at));
-            let name = axis.map_or("", |axis| self.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
-            let letter = name.chars().next().unwrap_or('*');
-            // Small letters: tables, and the second attachable axis.
-            if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
-        };
-        self.six_axes().into_iter().map(letter).collect()
+        self.six_axes().into_iter().map(|axis| self.axis_letter(axis)).collect()
     }
 }
 
