@@ -155,6 +155,10 @@ pub(crate) struct Place {
     pub(crate) selected: u32,
     /// What lies between the program and the work frame; none while nothing of it is active.
     pub(crate) frames: Option<Box<super::frames::Frames>>,
+    /// Offsets that macros have set; none while those of the machine hold.
+    pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,
+    /// Numbers, sets and directions of compensations.
+    pub(crate) compensation: crate::action::compensation::Compensation,
 }
 
 impl Place {
@@ -198,6 +202,8 @@ impl Place {
             tool: 0,
             selected: 0,
             frames: None,
+            offsets: None,
+            compensation: Default::default(),
         }
     }
 }

@@ -7,6 +7,7 @@
 mod cycles;
 mod frames;
 mod kernels;
+mod offsets;
 mod positions;
 mod program;
 mod spindles;
@@ -66,8 +67,8 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let all = [program::find, state::find, cycles::find, spindles::find, kernels::find, frames::find];
-    let found = all.iter().find_map(|find| find(name));
+    let own = [cycles::find, spindles::find, kernels::find, frames::find, offsets::find];
+    let found = [program::find, state::find].iter().chain(&own).find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,
