@@ -7,6 +7,7 @@ mod arc;
 mod change_point;
 pub(crate) mod clamp;
 pub(crate) mod coolant;
+pub(crate) mod compensation;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -58,7 +59,14 @@ pub(crate) enum Action {
     Preset,
     WorkOffset,
     WorkOffsetOff,
-    Length(f64),
+    /// Length compensation: sign, and its type.
+    Length(f64, u8),
+    ExtendedOffset,
+    DynamicFixture(bool),
+    Corner {
+        arc: bool,
+    },
+    VectorCompensation,
     /// A code of the local frame.
     Local(Part, local::Change),
     Diameter(&'static str),
@@ -143,9 +151,18 @@ impl Action {
             codes::POSITION_PRESET => A::Preset,
             codes::COMP_WORKP_ON => A::WorkOffset,
             codes::COMP_WORKP_OFF => A::WorkOffsetOff,
-            codes::COMP_LENGTH_ON => A::Length(1.0),
-            codes::COMP_LENGTH_ON_NEG => A::Length(-1.0),
-            codes::COMP_LENGTH_OFF => A::Length(0.0),
+            codes::COMP_LENGTH_ON => A::Length(1.0, 1),
+            codes::COMP_LENGTH_ON_NEG => A::Length(-1.0, 1),
+            codes::COMP_LENGTH2_ON => A::Length(1.0, 2),
+            codes::COMP_LENGTH3_ON => A::Length(1.0, 3),
+            codes::COMP_LENGTH4_ON => A::Length(1.0, 4),
+            codes::COMP_LENGTH_OFF => A::Length(0.0, 1),
+            codes::COMP_EXTFIXT | codes::COMP_EXTFIXT_RANGE => A::ExtendedOffset,
+            codes::COMP_DYN_FIXT_ON => A::DynamicFixture(true),
+            codes::COMP_DYN_FIXT_OFF => A::DynamicFixture(false),
+            codes::COMP_CORNER_ARC => A::Corner { arc: true },
+            codes::COMP_CORNER_LINEAR => A::Corner { arc: false },
+            codes::COMP_3D_VECTOR => A::VectorCompensation,
             codes::COMP_DIAM_OFF => A::Diameter("off"),
             codes::COMP_DIAM_LEFT => A::Diameter("left"),
             codes::COMP_DIAM_RIGHT => A::Diameter("right"),
@@ -246,7 +263,11 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::Preset => frame::preset(kernel),
         Action::WorkOffset => frame::work_offset(kernel),
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
-        Action::Length(sign) => frame::length(kernel, sign),
+        Action::Length(sign, set) => frame::length(kernel, sign, set),
+        Action::ExtendedOffset => compensation::extended(kernel),
+        Action::DynamicFixture(on) => compensation::dynamic(kernel, on),
+        Action::Corner { arc } => compensation::corner(kernel, arc),
+        Action::VectorCompensation => compensation::vector(kernel),
         Action::Local(part, change) => local::change(kernel, part, change),
         Action::Diameter(side) => mode::diameter(kernel, side),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),

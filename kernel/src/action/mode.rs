@@ -30,7 +30,7 @@ pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Cutter or nose radius compensation: state and listing.
 pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
-    let number = kernel.take(data::COMP_DIAM).map(|d| d.value);
+    let number = super::compensation::take_diameter(kernel);
     if kernel.mode_changed || number.is_some() {
         let text = match number {
             Some(number) if side != "off" => {

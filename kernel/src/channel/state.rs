@@ -159,6 +159,10 @@ pub(crate) struct Place {
     pub(crate) clamped: u8,
     /// What lies between the program and the work frame; none while nothing of it is active.
     pub(crate) frames: Option<Box<super::frames::Frames>>,
+    /// Offsets that macros have set; none while those of the machine hold.
+    pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,
+    /// Numbers, sets and directions of compensations.
+    pub(crate) compensation: crate::action::compensation::Compensation,
 }
 
 impl Place {
@@ -203,6 +207,8 @@ impl Place {
             selected: 0,
             clamped: 0,
             frames: None,
+            offsets: None,
+            compensation: Default::default(),
         }
     }
 }

@@ -6,6 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
+use super::frames::offsets::EXTENDED;
 use super::state::group;
 use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
 use crate::machine::ident::codes;
@@ -141,7 +142,9 @@ impl Kernel<'_> {
                 Some(codes::INTERP_ARC_CCLW) => 3.0,
                 _ => 1.0,
             }),
+            4014 if self.place.work_offset > EXTENDED => Some(54.1),
             4014 => Some(f64::from(self.place.work_offset) + 53.0),
+            4130 => Some(f64::from(self.place.work_offset.saturating_sub(EXTENDED))),
             4109 => Some(self.modal.value(super::state::feed_of(self.modal.code(group::FEED)).0).unwrap_or(0.0)),
             4119 => Some(self.spindle.command.rpm),
             4120 => Some(f64::from(self.place.tool)),

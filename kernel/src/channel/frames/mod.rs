@@ -17,6 +17,7 @@
 
 pub(crate) mod affine;
 pub(crate) mod local;
+pub(crate) mod offsets;
 pub(crate) mod polar;
 mod told;
 

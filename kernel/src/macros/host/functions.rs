@@ -14,6 +14,7 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 use crate::macros::model::{FIRST_HOOK_ID, Hook};
@@ -85,6 +86,14 @@ impl Kernel<'_> {
             }
             "$FUNWIND" => self.unwind_named(arguments),
             "$FKINCFG" | "$FKINROT" => Value::Real(1.0),
+            "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
+            "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
+            "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
+            "$FMSGFCV" => self.read_offset(Table::Work, arguments)?,
+            "$FMSSDCV" => self.write_radius(Radii::Cutter, arguments)?,
+            "$FMSSRCV" => self.write_radius(Radii::Corner, arguments)?,
+            "$FMSSLCV" => self.write_offset(Table::Length, arguments)?,
+            "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
             "$FMSLCS" => self.give_frame(arguments)?,
             name if name.starts_with("$FMS") => {
                 let message = format!("{name} needs a machine model, and there is none here");

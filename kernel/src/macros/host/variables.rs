@@ -8,6 +8,7 @@ mod coolant;
 mod cycles;
 mod frames;
 mod kernels;
+mod offsets;
 mod positions;
 mod program;
 mod spindles;
@@ -67,8 +68,8 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let all = [program::find, state::find, cycles::find, spindles::find, coolant::find, kernels::find, frames::find];
-    let found = all.iter().find_map(|find| find(name));
+    let own = [cycles::find, spindles::find, coolant::find, kernels::find, frames::find, offsets::find];
+    let found = [program::find, state::find].iter().chain(&own).find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,

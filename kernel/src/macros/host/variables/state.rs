@@ -132,14 +132,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$TCF" | "$TCFM" => (|k, _| number(k.place.work_offset), None),
-        "$TCL" | "$TCLM" => (
-            |k, _| {
-                let lathe = k.machine.tool.offset_digits > 0;
-                number(if lathe { k.place.tool_offset } else { k.place.length_number })
-            },
-            None,
-        ),
         "$XDIAM" => (
             |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
             None,
@@ -147,13 +139,6 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$DCOMP" => {
             (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| set_group(k, &DIAMETER, value)))
         }
-        "$DCOMPM" => (
-            |k, _| {
-                let active = k.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-                number(u8::from(active))
-            },
-            None,
-        ),
         "$HEAD" => (head, None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
         "$RAPID" => (
