@@ -55,6 +55,9 @@ pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
 /// Tool length compensation of a type (1 to 4) with the H word; sign 0 cancels.
 pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
     let number = kernel.take(data::COMP_LENGTH).map(|d| d.value);
+    if sign == 0.0 && kernel.tip().is_some_and(|tip| tip.with_length) {
+        super::tip::off(kernel)?;
+    }
     kernel.place.length_sign = sign;
     let text = if sign == 0.0 {
         kernel.place.length_number = 0;
@@ -74,7 +77,36 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
     Ok(())
 }
 
+/// Length compensation that another code brings along.
+pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
+    (kernel.place.length_sign, kernel.place.length_number) = (1.0, number);
+    kernel.emit(0, Kind::Mode { text: format!("comp length n={number}").into() });
+    kernel.reframe();
+}
+
 impl Kernel<'_> {
+    /// The part of the shift that is the tool.
+    pub(crate) fn tool_shift(&self) -> Position {
+        let place = &self.place;
+        let mut shift = [0.0; MAX_AXES];
+        let mut add = |values: Position, sign: f64| {
+            for (slot, value) in shift.iter_mut().zip(values) {
+                *slot += sign * value;
+            }
+        };
+        if place.tool_offset != BASE {
+            add(self.offset_values(Table::Length, place.tool_offset), 1.0);
+        }
+        if place.length_sign != 0.0 && place.length_number != BASE {
+            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
+        }
+        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
+            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
+            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
+        }
+        shift
+    }
+
     /// Tells of a work offset that has no values.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
         let known = self.machine.work_offsets.len();
@@ -106,6 +138,7 @@ impl Kernel<'_> {
         if self.place.frames.is_some() {
             let machine = self.machine_point(&self.place.position);
             self.place.shift = wanted;
+            self.refresh_tip();
             self.place.position = self.point_of_machine(&machine);
             self.frames_changed();
         } else {

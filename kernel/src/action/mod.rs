@@ -6,8 +6,8 @@
 mod arc;
 mod change_point;
 pub(crate) mod clamp;
-pub(crate) mod coolant;
 pub(crate) mod compensation;
+pub(crate) mod coolant;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -25,6 +25,7 @@ mod subprogram;
 pub(crate) mod sync;
 mod thread;
 mod time;
+pub(crate) mod tip;
 mod tool;
 mod turned;
 
@@ -99,6 +100,9 @@ pub(crate) enum Action {
         cartesian: bool,
     },
     PolarOff,
+    Tip(u8),
+    TipOff,
+    TipFormat(u8),
     Clamp(DataId, bool),
     Unwind(Option<DataId>),
     Stop(Stop),
@@ -180,6 +184,9 @@ impl Action {
             codes::C2P_CART_ON => A::Polar { cartesian: true },
             codes::C2P_POLAR_ON => A::Polar { cartesian: false },
             codes::C2P_CART_OFF | codes::C2P_POLAR_OFF => A::PolarOff,
+            codes::RTCP_ON => A::Tip(1),
+            codes::RTCP2_ON => A::Tip(2),
+            codes::RTCP_OFF => A::TipOff,
             codes::AM_ON => A::Additive(true),
             codes::AM_OFF => A::Additive(false),
             codes::TOOL_SELECT => A::ToolSelect,
@@ -207,7 +214,7 @@ impl Action {
                 let head = || head::of(id).map(A::OtherHead);
                 let clamp = || clamp::of(id).map(|(axis, on)| A::Clamp(axis, on));
                 let unwind = || clamp::unwinds(id).map(A::Unwind);
-                let axis = || clamp().or_else(unwind);
+                let axis = || clamp().or_else(unwind).or_else(|| tip::format_of(id).map(A::TipFormat));
                 let own = cycle::Kind::of(id).map(A::Cycle).or_else(|| coolant::of(id).map(A::Coolant));
                 return own.or_else(local).or_else(head).or_else(axis).or_else(|| spindle_code(id));
             }
@@ -289,6 +296,9 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::OtherHead(event) => head::other(kernel, event, row),
         Action::Polar { cartesian } => polar::on(kernel, cartesian),
         Action::PolarOff => polar::off(kernel),
+        Action::Tip(method) => tip::on(kernel, method),
+        Action::TipOff => tip::off(kernel),
+        Action::TipFormat(format) => tip::orient(kernel, format),
         Action::Clamp(axis, on) => clamp::clamp(kernel, axis, on),
         Action::Unwind(axis) => clamp::unwind(kernel, axis),
         Action::Stop(stop) => stop::stop(kernel, stop),

@@ -13,7 +13,8 @@ use crate::machine::ident::codes;
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
     kernel.take(crate::machine::ident::data::RAPID_FEED);
-    let (coded, target) = kernel.targets();
+    let target = kernel.targets();
+    let (coded, target) = kernel.oriented(target);
     if coded == 0 {
         return Ok(());
     }
@@ -23,7 +24,8 @@ pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
 /// Straight feed.
 pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+    let target = kernel.targets();
+    let (coded, target) = kernel.oriented(target);
     kernel.feed_to(coded, target, feed, unit)
 }
 

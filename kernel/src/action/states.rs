@@ -11,6 +11,8 @@ pub(crate) struct States {
     pub(crate) coolant: super::coolant::State,
     /// Spindles.
     pub(crate) spindles: super::spindles::State,
+    /// Tool tip control.
+    pub(crate) tip: crate::channel::frames::tip::Settings,
     /// Number of the head in work.
     pub(crate) head: u32,
     /// Where the axes stood before they went to the change position.
@@ -24,6 +26,7 @@ impl States {
         Self {
             coolant: super::coolant::State::default(),
             spindles: super::spindles::State::new(machine, channel),
+            tip: crate::channel::frames::tip::Settings::default(),
             head: if side { 2 } else { 1 },
             before_change: None,
         }

@@ -36,7 +36,11 @@ impl Kernel<'_> {
 
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = self.changes(from, to);
+        let changes = if self.place.frames.is_none() || self.tip().is_none() {
+            self.changes(from, to)
+        } else {
+            self.changes(&self.machine_point(from), &self.machine_point(to))
+        };
         match self.machine.time.rapid {
             RapidPath::SlowestAxis => self
                 .place

@@ -120,7 +120,7 @@ impl Plan {
         for row in machine.data.iter().filter(|r| r.enable) {
             let Some(register) = row.register.filter(|&r| r < 128) else { continue };
             let name = machine.data_name(row.id);
-            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_"].iter().any(|start| name.starts_with(start)) {
+            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
                 motion_registers |= 1 << register;
             }
             if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {

@@ -93,6 +93,8 @@ diagnostics! {
     NO_HEAD 2900161 8 false "head that the machine does not have";
     CLAMPED 2900162 8 false "motion of a clamped axis";
     NO_POLAR_AXES 2900163 8 false "polar interpolation without its axes";
+    TIP_UNREACHABLE 2900164 8 false "direction of the tool that the rotary axes cannot reach";
+    NO_TIP_AXES 2900165 8 false "tool tip control without its axes";
 }
 
 #[cfg(test)]

@@ -52,6 +52,8 @@ pub struct Machine {
     pub time: Time,
     /// Canned cycles.
     pub cycles: Cycles,
+    /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
+    pub tool_direction: [f64; 3],
     /// Pump of the coolant.
     pub pump: Pump,
     /// Program variables of the pre-processor.
@@ -386,6 +388,10 @@ pub struct Axis {
     pub references: [Option<f64>; 3],
     /// Travel limits in the machine frame, as programmed.
     pub limits: Option<(f64, f64)>,
+    /// Direction about which the tool turns right-handed relative to the workpiece, on a rotary axis.
+    pub vector: [f64; 3],
+    /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
+    pub center: [f64; 3],
 }
 
 /// Geometry role of an axis.

@@ -9,6 +9,7 @@ mod diagnostics;
 mod dialogs;
 mod files;
 mod functions;
+mod kinematics;
 pub(crate) mod operations;
 mod rotary;
 mod search;

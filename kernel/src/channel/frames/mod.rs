@@ -6,19 +6,21 @@
 //! | work | after scale, mirror, rotation and translation; positions of events and `Place::position` | [`Kernel::work_point`] |
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Kernel::machine_point`] |
 //!
-//! Lengths, feeds, arcs and rapids are those of the work frame. What couples axes to each other on the way from the work
-//! frame to the axes of the machine (tool tip control) belongs into [`Kernel::machine_point`] and
-//! its inverse [`Kernel::point_of_machine`], as a further field of [`Frames`]: travel limits, `G53`, reference points,
-//! changes of frames and joint positions all ask these two. What changes programmed words before they are points belongs
-//! into [`Kernel::work_point`] and [`Kernel::programmed`]; polar interpolation is there, since events name the axes.
+//! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
+//! the axes of the machine (tool tip control) is in [`Kernel::machine_point`] and its inverse
+//! [`Kernel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
+//! rapids all ask these two. What changes programmed words before they are points is in [`Kernel::work_point`] and
+//! [`Kernel::programmed`]; polar interpolation is there, since events name the axes.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
 pub(crate) mod affine;
+pub(crate) mod kinematics;
 pub(crate) mod local;
 pub(crate) mod offsets;
 pub(crate) mod polar;
+pub(crate) mod tip;
 mod told;
 
 use affine::Point;
@@ -42,6 +44,8 @@ pub(crate) struct Frames {
     pub(crate) local: Local,
     /// Polar interpolation.
     pub(crate) polar: Option<polar::Polar>,
+    /// Tool tip control.
+    pub(crate) tip: Option<Box<tip::Tip>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
@@ -49,7 +53,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty() && self.polar.is_none()
+        self.local.is_empty() && self.polar.is_none() && self.tip.is_none()
     }
 }
 
@@ -158,6 +162,11 @@ impl Kernel<'_> {
         for (slot, shift) in machine.iter_mut().zip(&self.place.shift) {
             *slot += shift;
         }
+        if let Some(frames) = self.place.frames.as_deref()
+            && let Some(tip) = &frames.tip
+        {
+            tip.to_machine(&self.place, work, &mut machine);
+        }
         machine
     }
 
@@ -167,6 +176,11 @@ impl Kernel<'_> {
         let mut work = *machine;
         for (slot, shift) in work.iter_mut().zip(&self.place.shift) {
             *slot -= shift;
+        }
+        if let Some(frames) = self.place.frames.as_deref()
+            && let Some(tip) = &frames.tip
+        {
+            tip.to_work(&self.place, machine, &mut work);
         }
         work
     }

@@ -149,6 +149,13 @@ impl Kernel<'_> {
 
     #[cold]
     fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
+        if self.tip().is_some() {
+            // The feed is that of the tip; where it stands, that of the rotary axes.
+            let linear = changes.iter().zip(&self.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
+            for (slot, _) in changes.iter_mut().zip(&self.place.axes).filter(|(_, axis)| axis.rotary && linear) {
+                *slot = 0.0;
+            }
+        }
         let Some(polar) = self.polar() else { return changes };
         let [before, after] = [from, to].map(|point| polar.part(&self.place, point));
         for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {

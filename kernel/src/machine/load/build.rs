@@ -5,7 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, pump, registers,
+    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, kinematics, macros, overlap,
+    pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -35,6 +36,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
     let pump = pump::read(&mut top);
+    let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -72,6 +74,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         sync,
         time,
         cycles,
+        tool_direction,
         pump,
         variables,
         tool,

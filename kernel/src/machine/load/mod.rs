@@ -16,6 +16,7 @@ mod dialogs;
 mod format;
 mod head;
 mod initial;
+mod kinematics;
 mod macros;
 mod names;
 mod overlap;

@@ -78,14 +78,11 @@ impl Kernel<'_> {
                 nothing(function)
             }
             "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
-            "$FDK" | "$FIK" => {
-                let mut numbers: Vec<f64> = self.kinematic_position(arguments)?;
-                let direction = if function.name == "$FDK" { [0.0, 0.0, 1.0] } else { [0.0; 3] };
-                numbers.extend(direction);
-                Value::numbers(&numbers)
-            }
+            "$FDK" => self.forward(arguments)?,
+            "$FIK" => self.backward(arguments)?,
+            "$FKINCFG" => self.configure(arguments),
+            "$FKINROT" => self.choose_rotary(arguments),
             "$FUNWIND" => self.unwind_named(arguments),
-            "$FKINCFG" | "$FKINROT" => Value::Real(1.0),
             "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
             "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
             "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
@@ -139,18 +136,6 @@ impl Kernel<'_> {
         };
         runtime.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
         Ok(Value::Logical(true))
-    }
-
-    fn kinematic_position(&self, arguments: &[Value]) -> Outcome<Vec<f64>> {
-        let own = |axis: Option<usize>| axis.and_then(|at| self.place.position.get(at)).copied().unwrap_or(0.0);
-        let [x, y, z, ..] = self.six_axes();
-        let mut numbers = vec![own(x), own(y), own(z)];
-        if let Some(Value::Sequence(given)) = arguments.first() {
-            for (place, value) in numbers.iter_mut().zip(given.iter()) {
-                *place = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
-            }
-        }
-        Ok(numbers)
     }
 
     /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.

@@ -13,6 +13,7 @@ mod positions;
 mod program;
 mod spindles;
 mod state;
+mod tip;
 
 use std::sync::OnceLock;
 
@@ -68,7 +69,7 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let own = [cycles::find, spindles::find, coolant::find, kernels::find, frames::find, offsets::find];
+    let own = [cycles::find, spindles::find, coolant::find, kernels::find, frames::find, offsets::find, tip::find];
     let found = [program::find, state::find].iter().chain(&own).find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),

@@ -77,6 +77,9 @@ impl Kernel<'_> {
         };
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
+            'M' if self.tip().is_some() => {
+                value(&self.machine_point(at)) - value(&self.place.shift) + value(&self.place.preset)
+            }
             'M' => value(at) + value(&self.place.preset),
             'J' => value(&self.machine_point(at)),
             _ => value(&self.program_point(at)),
