@@ -3,6 +3,8 @@
 //! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
 //! the real axes; length and time are those on the part.
 
+use std::f64::consts::TAU;
+
 use counterpoint_motion::arc as geometry;
 
 use super::time::Path;
@@ -12,13 +14,10 @@ use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
 use crate::log::info::Unit;
-use crate::machine::ident::data;
+use crate::machine::ident::{DataId, data};
 
 /// Degrees of a circle that one step goes round its own centre.
 const STEP: f64 = 2.0;
-
-/// Most steps of a circle.
-const MOST_STEPS: f64 = 100_000.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
 pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
@@ -114,11 +113,19 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     kernel.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
 }
 
-/// Degrees that a circle goes round the centre of the part.
+/// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.
 fn way_round(made: &geometry::Arc) -> f64 {
-    let steps = (made.sweep.abs().to_degrees() / STEP).ceil().clamp(1.0, MOST_STEPS);
+    let turns = (made.sweep.abs() / TAU).floor();
+    let rest = made.sweep - turns * TAU.copysign(made.sweep);
+    let once = if turns > 0.0 { part_round(made, TAU.copysign(made.sweep)) } else { 0.0 };
+    turns * once + part_round(made, rest)
+}
+
+/// The same for a part of at most one turn from its start, radians.
+fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
+    let steps = (sweep.abs().to_degrees() / STEP).ceil().clamp(1.0, 360.0 / STEP);
     let point = |at: u32| {
-        let angle = made.start_angle + made.sweep * (f64::from(at) / steps);
+        let angle = made.start_angle + sweep * (f64::from(at) / steps);
         [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)]
     };
     round_the_centre((0..=steps as u32).map(point))
@@ -128,6 +135,11 @@ impl Kernel<'_> {
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
         let (id, scale) = self.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
+        let registers = |id: DataId| self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
+            // A word across is none of the axis that has its letter.
+            return None;
+        }
         let own = match (axis == polar.linear, axis == polar.rotary, polar.cartesian) {
             (true, _, true) => Some(data::C2P_INTERP_X),
             (true, _, false) => Some(data::C2P_INTERP_PLRX),
