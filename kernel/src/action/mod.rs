@@ -5,6 +5,7 @@
 
 mod arc;
 pub(crate) mod compensation;
+pub(crate) mod cutter;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -203,6 +204,9 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
     {
         cycle::meets_motion(kernel)?;
     }
+    if kernel.place.frames.is_some() {
+        cutter::before(kernel, action)?;
+    }
     match action {
         Action::Rapid => motion::rapid(kernel),
         Action::Linear => motion::linear(kernel),
@@ -226,7 +230,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::Corner { arc } => compensation::corner(kernel, arc),
         Action::VectorCompensation => compensation::vector(kernel),
         Action::Local(part, change) => local::change(kernel, part, change),
-        Action::Diameter(side) => mode::diameter(kernel, side),
+        Action::Diameter(side) => mode::diameter(kernel, side, row.id),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),
         Action::Rpm => spindle::rpm(kernel),

@@ -52,6 +52,8 @@ pub struct Machine {
     pub time: Time,
     /// Canned cycles.
     pub cycles: Cycles,
+    /// Cutter and nose radius compensation.
+    pub compensation: Compensation,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -559,6 +561,17 @@ pub struct Cycles {
     pub cancel_required: bool,
     /// A motion code of the program cancels the cycle.
     pub motion_cancels: bool,
+}
+
+/// How cutter and nose radius compensation begins, ends and goes around corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// A rapid move may switch it on and off.
+    pub rapid: bool,
+    /// A circle may switch it on and off.
+    pub arcs: bool,
+    /// Largest turn, degrees, that corners by angle make sharp.
+    pub corner_angle: f64,
 }
 
 /// Way of a cycle to its clearance height.

@@ -39,6 +39,8 @@ const FINE: f64 = 1e6;
 pub(crate) struct Frames {
     /// The local frame.
     pub(crate) local: Local,
+    /// Compensation of the cutter radius.
+    pub(crate) cutter: Option<Box<crate::action::cutter::Cutter>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
@@ -46,7 +48,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty()
+        self.local.is_empty() && self.cutter.is_none()
     }
 }
 
@@ -82,7 +84,7 @@ impl Place {
 }
 
 /// A coordinate without the noise of its computation; `old` if it has not changed.
-fn clean(value: f64, old: f64) -> f64 {
+pub(crate) fn clean(value: f64, old: f64) -> f64 {
     if (value - old).abs() < NOISE {
         old
     } else if value.abs() < FINE {
@@ -98,8 +100,14 @@ impl Kernel<'_> {
     pub(crate) fn programmed(&self) -> Position {
         match &self.place.frames {
             None => self.place.position,
-            Some(frames) => self.programmed_point(frames, &self.place.position),
+            Some(frames) => self.programmed_point(frames, &self.contour()),
         }
+    }
+
+    /// Where the program is in the work frame: beside the tool's place under compensation of the cutter radius.
+    pub(crate) fn contour(&self) -> Position {
+        let cutter = self.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
+        cutter.map_or(self.place.position, |cutter| cutter.contour)
     }
 
     /// The programmed point of a point of the work frame.
@@ -132,8 +140,8 @@ impl Kernel<'_> {
         let Some(frames) = place.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
         place.put(&mut work, frames.local.to_work(place.geometry(programmed)));
-        for (slot, stands) in work.iter_mut().zip(&place.position) {
-            *slot = clean(*slot, *stands);
+        for (slot, stands) in work.iter_mut().zip(self.contour()) {
+            *slot = clean(*slot, stands);
         }
         if let Some(frames) = self.place.frames.as_deref_mut() {
             frames.reached = Some([work, *programmed]);

@@ -5,7 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, registers,
+    axes, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap,
+    registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -34,6 +35,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let mut codes = codes::read(&mut top, &mut names);
     let time = time::read(&mut top, &names, &mut codes);
     let cycles = cycles::read(&mut top, head.unit);
+    let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -71,6 +73,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         sync,
         time,
         cycles,
+        compensation,
         variables,
         tool,
         work_offsets,
