@@ -108,7 +108,8 @@ fn blocks(mill: bool) -> impl Strategy<Value = String> {
             "M98 P77",
         ]
     };
-    prop_oneof![4 => straight, 3 => one, 1 => arc, 1 => radius, 3 => prop::sample::select(words).prop_map(str::to_owned)]
+    let word = prop::sample::select(words).prop_map(str::to_owned);
+    prop_oneof![4 => straight, 3 => one, 1 => arc, 1 => radius, 3 => word]
 }
 
 fn program(mill: bool) -> impl Strategy<Value = String> {

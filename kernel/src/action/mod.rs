@@ -13,6 +13,7 @@ mod home;
 pub(crate) mod local;
 mod mode;
 mod motion;
+mod offsets;
 pub(crate) mod spindle;
 mod stop;
 mod subprogram;
@@ -56,6 +57,7 @@ pub(crate) enum Action {
     /// Length compensation: sign, and its type.
     Length(f64, u8),
     ExtendedOffset,
+    OffsetSet,
     DynamicFixture(bool),
     Corner {
         arc: bool,
@@ -136,6 +138,7 @@ impl Action {
             codes::COMP_LENGTH4_ON => A::Length(1.0, 4),
             codes::COMP_LENGTH_OFF => A::Length(0.0, 1),
             codes::COMP_EXTFIXT | codes::COMP_EXTFIXT_RANGE => A::ExtendedOffset,
+            codes::OFFSET_SET => A::OffsetSet,
             codes::COMP_DYN_FIXT_ON => A::DynamicFixture(true),
             codes::COMP_DYN_FIXT_OFF => A::DynamicFixture(false),
             codes::COMP_CORNER_ARC => A::Corner { arc: true },
@@ -226,6 +229,7 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
         Action::Length(sign, set) => frame::length(kernel, sign, set),
         Action::ExtendedOffset => compensation::extended(kernel),
+        Action::OffsetSet => offsets::set(kernel),
         Action::DynamicFixture(on) => compensation::dynamic(kernel, on),
         Action::Corner { arc } => compensation::corner(kernel, arc),
         Action::VectorCompensation => compensation::vector(kernel),

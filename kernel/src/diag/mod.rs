@@ -95,6 +95,7 @@ diagnostics! {
     ARC_SCALED 2900112 8 false "circle under unequal scales";
     CUTTER_INTERFERENCE 2900115 8 false "tool that does not fit into the contour";
     CUTTER_PLANE 2900116 8 false "cutter compensation without its plane";
+    OFFSET_NOT_KEPT 2900117 8 false "offset that the program sets and the control does not keep";
 }
 
 #[cfg(test)]

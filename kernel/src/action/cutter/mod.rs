@@ -1,9 +1,9 @@
 //! Cutter and nose radius compensation: the tool goes beside the programmed contour.
 //!
-//! A move waits until the next one of its plane is known; what happens in between is held back with it (`held`), so that
-//! the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past what other
-//! channels may see; every way out of compensation finishes the move that waits. Facts: reference control-emulator.md
-//! 6.6. Decisions: docs/emulation.md, "Cutter radius".
+//! A move waits until the next one of its plane is known; what happens in between is held back with it (`held`), so
+//! that the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past what
+//! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
+//! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
 mod corner;
 mod element;

@@ -229,7 +229,8 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the contour.
+    /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the
+    /// contour.
     fn link(&mut self, step: &Step, length: f64, to: Position, round: Option<(Arc, [usize; 2])>) -> Acted {
         let (feed, unit) = match step.unit {
             FeedUnit::InverseTime => (step.feed.map(|feed| feed * length), FeedUnit::PerMinute),

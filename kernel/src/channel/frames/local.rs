@@ -1,8 +1,8 @@
 //! The local frame: scale, mirror, rotation and translation of the program.
 //!
 //! Each kind has a part of its own; from the program to the work frame they act in the order scale, mirror, rotation,
-//! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active when
-//! it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
+//! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active
+//! when it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
 //! control-emulator.md 6.7.
 
 use super::affine::{Affine, Point};

@@ -3,14 +3,17 @@
 //! | point | is | here |
 //! |---|---|---|
 //! | programmed | what the words say, in the local frame | [`Kernel::programmed`] |
-//! | work | after scale, mirror, rotation and translation; positions of events and `Place::position` | [`Kernel::work_point`] |
+//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Kernel::work_point`] |
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Kernel::machine_point`] |
 //!
-//! Lengths, feeds, arcs and rapids are those of the work frame. What couples axes to each other on the way from the work
-//! frame to the axes of the machine (tool tip control, polar interpolation) belongs into [`Kernel::machine_point`] and
-//! its inverse [`Kernel::point_of_machine`], as a further field of [`Frames`]: travel limits, `G53`, reference points,
-//! changes of frames and joint positions all ask these two. What changes programmed words before they are points belongs
-//! into [`Kernel::work_point`] and [`Kernel::programmed`].
+//! Lengths, feeds, arcs and rapids are those of the work frame. What couples axes to each other on the way from the
+//! work frame to the axes of the machine (tool tip control, polar interpolation) belongs into [`Kernel::machine_point`]
+//! and its inverse [`Kernel::point_of_machine`], as a further field of [`Frames`]: travel limits, `G53`, reference
+//! points, changes of frames and joint positions all ask these two. What changes programmed words before they are
+//! points belongs into [`Kernel::work_point`] and [`Kernel::programmed`].
+//!
+//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Kernel::contour`] the point of the
+//! work frame that the program has reached.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
