@@ -10,6 +10,9 @@ use super::affine::{Affine, Point};
 /// Most additive parts.
 const MOST: usize = 200;
 
+/// Largest number of a frame and of its way back.
+const BOUND: f64 = 1e12;
+
 /// A kind of parts, from the program outwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
@@ -186,6 +189,9 @@ impl Local {
             map = map.after(&given.map);
         }
         let back = map.inverse().ok_or(Refused::NoWayBack)?;
+        if [map, back].iter().any(|map| map.cells().iter().any(|cell| cell.abs() > BOUND)) {
+            return Err(Refused::NoWayBack);
+        }
         if [map, back].iter().any(|map| map.leaves(has)) {
             return Err(Refused::MissingAxis);
         }
