@@ -90,12 +90,12 @@ diagnostics! {
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
     CYCLE_AXIS 2900093 8 false "cycle along an axis that the channel does not have";
-    FRAME_REFUSED 2900110 8 false "local frame that cannot be";
-    FRAME_AXIS 2900111 8 false "local frame that would move an axis the channel does not have";
-    ARC_SCALED 2900112 8 false "circle under unequal scales";
-    CUTTER_INTERFERENCE 2900115 8 false "tool that does not fit into the contour";
-    CUTTER_PLANE 2900116 8 false "cutter compensation without its plane";
-    OFFSET_NOT_KEPT 2900117 8 false "offset that the program sets and the control does not keep";
+    FRAME_REFUSED 2900130 8 false "local frame that cannot be";
+    FRAME_AXIS 2900131 8 false "local frame that would move an axis the channel does not have";
+    ARC_SCALED 2900132 8 false "circle under unequal scales";
+    CUTTER_INTERFERENCE 2900133 8 false "tool that does not fit into the contour";
+    CUTTER_PLANE 2900134 8 false "cutter compensation without its plane";
+    OFFSET_NOT_KEPT 2900135 8 false "offset that the program sets and the control does not keep";
 }
 
 #[cfg(test)]
