@@ -5,6 +5,7 @@
 
 use counterpoint_motion::arc as geometry;
 
+use super::cutter::{Shape, Step};
 use super::time::Path;
 use super::turned;
 use crate::channel::state::{group, plane};
@@ -99,6 +100,10 @@ impl Kernel<'_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
+        if self.is_compensated() {
+            let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
+            return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
+        }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
         let changes = self.changes(&from, &to);
         let rise = changes

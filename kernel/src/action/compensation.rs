@@ -7,7 +7,7 @@ use counterpoint_lang::format::wildcard_text;
 use crate::channel::frames::offsets::{EXTENDED, RANGE};
 use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
-use crate::machine::ident::{DataId, data};
+use crate::machine::ident::{DataId, codes, data};
 
 /// States that only offsets and macros ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,6 +86,7 @@ pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
     }
     let direction = kernel.place.compensation.vector.map(wildcard_text).join(",");
     let text = format!("comp diam vector n={} pqr={direction}", kernel.place.compensation.diameter);
+    super::cutter::switched(kernel, codes::COMP_3D_VECTOR)?;
     kernel.emit(0, Kind::Mode { text: text.into() });
     Ok(())
 }

@@ -21,10 +21,10 @@ pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     }
     let turned = kernel.place.frames.is_some();
+    let stands = kernel.contour();
     for (index, value) in target.iter().enumerate() {
         if (turned || coded & (1 << index) != 0)
-            && let (Some(preset), Some(position)) =
-                (kernel.place.preset.get_mut(index), kernel.place.position.get(index))
+            && let (Some(preset), Some(position)) = (kernel.place.preset.get_mut(index), stands.get(index))
         {
             *preset += position - value;
         }
@@ -136,10 +136,18 @@ impl Kernel<'_> {
             return;
         }
         if self.place.frames.is_some() {
+            self.settle_for_macro();
             let machine = self.machine_point(&self.place.position);
             self.place.shift = wanted;
+            let stood = self.place.position;
             self.refresh_tip();
             self.place.position = self.point_of_machine(&machine);
+            let stands = self.place.position;
+            if let Some(cutter) = self.cutter() {
+                for ((slot, new), old) in cutter.contour.iter_mut().zip(stands).zip(stood) {
+                    *slot += new - old;
+                }
+            }
             self.frames_changed();
         } else {
             for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {

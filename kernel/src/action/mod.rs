@@ -8,6 +8,7 @@ mod change_point;
 pub(crate) mod clamp;
 pub(crate) mod compensation;
 pub(crate) mod coolant;
+pub(crate) mod cutter;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
@@ -16,6 +17,7 @@ mod home;
 pub(crate) mod local;
 mod mode;
 mod motion;
+mod offsets;
 mod polar;
 pub(crate) mod spindle;
 pub(crate) mod spindles;
@@ -63,6 +65,7 @@ pub(crate) enum Action {
     /// Length compensation: sign, and its type.
     Length(f64, u8),
     ExtendedOffset,
+    OffsetSet,
     DynamicFixture(bool),
     Corner {
         arc: bool,
@@ -162,6 +165,7 @@ impl Action {
             codes::COMP_LENGTH4_ON => A::Length(1.0, 4),
             codes::COMP_LENGTH_OFF => A::Length(0.0, 1),
             codes::COMP_EXTFIXT | codes::COMP_EXTFIXT_RANGE => A::ExtendedOffset,
+            codes::OFFSET_SET => A::OffsetSet,
             codes::COMP_DYN_FIXT_ON => A::DynamicFixture(true),
             codes::COMP_DYN_FIXT_OFF => A::DynamicFixture(false),
             codes::COMP_CORNER_ARC => A::Corner { arc: true },
@@ -253,6 +257,9 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
     {
         cycle::meets_motion(kernel)?;
     }
+    if kernel.place.frames.is_some() {
+        cutter::before(kernel, action)?;
+    }
     match action {
         Action::Rapid => motion::rapid(kernel),
         Action::Linear => motion::linear(kernel),
@@ -272,11 +279,12 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
         Action::Length(sign, set) => frame::length(kernel, sign, set),
         Action::ExtendedOffset => compensation::extended(kernel),
+        Action::OffsetSet => offsets::set(kernel),
         Action::DynamicFixture(on) => compensation::dynamic(kernel, on),
         Action::Corner { arc } => compensation::corner(kernel, arc),
         Action::VectorCompensation => compensation::vector(kernel),
         Action::Local(part, change) => local::change(kernel, part, change),
-        Action::Diameter(side) => mode::diameter(kernel, side),
+        Action::Diameter(side) => mode::diameter(kernel, side, row.id),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),
         Action::Rpm => spindle::rpm(kernel),

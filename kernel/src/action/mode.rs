@@ -3,7 +3,7 @@
 use crate::channel::block::Firing;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
-use crate::machine::ident::data;
+use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
 
 /// A modal state.
@@ -28,8 +28,8 @@ pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
     Ok(())
 }
 
-/// Cutter or nose radius compensation: state and listing.
-pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
+/// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
+pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId) -> Acted {
     let number = super::compensation::take_diameter(kernel);
     if kernel.mode_changed || number.is_some() {
         let text = match number {
@@ -38,6 +38,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
             }
             _ => format!("comp diam {side}"),
         };
+        super::cutter::switched(kernel, code)?;
         kernel.emit(0, Kind::Mode { text: text.into() });
     }
     Ok(())

@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
+use super::cutter::{Shape, Step};
 use super::time::Path;
 use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
@@ -150,6 +151,10 @@ impl Kernel<'_> {
 
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
+        if self.is_compensated() {
+            let step = Step { shape: Shape::Rapid, coded, to: target, feed: None, unit: FeedUnit::Rapid };
+            return self.compensate(step);
+        }
         let from = self.place.position;
         if target == from {
             return Ok(());
@@ -164,8 +169,11 @@ impl Kernel<'_> {
 
     /// A straight feed move to a target in the work frame.
     pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        if self.is_compensated() && coded != 0 {
+            return self.compensate(Step { shape: Shape::Linear, coded, to: target, feed, unit });
+        }
         let from = self.place.position;
-        if coded == 0 || target == from {
+        if target == from {
             return Ok(());
         }
         let changes = self.feed_changes(&from, &target);

@@ -116,6 +116,7 @@ pub(super) fn turn_inside(kernel: &mut Kernel<'_>, direction: Direction) -> Acte
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.settle()?;
     let css = kernel.current()?.css;
     match take_speed(kernel, css) {
         Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),

@@ -60,5 +60,7 @@ pub(super) fn thread(kernel: &mut Kernel<'_>) -> Acted {
     let length = kernel.tool_path(&changes);
     let feed = (lead, FeedUnit::PerRevolution);
     let moving = kernel.moving(coded, &changes);
-    kernel.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))
+    kernel.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))?;
+    super::cutter::after_thread(kernel);
+    Ok(())
 }

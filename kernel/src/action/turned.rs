@@ -36,7 +36,7 @@ pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> 
         kernel.diagnose(&diag::ARC_SCALED, text);
         return kernel.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
-    let work = kernel.place.position;
+    let work = kernel.contour();
     match roles(&sides) {
         Some(roles) => flat(kernel, &map, (plane, roles), (circle, sides.scale), work),
         None => leaning(kernel, plane, circle, sides.scale),

@@ -172,6 +172,9 @@ impl Kernel<'_> {
             // The master works while no channel does.
             return Ok(operation(&mut coordinator.lock(), coordinator));
         }
+        if self.emitter.is_late(self.clock) {
+            self.settle()?;
+        }
         self.control.disturb(self.rank);
         let tag = self.tag();
         let mut guard = match coordinator.try_enter(tag) {

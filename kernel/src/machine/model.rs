@@ -56,6 +56,8 @@ pub struct Machine {
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.
     pub pump: Pump,
+    /// Cutter and nose radius compensation.
+    pub compensation: Compensation,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -582,6 +584,17 @@ pub struct Pump {
     pub max_pressure: f64,
     /// Pressures of `CODE_COOLANT_PRESSURE_0` and the following ones; the number of the code beyond the list.
     pub pressures: Vec<f64>,
+}
+
+/// How cutter and nose radius compensation begins, ends and goes around corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// A rapid move may switch it on and off.
+    pub rapid: bool,
+    /// A circle may switch it on and off.
+    pub arcs: bool,
+    /// Largest turn, degrees, that corners by angle make sharp.
+    pub corner_angle: f64,
 }
 
 /// Way of a cycle to its clearance height.

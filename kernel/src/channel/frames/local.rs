@@ -1,14 +1,17 @@
 //! The local frame: scale, mirror, rotation and translation of the program.
 //!
 //! Each kind has a part of its own; from the program to the work frame they act in the order scale, mirror, rotation,
-//! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active when
-//! it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
+//! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active
+//! when it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
 //! control-emulator.md 6.7.
 
 use super::affine::{Affine, Point};
 
 /// Most additive parts.
 const MOST: usize = 200;
+
+/// Largest number of a frame and of its way back.
+const BOUND: f64 = 1e12;
 
 /// A kind of parts, from the program outwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -186,6 +189,9 @@ impl Local {
             map = map.after(&given.map);
         }
         let back = map.inverse().ok_or(Refused::NoWayBack)?;
+        if [map, back].iter().any(|map| map.cells().iter().any(|cell| cell.abs() > BOUND)) {
+            return Err(Refused::NoWayBack);
+        }
         if [map, back].iter().any(|map| map.leaves(has)) {
             return Err(Refused::MissingAxis);
         }

@@ -3,7 +3,7 @@
 //! | point | is | here |
 //! |---|---|---|
 //! | programmed | what the words say, in the local frame | [`Kernel::programmed`] |
-//! | work | after scale, mirror, rotation and translation; positions of events and `Place::position` | [`Kernel::work_point`] |
+//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Kernel::work_point`] |
 //! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Kernel::machine_point`] |
 //!
 //! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
@@ -11,6 +11,9 @@
 //! [`Kernel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
 //! rapids all ask these two. What changes programmed words before they are points is in [`Kernel::work_point`] and
 //! [`Kernel::programmed`]; polar interpolation is there, since events name the axes.
+//!
+//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Kernel::contour`] the point of the
+//! work frame that the program has reached.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
@@ -46,6 +49,8 @@ pub(crate) struct Frames {
     pub(crate) polar: Option<polar::Polar>,
     /// Tool tip control.
     pub(crate) tip: Option<Box<tip::Tip>>,
+    /// Compensation of the cutter radius.
+    pub(crate) cutter: Option<Box<crate::action::cutter::Cutter>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
@@ -53,7 +58,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty() && self.polar.is_none() && self.tip.is_none()
+        self.local.is_empty() && self.polar.is_none() && self.tip.is_none() && self.cutter.is_none()
     }
 }
 
@@ -89,7 +94,7 @@ impl Place {
 }
 
 /// A coordinate without the noise of its computation; `old` if it has not changed.
-fn clean(value: f64, old: f64) -> f64 {
+pub(crate) fn clean(value: f64, old: f64) -> f64 {
     if (value - old).abs() < NOISE {
         old
     } else if value.abs() < FINE {
@@ -105,8 +110,14 @@ impl Kernel<'_> {
     pub(crate) fn programmed(&self) -> Position {
         match &self.place.frames {
             None => self.place.position,
-            Some(frames) => self.programmed_point(frames, &self.place.position),
+            Some(frames) => self.programmed_point(frames, &self.contour()),
         }
+    }
+
+    /// Where the program is in the work frame: beside the tool's place under compensation of the cutter radius.
+    pub(crate) fn contour(&self) -> Position {
+        let cutter = self.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
+        cutter.map_or(self.place.position, |cutter| cutter.contour)
     }
 
     /// The programmed point of a point of the work frame.
@@ -143,8 +154,8 @@ impl Kernel<'_> {
         let Some(frames) = place.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
         place.put(&mut work, frames.local.to_work(place.geometry(programmed)));
-        for (slot, stands) in work.iter_mut().zip(&place.position) {
-            *slot = clean(*slot, *stands);
+        for (slot, stands) in work.iter_mut().zip(self.contour()) {
+            *slot = clean(*slot, stands);
         }
         if let Some(polar) = frames.polar {
             polar.to_axes(place, &mut work);

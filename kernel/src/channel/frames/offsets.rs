@@ -18,6 +18,9 @@ pub(crate) const EXTENDED: u32 = 6;
 /// Extended work offsets of a range.
 pub(crate) const RANGE: u32 = 300;
 
+/// Largest value of an offset.
+const BOUND: f64 = 1e9;
+
 /// Most offsets that macros set.
 const MOST: usize = 10_000;
 
@@ -74,8 +77,11 @@ impl Kernel<'_> {
         position
     }
 
-    /// Sets an offset; `false` when there is no room for it.
+    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
     pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
+            return false;
+        }
         let offsets = self.place.offsets.get_or_insert_default();
         let slot = if table == Table::Work { &mut offsets.work } else { &mut offsets.length };
         if slot.len() >= MOST && !slot.contains_key(&number) {
@@ -103,9 +109,12 @@ impl Kernel<'_> {
         })
     }
 
-    /// Sets a radius; `false` when there is no room for it.
+    /// Sets a radius; `false` when there is no room for it or it is out of all bounds.
     pub(crate) fn set_offset_radius(&mut self, table: Radii, number: u32, value: f64) -> bool {
         let table = self.radii(table);
+        if value.is_nan() || value.abs() > BOUND {
+            return false;
+        }
         let offsets = self.place.offsets.get_or_insert_default();
         let slot = if table == Radii::Cutter { &mut offsets.radius } else { &mut offsets.corner };
         if slot.len() >= MOST && !slot.contains_key(&number) {

@@ -1,7 +1,7 @@
 //! What the local frame tells of itself: all parts of a kind taken together, in programmed units.
 //!
-//! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one before
-//! away again; of rotations and centres the newest counts.
+//! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
+//! before away again; of rotations and centres the newest counts.
 
 use super::affine::Point;
 use super::local::Part;

@@ -223,6 +223,9 @@ pub const TABLE: &[DataFacts] = &[
     DataFacts { name: "REG_CYCLE_STEP", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_STEP_DECR", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_REPEAT", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_KIND", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_NUMBER", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_VALUE", built_in: true, own: true },
 ];
 
 /// `REG_AIR`.
@@ -659,3 +662,9 @@ pub const CYCLE_STEP: DataId = DataId(214);
 pub const CYCLE_STEP_DECR: DataId = DataId(215);
 /// `REG_CYCLE_REPEAT`: how often a cycle is carried out (Fanuc K or L).
 pub const CYCLE_REPEAT: DataId = DataId(216);
+/// `REG_OFFSET_KIND`: which table an offset is set in (Fanuc G10 L).
+pub const OFFSET_KIND: DataId = DataId(217);
+/// `REG_OFFSET_NUMBER`: which offset is set (Fanuc G10 P).
+pub const OFFSET_NUMBER: DataId = DataId(218);
+/// `REG_OFFSET_VALUE`: length or radius that is set (Fanuc G10 R).
+pub const OFFSET_VALUE: DataId = DataId(219);

@@ -8,6 +8,7 @@ mod build;
 mod chain;
 mod channels;
 mod codes;
+mod compensation;
 mod cycles;
 mod data;
 mod defaults;

@@ -33,6 +33,11 @@ pub fn json(machine: &Machine) -> Value {
         "sync": sync(machine),
         "time": time(machine),
         "cycles": cycles(machine),
+        "compensation": {
+            "rapid": machine.compensation.rapid,
+            "arcs": machine.compensation.arcs,
+            "corner_angle": machine.compensation.corner_angle,
+        },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),

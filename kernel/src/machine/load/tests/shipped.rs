@@ -49,6 +49,7 @@ G2 CODE_INTERP_ARC_CLW 500 1
 G3 CODE_INTERP_ARC_CCLW 500 1
 G4 CODE_DELAY 300 0
 G9 CODE_EXACTSTOP 100 15
+G10 CODE_OFFSET_SET 100 0
 G12.1 CODE_C2P_CART_ON 100 26
 G13.1 CODE_C2P_CART_OFF 100 26
 G17 CODE_PLANE_XY 100 2
@@ -145,17 +146,20 @@ fn the_two_path_lathe_has_these_data() {
         "K REG_CYCLE_REPEAT - - none",
         "K REG_LCS_ROT_ANGLE_Z - - angle",
         "R REG_ARC_RADIUS - - length",
+        "R REG_OFFSET_VALUE - - length",
         "R REG_CYCLE_CLEAR - - length",
         "R REG_LCS_ROT_ANGLE - - angle",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
         "P REG_COMP_EXTFIXT_REG - - none",
+        "P REG_OFFSET_NUMBER - - none",
         "P REG_CYCLE_DWELL - *0.001 time",
         "P REG_SYNC_PATHS - - none",
         "Q REG_INTERP_THREAD_ANGLE - *0.001 angle",
         "Q REG_CYCLE_STEP - - length",
         "L REG_CALSUB_REPEAT - - none",
+        "L REG_OFFSET_KIND - - none",
         "F REG_FEED_UPM yes - feed",
         "F REG_FEED_UPR yes - feed",
         "F REG_INTERP_THREAD_PITCH yes - length",

@@ -1,7 +1,7 @@
 //! Variables of the local frame.
 //!
-//! Facts: reference system-variables.md 12. `$LCS` switches the programmed parts off and on; `$LCSMTN` is −1, since frames
-//! never move rotary axes here.
+//! Facts: reference system-variables.md 12. `$LCS` switches the programmed parts off and on; `$LCSMTN` is −1, since
+//! frames never move rotary axes here.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};

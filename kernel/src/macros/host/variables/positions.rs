@@ -71,6 +71,9 @@ impl Kernel<'_> {
 
     pub(super) fn position_of(&self, place: Place) -> f64 {
         let Some(axis) = self.axis_at(place) else { return 0.0 };
+        if place.kind == 'W' && !place.before {
+            return self.programmed().get(axis).copied().unwrap_or(0.0);
+        }
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
             _ => &self.place.position,

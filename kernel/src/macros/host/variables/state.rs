@@ -50,6 +50,13 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> 
     }
 }
 
+/// `$DCOMP`: the code becomes active, and the path follows it.
+fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
+    set_group(kernel, &DIAMETER, value)?;
+    kernel.switch_cutter();
+    Ok(())
+}
+
 fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let (id, _) = feed_of(kernel.modal.code(group::FEED));
     number(kernel.modal.value(id).unwrap_or(0.0))
@@ -137,7 +144,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             None,
         ),
         "$DCOMP" => {
-            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| set_group(k, &DIAMETER, value)))
+            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
         }
         "$HEAD" => (head, None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
