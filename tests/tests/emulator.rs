@@ -110,8 +110,11 @@ fn event(info: &Info, event: &Event) -> Option<String> {
         Kind::Message { text } => format!("message {text}"),
         Kind::Mode { text } => format!("mode {text}"),
         Kind::Tool { action, tool, .. } => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
-        Kind::Spindle(s) => format!("spindle {} {}", format!("{:?}", s.direction).to_lowercase(), s.speed),
-        Kind::Coolant { on } => format!("coolant {}", if *on { "on" } else { "off" }),
+        Kind::Spindle(s) => {
+            let of = if s.spindle > 1 { format!(" of {}", s.spindle) } else { String::new() };
+            format!("spindle {} {}{of}", format!("{:?}", s.direction).to_lowercase(), s.speed)
+        }
+        Kind::Coolant(coolant) => coolant.to_string(),
         Kind::Function { letter, value } => format!("function {letter}{value}"),
         Kind::Call { program, .. } => format!("call {program}"),
         Kind::Return { .. } => "return".to_owned(),

@@ -2,6 +2,7 @@
 //!
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
+use crate::channel::frames::offsets::{BASE, Table};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, MAX_AXES, Position};
@@ -19,10 +20,11 @@ pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
+    let turned = kernel.place.frames.is_some();
+    let stands = kernel.contour();
     for (index, value) in target.iter().enumerate() {
-        if coded & (1 << index) != 0
-            && let (Some(preset), Some(position)) =
-                (kernel.place.preset.get_mut(index), kernel.place.position.get(index))
+        if (turned || coded & (1 << index) != 0)
+            && let (Some(preset), Some(position)) = (kernel.place.preset.get_mut(index), stands.get(index))
         {
             *preset += position - value;
         }
@@ -35,11 +37,7 @@ pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn work_offset(kernel: &mut Kernel<'_>) -> Acted {
     let number = kernel.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
-    let known = kernel.machine.work_offsets.len();
-    if known > 0 && number as usize > known {
-        let text = format!("work offset {number} has no values in machine {}, zero is used", kernel.machine.name);
-        kernel.diagnose(&diag::NO_OFFSET, text);
-    }
+    kernel.missing_work_offset(number);
     kernel.place.work_offset = number;
     kernel.emit(0, Kind::Mode { text: format!("comp workp n={number}").into() });
     kernel.reframe();
@@ -54,9 +52,12 @@ pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
     Ok(())
 }
 
-/// Tool length compensation with the H word; sign 0 cancels.
-pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64) -> Acted {
+/// Tool length compensation of a type (1 to 4) with the H word; sign 0 cancels.
+pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
     let number = kernel.take(data::COMP_LENGTH).map(|d| d.value);
+    if sign == 0.0 && kernel.tip().is_some_and(|tip| tip.with_length) {
+        super::tip::off(kernel)?;
+    }
     kernel.place.length_sign = sign;
     let text = if sign == 0.0 {
         kernel.place.length_number = 0;
@@ -65,14 +66,57 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64) -> Acted {
         if let Some(number) = number.filter(|n| (0.0..=999_999.0).contains(n)) {
             kernel.place.length_number = number as u32;
         }
-        format!("comp length n={}", kernel.place.length_number)
+        kernel.place.compensation.set = set;
+        match set {
+            1 => format!("comp length n={}", kernel.place.length_number),
+            _ => format!("comp length n={} set={set}", kernel.place.length_number),
+        }
     };
     kernel.emit(0, Kind::Mode { text: text.into() });
     kernel.reframe();
     Ok(())
 }
 
+/// Length compensation that another code brings along.
+pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
+    (kernel.place.length_sign, kernel.place.length_number) = (1.0, number);
+    kernel.emit(0, Kind::Mode { text: format!("comp length n={number}").into() });
+    kernel.reframe();
+}
+
 impl Kernel<'_> {
+    /// The part of the shift that is the tool.
+    pub(crate) fn tool_shift(&self) -> Position {
+        let place = &self.place;
+        let mut shift = [0.0; MAX_AXES];
+        let mut add = |values: Position, sign: f64| {
+            for (slot, value) in shift.iter_mut().zip(values) {
+                *slot += sign * value;
+            }
+        };
+        if place.tool_offset != BASE {
+            add(self.offset_values(Table::Length, place.tool_offset), 1.0);
+        }
+        if place.length_sign != 0.0 && place.length_number != BASE {
+            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
+        }
+        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
+            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
+            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
+        }
+        shift
+    }
+
+    /// Tells of a work offset that has no values.
+    pub(super) fn missing_work_offset(&mut self, number: u32) {
+        let known = self.machine.work_offsets.len();
+        let set = self.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
+        if known > 0 && number as usize > known && !set {
+            let text = format!("work offset {number} has no values in machine {}, zero is used", self.machine.name);
+            self.diagnose(&diag::NO_OFFSET, text);
+        }
+    }
+
     /// Frame at program start.
     pub(crate) fn initial_frame(&mut self) {
         self.place.shift = self.wanted_shift();
@@ -86,32 +130,61 @@ impl Kernel<'_> {
     }
 
     /// Puts the sum of all offsets into force; the machine stands still.
-    pub(super) fn reframe(&mut self) {
+    pub(crate) fn reframe(&mut self) {
         let wanted = self.wanted_shift();
         if wanted == self.place.shift {
             return;
         }
-        for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
-            *position += old - new;
-        }
         self.cycle.reframed(&self.place.shift, &wanted);
-        self.place.shift = wanted;
+        if self.place.frames.is_some() {
+            self.settle_for_macro();
+            let machine = self.machine_point(&self.place.position);
+            self.place.shift = wanted;
+            let stood = self.place.position;
+            self.refresh_tip();
+            self.place.position = self.point_of_machine(&machine);
+            let stands = self.place.position;
+            if let Some(cutter) = self.cutter() {
+                for ((slot, new), old) in cutter.contour.iter_mut().zip(stands).zip(stood) {
+                    *slot += new - old;
+                }
+            }
+            self.frames_changed();
+        } else {
+            for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
+                *position += old - new;
+            }
+            self.place.shift = wanted;
+        }
         self.emit(0, Kind::Frame { shift: Box::new(wanted) });
     }
 
     fn wanted_shift(&self) -> Position {
         let place = &self.place;
-        let work = (place.work_offset as usize).checked_sub(1).and_then(|i| self.machine.work_offsets.get(i));
-        let offset = |number: u32| self.machine.tool.offsets.iter().find(|o| o.number == number);
-        let tool = offset(place.tool_offset);
-        let length = offset(place.length_number);
+        let work = self.offset_values(Table::Work, place.work_offset);
+        let tool = if place.tool_offset == BASE {
+            [0.0; MAX_AXES]
+        } else {
+            self.offset_values(Table::Length, place.tool_offset)
+        };
         let mut shift = place.preset;
-        for (slot, axis) in shift.iter_mut().zip(&place.axes) {
-            let value = |list: Option<&Vec<f64>>| list.and_then(|v| v.get(axis.machine)).copied().unwrap_or(0.0);
-            *slot += value(work) + value(tool.map(|t| &t.values));
-            if place.length_sign != 0.0 {
-                *slot += place.length_sign * value(length.map(|t| &t.values));
+        for ((slot, work), tool) in shift.iter_mut().zip(work).zip(tool) {
+            *slot += work + tool;
+        }
+        let mut add = |values: Position, sign: f64| {
+            for (slot, value) in shift.iter_mut().zip(values) {
+                *slot += sign * value;
             }
+        };
+        if place.work_offset != BASE && place.offsets.is_some() {
+            add(self.offset_values(Table::Work, BASE), 1.0);
+        }
+        if place.length_sign != 0.0 && place.length_number != BASE {
+            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
+        }
+        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
+            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
+            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
         }
         shift
     }

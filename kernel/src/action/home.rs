@@ -14,10 +14,9 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
     }
     kernel.place.home_via = Some(via);
     kernel.rapid_to(coded, via)?;
-    let mut target = kernel.place.position;
+    let mut target = kernel.machine_point(&kernel.place.position);
     let mut missing = false;
-    for (index, ((slot, axis), shift)) in target.iter_mut().zip(&kernel.place.axes).zip(&kernel.place.shift).enumerate()
-    {
+    for (index, (slot, axis)) in target.iter_mut().zip(&kernel.place.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
         }
@@ -26,10 +25,11 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
             n => axis.references.get(n.wrapping_sub(2)).copied().flatten(),
         };
         match reference {
-            Some(point) => *slot = point - shift,
+            Some(point) => *slot = point,
             None => missing = true,
         }
     }
+    let target = kernel.way_of_machine(&target);
     if missing {
         let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
         kernel.diagnose(&diag::NO_REFERENCE, text);

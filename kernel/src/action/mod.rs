@@ -4,25 +4,39 @@
 //! axes) and never touches another channel except through a shared operation.
 
 pub(crate) mod arc;
+mod change_point;
+pub(crate) mod clamp;
+pub(crate) mod compensation;
+pub(crate) mod coolant;
+pub(crate) mod cutter;
 pub(crate) mod cycle;
 mod dwell;
 pub(crate) mod frame;
+mod head;
 mod home;
+pub(crate) mod local;
 mod mode;
 mod motion;
+mod offsets;
+mod polar;
 pub(crate) mod skip;
 pub(crate) mod spindle;
+pub(crate) mod spindles;
+pub(crate) mod states;
 mod stop;
 mod subprogram;
 pub(crate) mod sync;
 pub(crate) mod thread;
 mod time;
+pub(crate) mod tip;
 mod tool;
+mod turned;
 
 use crate::channel::block::Firing;
+use crate::channel::frames::local::Part;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
-use crate::machine::ident::{CodeId, codes};
+use crate::machine::ident::{CodeId, DataId, codes};
 use crate::machine::model::CodeRow;
 
 /// A built-in action.
@@ -58,7 +72,17 @@ pub(crate) enum Action {
     Preset,
     WorkOffset,
     WorkOffsetOff,
-    Length(f64),
+    /// Length compensation: sign, and its type.
+    Length(f64, u8),
+    ExtendedOffset,
+    OffsetSet,
+    DynamicFixture(bool),
+    Corner {
+        arc: bool,
+    },
+    VectorCompensation,
+    /// A code of the local frame.
+    Local(Part, local::Change),
     Diameter(&'static str),
     Spindle {
         number: u16,
@@ -69,17 +93,36 @@ pub(crate) enum Action {
     Rpm,
     MaxRpm,
     CssDriver(u16),
-    Coolant(bool),
-    /// A state that nothing here depends on: it shows in the log, macros read it from the group.
-    State,
+    CssDriverById,
+    CssRadial,
+    SpindleInWork {
+        rear: bool,
+    },
+    Apply {
+        milling: bool,
+    },
+    Coolant(coolant::Switch),
+    Additive(bool),
     ToolSelect,
     ToolLoad,
+    ToolPoint,
+    ToolPointReturn,
     Head(Option<u32>),
+    OtherHead(head::Event),
+    Polar {
+        cartesian: bool,
+    },
+    PolarOff,
+    Tip(u8),
+    TipOff,
+    TipFormat(u8),
+    Clamp(DataId, bool),
+    Unwind(Option<DataId>),
     Stop(Stop),
     Call,
     CallRange,
     Return,
-    Sync,
+    Sync(sync::Mark),
     Function,
     Cycle(cycle::Kind),
     CycleOn,
@@ -138,9 +181,19 @@ impl Action {
             codes::POSITION_PRESET => A::Preset,
             codes::COMP_WORKP_ON => A::WorkOffset,
             codes::COMP_WORKP_OFF => A::WorkOffsetOff,
-            codes::COMP_LENGTH_ON => A::Length(1.0),
-            codes::COMP_LENGTH_ON_NEG => A::Length(-1.0),
-            codes::COMP_LENGTH_OFF => A::Length(0.0),
+            codes::COMP_LENGTH_ON => A::Length(1.0, 1),
+            codes::COMP_LENGTH_ON_NEG => A::Length(-1.0, 1),
+            codes::COMP_LENGTH2_ON => A::Length(1.0, 2),
+            codes::COMP_LENGTH3_ON => A::Length(1.0, 3),
+            codes::COMP_LENGTH4_ON => A::Length(1.0, 4),
+            codes::COMP_LENGTH_OFF => A::Length(0.0, 1),
+            codes::COMP_EXTFIXT | codes::COMP_EXTFIXT_RANGE => A::ExtendedOffset,
+            codes::OFFSET_SET => A::OffsetSet,
+            codes::COMP_DYN_FIXT_ON => A::DynamicFixture(true),
+            codes::COMP_DYN_FIXT_OFF => A::DynamicFixture(false),
+            codes::COMP_CORNER_ARC => A::Corner { arc: true },
+            codes::COMP_CORNER_LINEAR => A::Corner { arc: false },
+            codes::COMP_3D_VECTOR => A::VectorCompensation,
             codes::COMP_DIAM_OFF => A::Diameter("off"),
             codes::COMP_DIAM_LEFT => A::Diameter("left"),
             codes::COMP_DIAM_RIGHT => A::Diameter("right"),
@@ -149,12 +202,24 @@ impl Action {
             codes::SPINDLE_MAXRPM => A::MaxRpm,
             codes::SPINDLE_CSS_MAIN => A::CssDriver(1),
             codes::SPINDLE_CSS_SIDE => A::CssDriver(2),
-            codes::COOLANT_FLOOD | codes::COOLANT_MIST | codes::COOLANT_ON | codes::COOLANT_THRU => A::Coolant(true),
-            codes::COOLANT_OFF => A::Coolant(false),
-            codes::SPINDLE_FRONT | codes::SPINDLE_REAR => A::State,
-            CodeId(device) if (codes::COOLANT_DEV1_OFF.0..=codes::COOLANT_DEV9_ON.0).contains(&device) => A::State,
+            codes::SPINDLE_CSS_ID => A::CssDriverById,
+            codes::SPINDLE_CSS_RADIAL => A::CssRadial,
+            codes::SPINDLE_FRONT => A::SpindleInWork { rear: false },
+            codes::SPINDLE_REAR => A::SpindleInWork { rear: true },
+            codes::APPLY_TURN => A::Apply { milling: false },
+            codes::APPLY_MILL => A::Apply { milling: true },
+            codes::C2P_CART_ON => A::Polar { cartesian: true },
+            codes::C2P_POLAR_ON => A::Polar { cartesian: false },
+            codes::C2P_CART_OFF | codes::C2P_POLAR_OFF => A::PolarOff,
+            codes::RTCP_ON => A::Tip(1),
+            codes::RTCP2_ON => A::Tip(2),
+            codes::RTCP_OFF => A::TipOff,
+            codes::AM_ON => A::Additive(true),
+            codes::AM_OFF => A::Additive(false),
             codes::TOOL_SELECT => A::ToolSelect,
             codes::TOOL_LOAD => A::ToolLoad,
+            codes::TOOL_LOAD_POINT => A::ToolPoint,
+            codes::TOOL_LOAD_RETURN => A::ToolPointReturn,
             codes::HEAD_MAIN => A::Head(Some(1)),
             codes::HEAD_SIDE => A::Head(Some(2)),
             codes::HEAD_ID => A::Head(None),
@@ -165,13 +230,24 @@ impl Action {
             codes::CALSUB_ID => A::Call,
             codes::CALSUB_RANGE => A::CallRange,
             codes::CALSUB_RETURN => A::Return,
-            codes::SYNC_REG => A::Sync,
+            codes::SYNC_REG => A::Sync(sync::Mark::Word),
+            codes::SYNC_REG_MAIN => A::Sync(sync::Mark::Main),
+            codes::SYNC_REG_SIDE => A::Sync(sync::Mark::Side),
+            codes::SYNC_REG_START => A::Sync(sync::Mark::Start),
+            codes::SYNC_REG_STOP => A::Sync(sync::Mark::Stop),
             codes::FUNCTION => A::Function,
             _ => {
+                let local = || local::of(id).map(|(part, change)| A::Local(part, change));
+                let head = || head::of(id).map(A::OtherHead);
+                let clamp = || clamp::of(id).map(|(axis, on)| A::Clamp(axis, on));
+                let unwind = || clamp::unwinds(id).map(A::Unwind);
+                let axis = || clamp().or_else(unwind).or_else(|| tip::format_of(id).map(A::TipFormat));
                 let arc = || arc::Form::of(id).map(A::Arc);
                 let setting = || thread::cycle::Setting::of(id).map(A::ThreadSetting);
                 let thread = || thread::cycle::Kind::of(id).map(A::ThreadCycle).or_else(setting);
-                return cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread).or_else(|| spindle_code(id));
+                let own = cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread);
+                let own = own.or_else(|| coolant::of(id).map(A::Coolant)).or_else(local).or_else(head);
+                return own.or_else(axis).or_else(|| spindle_code(id));
             }
         })
     }
@@ -206,7 +282,9 @@ fn spindle_code(id: CodeId) -> Option<Action> {
     let direction = match rest {
         "CLW" => Direction::Clockwise,
         "CCLW" => Direction::CounterClockwise,
-        "OFF" | "NEUTRAL" | "LOCK" => Direction::Off,
+        "OFF" => Direction::Off,
+        "LOCK" => Direction::Locked,
+        "NEUTRAL" => Direction::Neutral,
         "ORIENT" => Direction::Oriented,
         _ => return None,
     };
@@ -217,6 +295,9 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
     if kernel.cycle.running && !firing.implied && action.moves() {
         cycle::meets_motion(kernel)?;
+    }
+    if kernel.place.frames.is_some() {
+        cutter::before(kernel, action)?;
     }
     match action {
         Action::Rapid => motion::rapid(kernel),
@@ -244,23 +325,43 @@ pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing
         Action::Preset => frame::preset(kernel),
         Action::WorkOffset => frame::work_offset(kernel),
         Action::WorkOffsetOff => frame::work_offset_off(kernel),
-        Action::Length(sign) => frame::length(kernel, sign),
-        Action::Diameter(side) => mode::diameter(kernel, side),
+        Action::Length(sign, set) => frame::length(kernel, sign, set),
+        Action::ExtendedOffset => compensation::extended(kernel),
+        Action::OffsetSet => offsets::set(kernel),
+        Action::DynamicFixture(on) => compensation::dynamic(kernel, on),
+        Action::Corner { arc } => compensation::corner(kernel, arc),
+        Action::VectorCompensation => compensation::vector(kernel),
+        Action::Local(part, change) => local::change(kernel, part, change),
+        Action::Diameter(side) => mode::diameter(kernel, side, row.id),
         Action::Spindle { number, direction, coolant } => spindle::turn(kernel, number, direction, coolant),
         Action::Css => spindle::css(kernel),
         Action::Rpm => spindle::rpm(kernel),
         Action::MaxRpm => spindle::limit(kernel),
         Action::CssDriver(channel) => spindle::driver(kernel, channel),
-        Action::Coolant(on) => mode::coolant(kernel, on),
-        Action::State => mode::state(kernel, row),
+        Action::Coolant(switch) => coolant::switch(kernel, switch),
+        Action::CssDriverById => spindles::driver_by_id(kernel),
+        Action::CssRadial => spindle::radial(kernel),
+        Action::SpindleInWork { rear } => spindles::in_work(kernel, rear),
+        Action::Apply { milling } => spindles::apply(kernel, milling),
+        Action::Additive(on) => mode::additive(kernel, on),
         Action::ToolSelect => tool::select(kernel),
         Action::ToolLoad => tool::load(kernel),
-        Action::Head(number) => tool::head(kernel, number),
+        Action::ToolPoint => change_point::go(kernel),
+        Action::ToolPointReturn => change_point::come_back(kernel),
+        Action::Head(number) => head::load(kernel, number),
+        Action::OtherHead(event) => head::other(kernel, event, row),
+        Action::Polar { cartesian } => polar::on(kernel, cartesian),
+        Action::PolarOff => polar::off(kernel),
+        Action::Tip(method) => tip::on(kernel, method),
+        Action::TipOff => tip::off(kernel),
+        Action::TipFormat(format) => tip::orient(kernel, format),
+        Action::Clamp(axis, on) => clamp::clamp(kernel, axis, on),
+        Action::Unwind(axis) => clamp::unwind(kernel, axis),
         Action::Stop(stop) => stop::stop(kernel, stop),
         Action::Call => subprogram::call(kernel),
         Action::CallRange => subprogram::call_range(kernel),
         Action::Return => subprogram::give_back(kernel),
-        Action::Sync => sync::meet(kernel, row),
+        Action::Sync(mark) => sync::meet(kernel, row, mark),
         Action::Function => mode::function(kernel, row, firing),
         Action::Cycle(kind) => cycle::cycle(kernel, kind, row, firing),
         Action::CycleOn => cycle::on(kernel, row, firing),

@@ -3,22 +3,12 @@
 use crate::channel::block::Firing;
 use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
-use crate::machine::ident::data;
+use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
 
 /// A modal state.
 pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
     if kernel.mode_changed {
-        kernel.emit(0, Kind::Mode { text: text.into() });
-    }
-    Ok(())
-}
-
-/// A state with the words of its code.
-pub(super) fn state(kernel: &mut Kernel<'_>, row: &CodeRow) -> Acted {
-    if kernel.mode_changed {
-        let name = kernel.machine.code_name(row.id);
-        let text = name.strip_prefix("CODE_").unwrap_or(name).to_lowercase().replace('_', " ");
         kernel.emit(0, Kind::Mode { text: text.into() });
     }
     Ok(())
@@ -38,9 +28,9 @@ pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
     Ok(())
 }
 
-/// Cutter or nose radius compensation: state and listing.
-pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
-    let number = kernel.take(data::COMP_DIAM).map(|d| d.value);
+/// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
+pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId) -> Acted {
+    let number = super::compensation::take_diameter(kernel);
     if kernel.mode_changed || number.is_some() {
         let text = match number {
             Some(number) if side != "off" => {
@@ -48,14 +38,9 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str) -> Acted {
             }
             _ => format!("comp diam {side}"),
         };
+        super::cutter::switched(kernel, code)?;
         kernel.emit(0, Kind::Mode { text: text.into() });
     }
-    Ok(())
-}
-
-/// Coolant.
-pub(super) fn coolant(kernel: &mut Kernel<'_>, on: bool) -> Acted {
-    kernel.emit(0, Kind::Coolant { on });
     Ok(())
 }
 
@@ -66,5 +51,17 @@ pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -
         let (letter, value) = kernel.written(row, firing);
         kernel.emit(0, Kind::Function { letter, value });
     }
+    Ok(())
+}
+
+/// Power of additive machining.
+pub(super) fn additive(kernel: &mut Kernel<'_>, on: bool) -> Acted {
+    let power = kernel.take(data::AM).map(|d| counterpoint_lang::format::wildcard_text(d.value));
+    let text = match (on, power) {
+        (true, Some(power)) => format!("am on p={power}"),
+        (true, None) => "am on".to_owned(),
+        (false, _) => "am off".to_owned(),
+    };
+    kernel.emit(0, Kind::Mode { text: text.into() });
     Ok(())
 }

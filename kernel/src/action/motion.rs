@@ -2,17 +2,20 @@
 //!
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
+use super::cutter::{Shape, Step};
 use super::time::Path;
+use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
+use crate::log::event::{FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
     let feed = kernel.rapid_feed();
-    let (coded, target) = kernel.targets();
+    let target = kernel.targets();
+    let (coded, target) = kernel.oriented(target);
     if coded == 0 {
         return Ok(());
     }
@@ -22,15 +25,17 @@ pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
 /// Straight feed.
 pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+    let target = kernel.targets();
+    let (coded, target) = kernel.oriented(target);
     kernel.feed_to(coded, target, feed, unit)
 }
 
 /// Straight feed over a multiple of the programmed distance.
 pub(super) fn linear_times(kernel: &mut Kernel<'_>, factor: f64) -> Acted {
     let (feed, unit) = kernel.feed();
-    let (coded, mut target) = kernel.targets();
-    for (to, from) in target.iter_mut().zip(&kernel.place.position) {
+    let target = kernel.targets();
+    let (coded, mut target) = kernel.oriented(target);
+    for (to, from) in target.iter_mut().zip(&kernel.contour()) {
         let far = from + factor * (*to - from);
         if far.is_finite() {
             *to = far;
@@ -71,16 +76,51 @@ impl Kernel<'_> {
 
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
     pub(super) fn targets(&mut self) -> (u8, Position) {
+        if self.place.frames.is_none() {
+            return self.axis_words(self.place.position, self.place.shift, Self::take_axis);
+        }
+        let (coded, target) = self.programmed_targets();
+        (coded, self.work_point(&target))
+    }
+
+    /// Takes the axis words: bits of coded axes, and the target as programmed.
+    pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
+        if self.block.machine_frame && self.place.frames.is_some() {
+            let machine = self.machine_point(&self.place.position);
+            let (coded, target) = self.axis_words(machine, [0.0; MAX_AXES], Self::take_axis);
+            return (coded, self.program_point(&self.point_of_machine(&target)));
+        }
+        let (from, shift) = (self.programmed(), self.place.shift);
+        match self.polar() {
+            Some(polar) => self.axis_words(from, shift, |kernel, axis| kernel.take_polar(polar, axis)),
+            None => self.axis_words(from, shift, Self::take_axis),
+        }
+    }
+
+    /// Takes the word of an axis.
+    #[inline(always)]
+    fn take_axis(&mut self, axis: usize) -> Option<Datum> {
+        let id = self.place.axes.get(axis).map(|a| a.data)?;
+        self.take(id)
+    }
+
+    /// Takes the axis words onto a point whose machine coordinates are `shift` away.
+    #[inline(always)]
+    fn axis_words(
+        &mut self,
+        from: Position,
+        shift: Position,
+        take: impl Fn(&mut Self, usize) -> Option<Datum>,
+    ) -> (u8, Position) {
         let relative = match self.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
             Some(_) => Some(false),
             None => None,
         };
-        let mut target = self.place.position;
+        let mut target = from;
         let mut coded = 0_u8;
         for index in 0..self.place.axes.len() {
-            let Some(id) = self.place.axes.get(index).map(|a| a.data) else { break };
-            let Some(datum) = self.take(id) else { continue };
+            let Some(datum) = take(self, index) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
                     "neither absolute nor incremental is active in '{}', absolute is assumed",
@@ -88,7 +128,7 @@ impl Kernel<'_> {
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }
-            let shift = self.place.shift.get(index).copied().unwrap_or(0.0);
+            let shift = shift.get(index).copied().unwrap_or(0.0);
             let Some(slot) = target.get_mut(index) else { break };
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
@@ -111,40 +151,77 @@ impl Kernel<'_> {
         if linear > 0.0 { linear.sqrt() } else { sum(true).sqrt() }
     }
 
+    /// A rapid move to a programmed point.
+    pub(super) fn rapid_to_point(&mut self, coded: u8, target: Position) -> Acted {
+        let target = self.work_point(&target);
+        self.rapid_to(coded, target)
+    }
+
+    /// A straight feed move to a programmed point.
+    pub(super) fn feed_to_point(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        let target = self.work_point(&target);
+        self.feed_to(coded, target, feed, unit)
+    }
+
+    /// Axes that a move concerns: a turned frame moves others than the coded ones.
+    #[inline(always)]
+    pub(super) fn moving(&self, coded: u8, changes: &Position) -> u8 {
+        if self.place.frames.is_none() {
+            return coded;
+        }
+        changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
+    }
+
+    /// The same, by the ends of the move.
+    #[inline(always)]
+    fn moves(&self, coded: u8, from: &Position, to: &Position) -> u8 {
+        if self.place.frames.is_none() { coded } else { self.moving(coded, &self.changes(from, to)) }
+    }
+
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
         self.rapid_within(coded, target, None)
     }
 
     /// The same, along its path not faster than a feed per minute.
-    fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
+    pub(super) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
+        if self.is_compensated() {
+            let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
+            return self.compensate(step);
+        }
         let from = self.place.position;
         if target == from {
             return Ok(());
         }
+        let changes = self.changes(&from, &target);
         let mut seconds = self.rapid_seconds(&from, &target);
         if let Some(feed) = feed {
-            let length = self.changes(&from, &target).iter().map(|change| change * change).sum::<f64>().sqrt();
+            let length = changes.iter().map(|change| change * change).sum::<f64>().sqrt();
             seconds = seconds.max(length / feed * 60.0);
         }
-        let length = self.tool_path(&self.changes(&from, &target));
+        let length = self.tool_path(&changes);
+        let moving = self.moving(coded, &changes);
         let feed = (0.0, FeedUnit::Rapid);
-        self.travel(seconds, &Motion::straight(MotionKind::Rapid, coded, [from, target], feed, length))
+        self.travel(seconds, &Motion::straight(MotionKind::Rapid, moving, [from, target], feed, length))
     }
 
     /// A straight feed move to a target in the work frame.
     pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        if self.is_compensated() && coded != 0 {
+            return self.compensate(Step { shape: Shape::Linear, coded, to: target, feed, unit });
+        }
         let from = self.place.position;
-        if coded == 0 || target == from {
+        if target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.feed_changes(&from, &target);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = self.tool_path(&changes);
+        let length = self.feed_path(&changes, feed_length);
+        let moving = self.moves(coded, &from, &target);
         let feed = (feed.unwrap_or(0.0), unit);
-        self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, target], feed, length))
+        self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
 
     /// Carries out a motion: limits, event, clock, position.
@@ -172,9 +249,11 @@ impl Kernel<'_> {
             MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
             _ => self.feed(),
         };
+        let changes = self.feed_changes(&from, &to);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
+        let length = self.feed_path(&changes, feed_length);
         let feed = (feed.unwrap_or(0.0), unit);
         self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))
     }
@@ -192,6 +271,9 @@ impl Kernel<'_> {
             self.sum_motion(rapid == 1, seconds, motion.length);
             self.note_travel(motion);
         }
+        if self.place.clamped != 0 {
+            self.check_clamps(motion);
+        }
         self.block.moved = true;
         self.flow.pass.effects = true;
         self.place.position = motion.to;
@@ -207,12 +289,12 @@ impl Kernel<'_> {
 
     fn check_travel(&mut self, to: &Position) {
         let mut over = None;
-        for ((axis, value), shift) in self.place.axes.iter().zip(to).zip(&self.place.shift) {
-            if let Some((low, high)) = axis.limits {
-                let at = value + shift;
-                if at < low - 1e-9 || at > high + 1e-9 {
-                    over = Some((axis.machine, at, low, high));
-                }
+        let machine = self.machine_point(to);
+        for (axis, at) in self.place.axes.iter().zip(machine) {
+            if let Some((low, high)) = axis.limits
+                && (at < low - 1e-9 || at > high + 1e-9)
+            {
+                over = Some((axis.machine, at, low, high));
             }
         }
         if let Some((axis, at, low, high)) = over {

@@ -6,6 +6,7 @@
 
 use counterpoint_motion::surface_speed::Speed;
 
+use super::spindles::{commanded, no_head};
 use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
@@ -23,36 +24,40 @@ pub(crate) enum Turning {
     Surface(Speed),
 }
 
-/// Start, stop, orient. `number` 0 = the channel's own spindle.
+/// Start, stop, orient, lock. `number` 0 = the spindle of codes without a number.
 pub(super) fn turn(kernel: &mut Kernel<'_>, number: u16, direction: Direction, coolant: Option<bool>) -> Acted {
-    if direction == Direction::Oriented {
-        kernel.take(data::SPINDLE_ORIENT);
-    }
     if let Some(on) = coolant {
-        kernel.emit(0, Kind::Coolant { on });
+        super::coolant::with_spindle(kernel, on);
     }
-    let css = kernel.current()?.css;
-    let speed = take_speed(kernel, css);
-    let own = kernel.spindle.index.and_then(|i| kernel.machine.spindles.get(i)).map_or(0, |s| s.number);
-    if number != 0 && number != own {
-        // A spindle of its own number: its state shows in the log, feed per revolution follows the channel's own.
-        let (rpm, limit) = (speed.unwrap_or(0.0), f64::INFINITY);
-        kernel.emit(0, Kind::Spindle(SpindleEvent { spindle: number, direction, css: false, speed: rpm, limit }));
-        return Ok(());
-    }
-    command(kernel, |c| {
-        c.direction = direction;
-        set_speed(c, css, speed);
+    commanded(kernel, number, |kernel| {
+        let angle = match direction {
+            Direction::Oriented => kernel.take(data::SPINDLE_ORIENT).map_or(0.0, |d| d.value),
+            _ => 0.0,
+        };
+        let css = kernel.current()?.css;
+        let speed = take_speed(kernel, css);
+        command(kernel, |c| {
+            c.direction = direction;
+            c.angle = angle;
+            set_speed(c, css, speed);
+        })
     })
+}
+
+/// Takes off the block what a code without a spindle would have used.
+pub(super) fn drop_data(kernel: &mut Kernel<'_>) {
+    for id in [data::SPINDLE_ORIENT, data::SPINDLE_RPM, data::SPINDLE_CSS] {
+        kernel.take(id);
+    }
 }
 
 /// Constant surface speed on.
 pub(super) fn css(kernel: &mut Kernel<'_>) -> Acted {
     let speed = take_speed(kernel, true);
-    let rank = kernel.rank;
+    let driver = kernel.states.spindles.driver.unwrap_or(kernel.rank);
     command(kernel, |c| {
         c.css = true;
-        c.driver = rank;
+        c.driver = driver;
         set_speed(c, true, speed);
     })
 }
@@ -67,6 +72,7 @@ pub(super) fn rpm(kernel: &mut Kernel<'_>) -> Acted {
             c.rpm = held;
         }
         c.css = false;
+        c.radius = 0.0;
         set_speed(c, false, speed);
     })
 }
@@ -83,7 +89,21 @@ pub(super) fn limit(kernel: &mut Kernel<'_>) -> Acted {
 
 /// The channel whose X drives constant surface speed.
 pub(super) fn driver(kernel: &mut Kernel<'_>, channel: u16) -> Acted {
+    if !kernel.machine.channels.iter().any(|known| known.number == channel) {
+        return no_head(kernel, f64::from(channel));
+    }
+    kernel.states.spindles.driver = Some(channel);
     command(kernel, |c| c.driver = channel)
+}
+
+/// The radius at which the surface speed counts, whatever X is; zero or less = at X again.
+pub(super) fn radial(kernel: &mut Kernel<'_>) -> Acted {
+    let Some(radius) = kernel.take(data::SPINDLE_CSS_RADIAL).map(|d| d.value) else {
+        let text = format!("a radius of constant surface speed needs its value in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::DATA_MISSING, text);
+        return Ok(());
+    };
+    command(kernel, |c| c.radius = radius.max(0.0))
 }
 
 /// Stops, orients or reverses the spindle inside of a cycle; it stays as it is when it stands.
@@ -96,6 +116,7 @@ pub(super) fn turn_inside(kernel: &mut Kernel<'_>, direction: Direction) -> Acte
 
 /// An S word that no code took: changes the speed (reference control-emulator.md 3.3).
 pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.settle()?;
     let css = kernel.current()?.css;
     match take_speed(kernel, css) {
         Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),
@@ -144,6 +165,10 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
             let Some(spindle) = inner.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
             let old = spindle.command;
             change(&mut spindle.command);
+            if old.driver == rank && spindle.command.driver != rank {
+                // Until its new driver moves the spindle goes on as it turns.
+                spindle.now = before;
+            }
             let changed = old != spindle.command;
             let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
             let writer = if changed && other { spindle.writer } else { 0 };
@@ -210,7 +235,8 @@ fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
         seconds += kernel.machine.time.spindle_speed;
     }
     let ns = Kernel::ns(seconds);
-    let event = SpindleEvent { spindle: number, direction: now.direction, css: now.css, speed, limit: now.limit };
+    let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
+    let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
     kernel.emit(ns, Kind::Spindle(event));
     kernel.advance(ns);
     Ok(())
@@ -250,7 +276,7 @@ impl Kernel<'_> {
         if command.surface <= 0.0 {
             return Ok(None);
         }
-        if command.driver != self.rank {
+        if command.driver != self.rank && command.radius <= 0.0 {
             return Ok((self.spindle.now > 0.0).then_some(Turning::Fixed(self.spindle.now)));
         }
         let factor = match (self.machine.unit, self.secondary) {
@@ -262,7 +288,12 @@ impl Kernel<'_> {
             (Unit::Inch, true) => 1.0 / 25.4,
             _ => 1.0,
         };
-        Ok(Some(Turning::Surface(Speed { surface: command.surface * factor * to_machine, max, min })))
+        let speed = Speed { surface: command.surface * factor * to_machine, max, min };
+        if command.radius > 0.0 {
+            let rpm = speed.rpm(command.radius);
+            return Ok((rpm > 0.0).then_some(Turning::Fixed(rpm)));
+        }
+        Ok(Some(Turning::Surface(speed)))
     }
 
     /// Speed that turns now, 0 when the spindle stands.

@@ -48,13 +48,57 @@ enum After {
     Alarm { text: String, verdict: Option<Verdict> },
 }
 
+/// Which marks a waiting code sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mark {
+    /// Those of its word, for the channels that it names.
+    Word,
+    /// Of the two heads, with a word of its own on the main one.
+    Main,
+    /// With that of the side one.
+    Side,
+    /// Begin of a stretch that both heads cut together.
+    Start,
+    /// Its end.
+    Stop,
+}
+
+/// A waiting code of the main and the side head: both meet at equal numbers, whatever their words.
+fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
+    let (id, letter) = match mark {
+        Mark::Main => (data::SYNC_MAIN, 'S'),
+        Mark::Side => (data::SYNC_SIDE, 'S'),
+        Mark::Start => (data::SYNC_START, 'B'),
+        Mark::Stop | Mark::Word => (data::SYNC_STOP, 'E'),
+    };
+    let number = kernel.take(id).map_or(0.0, |d| d.value) as u32;
+    let heads = Set::up_to(2);
+    if passes(kernel) || !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 {
+        return pass(kernel);
+    }
+    let (primitive, named) = (Primitive::Barrier, Set::default());
+    arrive(kernel, Spec { primitive, letter, number, named, parts: heads, style: Style::NoList })
+}
+
+/// The channel never waits.
+fn passes(kernel: &Kernel<'_>) -> bool {
+    kernel.machine.sync.dialect == SyncDialect::None || kernel.options.ignore_waits.contains(&kernel.rank)
+}
+
+fn pass(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
+    Ok(())
+}
+
 /// A waiting code.
-pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow) -> Acted {
+pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted {
+    if mark != Mark::Word {
+        return meet_head(kernel, mark);
+    }
     let number = kernel.take(data::SYNC).map_or(0.0, |d| d.value);
     let paths = kernel.take(data::SYNC_PATHS).map(|d| d.raw);
-    if kernel.machine.sync.dialect == SyncDialect::None || kernel.options.ignore_waits.contains(&kernel.rank) {
-        kernel.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
-        return Ok(());
+    if passes(kernel) {
+        return pass(kernel);
     }
     let letter = match row.form {
         CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {

@@ -26,7 +26,7 @@ pub(super) struct Path<'a> {
 
 impl Kernel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
-    pub(super) fn changes(&self, from: &Position, to: &Position) -> Position {
+    pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
         for (((slot, axis), a), b) in out.iter_mut().zip(&self.place.axes).zip(from).zip(to) {
             *slot = (b - a) * axis.scale;
@@ -36,7 +36,11 @@ impl Kernel<'_> {
 
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = self.changes(from, to);
+        let changes = if self.place.frames.is_none() || self.tip().is_none() {
+            self.changes(from, to)
+        } else {
+            self.changes(&self.machine_point(from), &self.machine_point(to))
+        };
         match self.machine.time.rapid {
             RapidPath::SlowestAxis => self
                 .place

@@ -1,4 +1,4 @@
-//! Tools: preselect, load, offsets; heads.
+//! Tools: preselect, load, offsets.
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
@@ -30,6 +30,9 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = Kernel::ns(seconds);
     kernel.flow.pass.effects = true;
+    if changes && kernel.machine.tool.change_motion {
+        super::change_point::before_load(kernel)?;
+    }
     kernel.tool_event(action, tool, offset, ns)?;
     if kernel.machine.tool.offset_digits > 0 {
         let offsets = &kernel.machine.tool.offsets;
@@ -41,17 +44,6 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
         kernel.reframe();
     }
     Ok(())
-}
-
-/// Loads a head: main 1, side 2, or the one that the word names.
-pub(super) fn head(kernel: &mut Kernel<'_>, number: Option<u32>) -> Acted {
-    let word = number.map(f64::from).or_else(|| kernel.take(data::HEAD_ID).map(|d| d.value));
-    let Some(id) = word.filter(|id| (0.0..=99_999_999.0).contains(id)) else {
-        let text = format!("no head is named in '{}'", kernel.block_text());
-        kernel.diagnose(&diag::DATA_MISSING, text);
-        return Ok(());
-    };
-    kernel.head_event(id as u32)
 }
 
 fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {

@@ -64,6 +64,7 @@ carried! {
         arcs: crate::action::arc::State,
         threads: Box<crate::action::thread::State>,
         skip: Box<crate::action::skip::State>,
+        states: Box<crate::action::states::States>,
         tape: (tape::Rules, counterpoint_lang::pattern::Memory),
     }
     anew: {

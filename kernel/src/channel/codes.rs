@@ -238,7 +238,7 @@ impl Kernel<'_> {
     }
 
     /// A code that nothing handles (reference control-emulator.md 2.3).
-    fn without_action(&mut self, id: CodeId) {
+    pub(crate) fn without_action(&mut self, id: CodeId) {
         let name = self.machine.code_name(id).to_owned();
         if name == "CODE_IGNORE" {
             return;

@@ -41,6 +41,7 @@ impl Kernel<'_> {
         if origin == Origin::Text && self.categorise() {
             return self.macro_call();
         }
+        self.head_sequence();
         if let (Some(number), Some(runtime)) = (self.block.sequence, self.macros.as_deref_mut()) {
             runtime.last_sequence = number;
         }
@@ -63,6 +64,16 @@ impl Kernel<'_> {
         self.leftovers()?;
         self.added_leftovers();
         self.pending_halt()
+    }
+
+    /// The sequence number that the head of this channel has of its own.
+    fn head_sequence(&mut self) {
+        let own = usize::from(self.rank).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
+        if let Some(register) = own.copied().flatten()
+            && let Some(word) = self.block.take(register)
+        {
+            self.block.sequence = self.block.sequence.or((word.value >= 0.0).then_some(word.value as u32));
+        }
     }
 
     /// What macros found out inside a place that could not leave the program.

@@ -76,6 +76,12 @@ impl Kernel<'_> {
             self.initial_codes();
             (self.place.tool, self.place.selected) = (0, 0);
             (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
+            let machine = self.machine_point(&self.place.position);
+            (self.place.frames, self.place.clamped) = (None, 0);
+            self.place.position = self.point_of_machine(&machine);
+            if let Some(channel) = self.machine.channels.iter().find(|channel| channel.number == self.rank) {
+                *self.states = action::states::States::new(self.machine, channel);
+            }
             (*self.threads, *self.skip) = (action::thread::State::new(self.machine), action::skip::State::default());
             if let Some(runtime) = self.macros.as_deref_mut() {
                 (runtime.store.counts, runtime.operations) = Default::default();

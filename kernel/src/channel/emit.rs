@@ -15,6 +15,9 @@ const NEAR_CHUNK: usize = 64;
 /// Events in such a chunk when there are other kernels: little work for the short time while this one waits.
 const SHORT_CHUNK: usize = 16;
 
+/// Events in a chunk of those that are held back: a block or two.
+const HELD_CHUNK: usize = 8;
+
 /// Where chunks go.
 pub(crate) enum Target<'a> {
     /// To the merger on its own thread.
@@ -30,6 +33,17 @@ pub(crate) enum Target<'a> {
     Kept(&'a mut Vec<Event>),
     /// Into the results of this channel.
     Lane(&'a mut Feed),
+    /// Held back until a move before them is known.
+    Held(Box<Held<'a>>),
+}
+
+/// Events that are held back, and the emitter that they will go to.
+pub(crate) struct Held<'a> {
+    events: Vec<Event>,
+    /// None only while it is being made.
+    real: Option<Emitter<'a>>,
+    /// Nothing that comes out later is before this.
+    since: Tag,
 }
 
 /// Collects events into chunks and hands them on.
@@ -55,7 +69,7 @@ impl<'a> Emitter<'a> {
         let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
             Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
-            Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) => (NEAR_CHUNK, Vec::new()),
+            Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) | Target::Held(_) => (NEAR_CHUNK, Vec::new()),
         };
         chunk.resize_with(size, blank);
         Self { rank, coordinator, target, chunk, size, count: 0, gone: 0 }
@@ -89,6 +103,43 @@ impl<'a> Emitter<'a> {
         Some(slot)
     }
 
+    /// Holds events back from here on.
+    pub(crate) fn hold(&mut self, since: Tag) {
+        let target = Target::Held(Box::new(Held { events: Vec::new(), real: None, since }));
+        let mut chunk = Vec::new();
+        chunk.resize_with(HELD_CHUNK, blank);
+        let (rank, coordinator, gone) = (self.rank, self.coordinator, self.count());
+        let held = Self { rank, coordinator, target, chunk, size: HELD_CHUNK, count: 0, gone };
+        let real = std::mem::replace(self, held);
+        if let Target::Held(held) = &mut self.target {
+            held.real = Some(real);
+        }
+    }
+
+    /// Events held back so far.
+    pub(crate) fn held(&self) -> usize {
+        if let Target::Held(held) = &self.target { held.events.len() + self.count } else { 0 }
+    }
+
+    /// Events are held back, and the clock has gone on since.
+    pub(crate) fn is_late(&self, t: i64) -> bool {
+        matches!(&self.target, Target::Held(held) if held.since.t < t)
+    }
+
+    /// Ends holding back; whoever calls puts the events where they belong.
+    pub(crate) fn release(&mut self) -> Vec<Event> {
+        if let Target::Held(held) = &mut self.target
+            && let Some(real) = held.real.take()
+        {
+            let mut events = std::mem::take(&mut held.events);
+            self.chunk.truncate(self.count);
+            events.append(&mut self.chunk);
+            *self = real;
+            return events;
+        }
+        Vec::new()
+    }
+
     /// Does a little of the work that was put off; `false` when there is none. `look`: the others may have come so far
     /// that there is more.
     pub(crate) fn work(&mut self, look: bool) -> bool {
@@ -99,7 +150,7 @@ impl<'a> Emitter<'a> {
                 }
                 feed.work()
             }
-            Target::Queue(_) | Target::Direct { .. } | Target::Kept(_) => false,
+            Target::Queue(_) | Target::Direct { .. } | Target::Kept(_) | Target::Held(_) => false,
         }
     }
 
@@ -126,6 +177,14 @@ impl<'a> Emitter<'a> {
                 self.chunk.truncate(count);
                 kept.append(&mut self.chunk);
                 self.chunk.resize_with(self.size, blank);
+            }
+            Target::Held(held) => {
+                self.chunk.truncate(count);
+                held.events.append(&mut self.chunk);
+                self.chunk.resize_with(self.size, blank);
+                if let Some(real) = &mut held.real {
+                    real.flush(held.since);
+                }
             }
             Target::Lane(feed) => {
                 let floor = || self.coordinator.floor(upto.rank);

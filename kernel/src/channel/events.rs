@@ -175,16 +175,22 @@ impl Kernel<'_> {
         self.run_macro(code, Task::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
     }
 
-    /// A head is loaded: the tool event macro sees it with `$P2` 1.
-    pub(crate) fn head_event(&mut self, id: u32) -> Acted {
-        let Some(code) = self.hook(Hook::Tool) else { return self.load_head(id) };
-        let mut arguments = [Value::Real(2.0), Value::Real(1.0), Value::Real(f64::from(id))];
-        self.run_macro(code, Task::Head(id), &mut arguments).map(|_| ())
+    /// Tools and heads have a macro that is on.
+    pub(crate) fn has_tool_macro(&self) -> bool {
+        self.hook(Hook::Tool).is_some()
+    }
+
+    /// A head is selected (1) or loaded (2): the tool event macro sees it with `$P2` 1.
+    pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
+        let Some(code) = self.hook(Hook::Tool) else { return self.load_head(kind, id) };
+        let mut arguments = [Value::Real(kind), Value::Real(1.0), Value::Real(f64::from(id))];
+        self.run_macro(code, Task::Head(kind, id), &mut arguments).map(|_| ())
     }
 
     /// The event itself: only the listing shows it.
-    pub(crate) fn load_head(&mut self, id: u32) -> Acted {
-        self.emit(0, Kind::Mode { text: format!("load head n={id}").into() });
+    pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
+        let verb = if kind == 1.0 { "select" } else { "load" };
+        self.emit(0, Kind::Mode { text: format!("{verb} head n={id}").into() });
         Ok(())
     }
 

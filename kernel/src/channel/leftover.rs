@@ -58,8 +58,10 @@ impl Kernel<'_> {
         let mut axis = false;
         for &index in rows {
             let Some(row) = machine.data.get(usize::from(index)) else { continue };
-            // A label that no call takes marks its block.
-            if row.id == data::LABEL || self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false) {
+            // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
+            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE)
+                || self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false)
+            {
                 known = true;
                 continue;
             }

@@ -17,6 +17,7 @@ mod embedded;
 pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
+pub(crate) mod frames;
 pub(crate) mod leftover;
 pub(crate) mod life;
 pub(crate) mod macros;
@@ -127,6 +128,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) threads: Box<crate::action::thread::State>,
     /// What is known about probing moves.
     pub(crate) skip: Box<crate::action::skip::State>,
+    /// What actions remember beyond codes, data and positions.
+    pub(crate) states: Box<crate::action::states::States>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }
@@ -175,6 +178,9 @@ impl Kernel<'_> {
         if self.rank == 0 {
             // The master works while no channel does.
             return Ok(operation(&mut coordinator.lock(), coordinator));
+        }
+        if self.emitter.is_late(self.clock) {
+            self.settle()?;
         }
         self.control.disturb(self.rank);
         let tag = self.tag();

@@ -26,6 +26,8 @@ pub(crate) struct Plan {
     pub(crate) registers_of: Vec<u128>,
     /// Where the values of each data identifier come from, in row order.
     pub(crate) sources: Vec<Vec<Source>>,
+    /// Registers of the sequence numbers of the main and of the side head.
+    pub(crate) head_sequences: [Option<u8>; 2],
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
     /// First enabled row of each code, for machines with macros.
@@ -118,7 +120,7 @@ impl Plan {
         for row in machine.data.iter().filter(|r| r.enable) {
             let Some(register) = row.register.filter(|&r| r < 128) else { continue };
             let name = machine.data_name(row.id);
-            if name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_") {
+            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
                 motion_registers |= 1 << register;
             }
             if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
@@ -152,6 +154,7 @@ impl Plan {
                     registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
                 })
                 .collect(),
+            head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
             speed_registers,
             rows_of_code: rows_of_code(machine),
             tape: Tape::new(&machine.tape_editor),

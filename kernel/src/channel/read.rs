@@ -14,7 +14,7 @@ impl Kernel<'_> {
     pub(crate) fn program(&mut self) -> Halt {
         loop {
             if let Err(halt) = self.step() {
-                return halt;
+                return self.end_cutter(halt);
             }
         }
     }
@@ -115,6 +115,9 @@ impl Kernel<'_> {
         if self.blocks.is_multiple_of(256) && self.coordinator.should_yield() {
             self.emitter.flush(self.tag());
             self.coordinator.yield_permit(self.rank);
+        }
+        if self.blocks.is_multiple_of(256) && self.place.frames.is_some() {
+            self.settle_old()?;
         }
         let number = self.blocks;
         self.emit_as(0, |kind| match kind {

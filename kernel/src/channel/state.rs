@@ -18,6 +18,8 @@ pub(crate) mod group {
     pub(crate) const RETRACT: u16 = 10;
     pub(crate) const EXACT_STOP: u16 = 15;
     pub(crate) const COOLANT: u16 = 54;
+    pub(crate) const COOLANT_SIDE: u16 = 540;
+    pub(crate) const SPINDLES: u16 = 67;
     pub(crate) const HEAD: u16 = 68;
 }
 
@@ -153,6 +155,14 @@ pub(crate) struct Place {
     pub(crate) tool: u32,
     /// Preselected tool.
     pub(crate) selected: u32,
+    /// Clamped axes, bit by axis.
+    pub(crate) clamped: u8,
+    /// What lies between the program and the work frame; none while nothing of it is active.
+    pub(crate) frames: Option<Box<super::frames::Frames>>,
+    /// Offsets that macros have set; none while those of the machine hold.
+    pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,
+    /// Numbers, sets and directions of compensations.
+    pub(crate) compensation: crate::action::compensation::Compensation,
 }
 
 impl Place {
@@ -195,6 +205,10 @@ impl Place {
             cartesian,
             tool: 0,
             selected: 0,
+            clamped: 0,
+            frames: None,
+            offsets: None,
+            compensation: Default::default(),
         }
     }
 }

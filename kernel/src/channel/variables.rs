@@ -6,6 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
+use super::frames::offsets::EXTENDED;
 use super::state::group;
 use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
 use crate::machine::ident::codes;
@@ -146,8 +147,8 @@ impl Kernel<'_> {
     /// System variables that can be read: positions, modal codes, clock, tool.
     fn system(&self, index: u32) -> Option<f64> {
         let axis = |base: u32| self.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
-        let at = |i: usize| self.place.position.get(i).copied();
-        let machine = |i: usize| Some(at(i)? + self.place.shift.get(i)?);
+        let at = |i: usize| self.programmed().get(i).copied();
+        let machine = |i: usize| self.machine_point(&self.place.position).get(i).copied();
         match index {
             3001 => Some((self.clock / 1_000_000) as f64),
             3002 => Some(self.clock as f64 / 3.6e12),
@@ -157,7 +158,9 @@ impl Kernel<'_> {
                 Some(codes::INTERP_ARC_CCLW) => 3.0,
                 _ => 1.0,
             }),
+            4014 if self.place.work_offset > EXTENDED => Some(54.1),
             4014 => Some(f64::from(self.place.work_offset) + 53.0),
+            4130 => Some(f64::from(self.place.work_offset.saturating_sub(EXTENDED))),
             4109 => Some(self.modal.value(super::state::feed_of(self.modal.code(group::FEED)).0).unwrap_or(0.0)),
             4119 => Some(self.spindle.command.rpm),
             4120 => Some(f64::from(self.place.tool)),

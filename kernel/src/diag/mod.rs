@@ -30,6 +30,10 @@ diagnostics! {
     ARC_PLANE 2007001 8 false "arc without a known plane";
     POSITION_MODE_UNKNOWN 2008031 4 false "neither absolute nor incremental positioning is active";
     DWELL_NOT_POSITIVE 2009002 4 false "dwell of zero or less";
+    COMP_ON_RAPID 2018003 8 false "cutter compensation switched on by a rapid move";
+    COMP_OFF_RAPID 2018004 8 false "cutter compensation switched off by a rapid move";
+    COMP_ON_ARC 2018005 8 false "cutter compensation switched on by a circle";
+    COMP_OFF_ARC 2018006 8 false "cutter compensation switched off by a circle";
     NO_FEED 2019001 8 false "feed move before any feed was programmed";
     FEED_NOT_POSITIVE 2019002 8 false "feed of zero or less";
     DATA_NOT_USED 2900001 8 false "word that nothing on its block uses";
@@ -92,6 +96,18 @@ diagnostics! {
     THREAD_LEAD 2900112 8 false "thread whose lead falls to nothing before its end";
     THREAD_PASSES 2900113 8 false "thread with too many passes";
     PROBE_MISSED 2900114 8 false "probing move that touched nothing";
+    FRAME_REFUSED 2900130 8 false "local frame that cannot be";
+    FRAME_AXIS 2900131 8 false "local frame that would move an axis the channel does not have";
+    ARC_SCALED 2900132 8 false "circle under unequal scales";
+    CUTTER_INTERFERENCE 2900133 8 false "tool that does not fit into the contour";
+    CUTTER_PLANE 2900134 8 false "cutter compensation without its plane";
+    OFFSET_NOT_KEPT 2900135 8 false "offset that the program sets and the control does not keep";
+    COOLANT_PRESSURE 2900160 4 false "coolant pressure that is not possible";
+    NO_HEAD 2900161 8 false "head that the machine does not have";
+    CLAMPED 2900162 8 false "motion of a clamped axis";
+    NO_POLAR_AXES 2900163 8 false "polar interpolation without its axes";
+    TIP_UNREACHABLE 2900164 8 false "direction of the tool that the rotary axes cannot reach";
+    NO_TIP_AXES 2900165 8 false "tool tip control without its axes";
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@
 use blake3::Hasher;
 
 use crate::log::event::{
-    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Stop, ToolAction,
-    Verdict, VerdictKind,
+    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Outlet, Phase, Position, Primitive, Stop,
+    ToolAction, Verdict, VerdictKind,
 };
 
 /// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy; not so
@@ -326,7 +326,7 @@ fn number(kind: &Kind) -> u8 {
         Kind::Dwell => 3,
         Kind::Tool { .. } => 4,
         Kind::Spindle(_) => 5,
-        Kind::Coolant { .. } => 6,
+        Kind::Coolant(_) => 6,
         Kind::Function { .. } => 7,
         Kind::Mode { .. } => 8,
         Kind::Frame { .. } => 9,
@@ -362,12 +362,23 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
                 Direction::Clockwise => 1,
                 Direction::CounterClockwise => 2,
                 Direction::Oriented => 3,
+                Direction::Locked => 4,
+                Direction::Neutral => 5,
             });
             out.push(u8::from(spindle.css));
             float(out, spindle.speed);
             float(out, spindle.limit);
+            float(out, spindle.angle);
         }
-        Kind::Coolant { on } => out.push(u8::from(*on)),
+        Kind::Coolant(coolant) => out.extend_from_slice(&[
+            u8::from(coolant.on),
+            coolant.fluid,
+            match coolant.outlet {
+                Outlet::Main => 0,
+                Outlet::Device(number) => number,
+                Outlet::Side => 255,
+            },
+        ]),
         Kind::Function { letter, value } => {
             out.extend_from_slice(&u32::from(*letter).to_le_bytes());
             float(out, *value);

@@ -63,10 +63,7 @@ pub enum Kind {
     /// Spindle state after a spindle code; `dur_ns` is run-up time if the machine has any.
     Spindle(Spindle),
     /// Coolant switched.
-    Coolant {
-        /// `true` = on.
-        on: bool,
-    },
+    Coolant(Coolant),
     /// An M function (or other word) that only takes time from the machine's table.
     Function {
         /// Register letter, `M` mostly.
@@ -241,6 +238,8 @@ pub struct Spindle {
     pub speed: f64,
     /// Speed limit in rev/min; infinite when none.
     pub limit: f64,
+    /// Angle of an oriented stop, degrees; 0 otherwise.
+    pub angle: f64,
 }
 
 /// Rotation of a spindle.
@@ -255,6 +254,56 @@ pub enum Direction {
     CounterClockwise,
     /// Oriented, M19.
     Oriented,
+    /// Held in its place.
+    Locked,
+    /// Free to be turned by hand.
+    Neutral,
+}
+
+/// A coolant that was switched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coolant {
+    /// `true` = on.
+    pub on: bool,
+    /// What flows, by the numbers of `$COOLTYP`: 1 flood, 2 mist, 3 tapping oil, 4 through the tool, 5 to 9 of the
+    /// machine's own; 0 = off, or not said.
+    pub fluid: u8,
+    /// Where.
+    pub outlet: Outlet,
+}
+
+/// Where coolant flows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outlet {
+    /// At the main head.
+    Main,
+    /// At the side head.
+    Side,
+    /// From an auxiliary device, 1 to 9.
+    Device(u8),
+}
+
+impl Coolant {
+    /// Names of what flows, by number.
+    pub const FLUIDS: [&'static str; 10] =
+        ["on", "flood", "mist", "tapkul", "thru", "type5", "type6", "type7", "type8", "type9"];
+
+    /// What flows, in one word; `off` when nothing does.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        if self.on { Self::FLUIDS.get(usize::from(self.fluid)).copied().unwrap_or("on") } else { "off" }
+    }
+}
+
+/// The words of the listing.
+impl std::fmt::Display for Coolant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.outlet {
+            Outlet::Main => write!(f, "coolant {}", self.word()),
+            Outlet::Side => write!(f, "coolant side {}", self.word()),
+            Outlet::Device(number) => write!(f, "coolant dev{number} {}", self.word()),
+        }
+    }
 }
 
 /// Why the program stops.

@@ -35,7 +35,7 @@ impl Work {
             Kind::Motion(_) => Some(Self::Feed),
             Kind::Tool { .. } => Some(Self::Tool),
             Kind::Dwell => Some(Self::Dwell),
-            Kind::Spindle(_) | Kind::Function { .. } | Kind::Coolant { .. } | Kind::Stop(_) => Some(Self::Misc),
+            Kind::Spindle(_) | Kind::Function { .. } | Kind::Coolant(_) | Kind::Stop(_) => Some(Self::Misc),
             _ => None,
         }
     }

@@ -56,6 +56,12 @@ pub struct Machine {
     pub arcs: super::paths::Arcs,
     /// Threading cycles.
     pub threads: super::paths::Threads,
+    /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
+    pub tool_direction: [f64; 3],
+    /// Pump of the coolant.
+    pub pump: Pump,
+    /// Cutter and nose radius compensation.
+    pub compensation: Compensation,
     /// Program variables of the pre-processor.
     pub variables: Variables,
     /// Tool word and tool offsets.
@@ -397,6 +403,10 @@ pub struct Axis {
     pub references: [Option<f64>; 3],
     /// Travel limits in the machine frame, as programmed.
     pub limits: Option<(f64, f64)>,
+    /// Direction about which the tool turns right-handed relative to the workpiece, on a rotary axis.
+    pub vector: [f64; 3],
+    /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
+    pub center: [f64; 3],
 }
 
 /// Geometry role of an axis.
@@ -433,6 +443,12 @@ pub struct Channel {
     pub axes: Vec<usize>,
     /// Spindle number its feed per revolution and S word mean.
     pub spindle: Option<u16>,
+    /// Sub-spindle, for `CODE_SPINDLE_REAR`.
+    pub rear: Option<u16>,
+    /// Spindle of the milling mode.
+    pub milling: Option<u16>,
+    /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
+    pub polar: Option<[usize; 2]>,
 }
 
 /// A spindle.
@@ -576,6 +592,26 @@ pub struct Cycles {
     pub motion_cancels: bool,
 }
 
+/// Pump of the coolant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pump {
+    /// Largest pressure, 0 = no limit.
+    pub max_pressure: f64,
+    /// Pressures of `CODE_COOLANT_PRESSURE_0` and the following ones; the number of the code beyond the list.
+    pub pressures: Vec<f64>,
+}
+
+/// How cutter and nose radius compensation begins, ends and goes around corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// A rapid move may switch it on and off.
+    pub rapid: bool,
+    /// A circle may switch it on and off.
+    pub arcs: bool,
+    /// Largest turn, degrees, that corners by angle make sharp.
+    pub corner_angle: f64,
+}
+
 /// Way of a cycle to its clearance height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approach {
@@ -621,6 +657,10 @@ pub struct Tool {
     pub offset_digits: u8,
     /// Offsets by number: per machine axis, axis units, and nose radius.
     pub offsets: Vec<ToolOffset>,
+    /// Tool-change position in the machine frame, per machine axis, as programmed.
+    pub change_point: Vec<Option<f64>>,
+    /// The axes go there before a tool is loaded.
+    pub change_motion: bool,
 }
 
 /// One tool offset.

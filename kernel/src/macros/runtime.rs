@@ -49,8 +49,8 @@ pub(crate) enum Task {
     Motion(f64, Box<Motion>),
     /// A tool is selected or loaded: action, tool, offset, ns.
     Tool(ToolAction, u32, u32, i64),
-    /// A head is loaded.
-    Head(u32),
+    /// A head is selected (1) or loaded (2).
+    Head(f64, u32),
     /// A hole of a canned cycle is made.
     Cycle(Box<Hole>),
     /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.

@@ -37,7 +37,8 @@ impl<'a> Shop<'a> {
         if machine.macros.is_none() || machine.channels.len() < 2 {
             return None;
         }
-        let channel = Channel { number: 0, name: "MASTER".to_owned(), axes: Vec::new(), spindle: None };
+        let (name, axes) = ("MASTER".to_owned(), Vec::new());
+        let channel = Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None };
         let mut kept = Vec::new();
         let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept));
         for (number, at) in machine.channels.iter().zip(1_i64..) {

@@ -321,8 +321,7 @@ impl<'a> Shop<'a> {
         let Self { job, plan, coordinator, files, control, given } = self;
         let machine = &*job.spec().machine;
         let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
-        let shared =
-            machine.channels.iter().filter(|c| c.spindle.is_some() && c.spindle == channel.spindle).count() > 1;
+        let shared = spindle.is_some_and(|index| crate::action::spindles::is_shared(machine, index));
         let mut kernel = Kernel {
             machine,
             info: job.info(),
@@ -360,6 +359,7 @@ impl<'a> Shop<'a> {
             arcs: crate::action::arc::State::default(),
             threads: Box::new(crate::action::thread::State::new(machine)),
             skip: Box::default(),
+            states: Box::new(crate::action::states::States::new(machine, channel)),
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());

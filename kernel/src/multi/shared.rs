@@ -33,11 +33,24 @@ pub(crate) struct Command {
     pub(crate) limit: f64,
     /// Channel whose X drives constant surface speed.
     pub(crate) driver: u16,
+    /// Radius at which the surface speed counts, 0 = at X.
+    pub(crate) radius: f64,
+    /// Angle of the oriented stop, degrees.
+    pub(crate) angle: f64,
 }
 
 impl Default for Command {
     fn default() -> Self {
-        Self { direction: Direction::Off, css: false, rpm: 0.0, surface: 0.0, limit: f64::INFINITY, driver: 0 }
+        Self {
+            direction: Direction::Off,
+            css: false,
+            rpm: 0.0,
+            surface: 0.0,
+            limit: f64::INFINITY,
+            driver: 0,
+            radius: 0.0,
+            angle: 0.0,
+        }
     }
 }
 

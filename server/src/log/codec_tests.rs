@@ -37,9 +37,11 @@ fn kinds() -> Vec<Kind> {
             css: true,
             speed: 180.0,
             limit: f64::INFINITY,
+            angle: 90.0,
         }),
-        Kind::Coolant { on: true },
-        Kind::Coolant { on: false },
+        Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
+        Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
+        Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
         Kind::Function { letter: 'M', value: 0.0 },
         Kind::Mode { text: "plane zx".into() },
         Kind::Frame { shift: Box::new(from) },
@@ -128,10 +130,10 @@ fn generated_types_see_the_same_content() {
         (motion.turns, motion.feed, motion.feed_unit(), motion.length),
         (2, 0.1, v1::FeedUnit::PerRevolution, 3.5)
     );
-    let Some(v1::event::Kind::Verdict(verdict)) = &batch.events[19].kind else { panic!() };
+    let Some(v1::event::Kind::Verdict(verdict)) = &batch.events[20].kind else { panic!() };
     assert_eq!(verdict.kind(), v1::VerdictKind::PartnerEnded);
     assert_eq!((verdict.members.len(), verdict.members[0].waiting_for.as_slice()), (2, &[2][..]));
-    let Some(v1::event::Kind::Wait(wait)) = &batch.events[16].kind else { panic!() };
+    let Some(v1::event::Kind::Wait(wait)) = &batch.events[17].kind else { panic!() };
     assert_eq!(
         (wait.key.as_str(), wait.primitive(), wait.participants.as_slice()),
         ("M101", v1::Primitive::Order, &[1, 2, 300][..])

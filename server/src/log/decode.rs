@@ -6,7 +6,8 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::log::event::{
-    Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Position, Release, Spindle, Verdict, Wait,
+    Coolant, Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Outlet, Position, Release,
+    Spindle, Verdict, Wait,
 };
 
 use super::encode as numbers;
@@ -125,11 +126,11 @@ pub(crate) fn event(bytes: &[u8]) -> Option<(u64, Event)> {
 }
 
 /// The first fields of a small message, by number from 1; absent ones are zero.
-struct Small<'a>([Value<'a>; 6]);
+struct Small<'a>([Value<'a>; 7]);
 
 impl<'a> Small<'a> {
     fn read(bytes: &'a [u8]) -> Self {
-        let mut values = [const { Value::Number(0) }; 6];
+        let mut values = [const { Value::Number(0) }; 7];
         for (field, value) in Fields(bytes) {
             if let Some(slot) = values.get_mut(field as usize) {
                 *slot = value;
@@ -167,8 +168,17 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             css: m.number(3) != 0,
             speed: m.get(4).double(),
             limit: m.get(5).double(),
+            angle: m.get(6).double(),
         }),
-        16 => Kind::Coolant { on: m.number(1) != 0 },
+        16 => Kind::Coolant(Coolant {
+            on: m.number(1) != 0,
+            fluid: m.number(2) as u8,
+            outlet: match (m.number(3), m.number(4)) {
+                (0, 0) => Outlet::Main,
+                (0, number) => Outlet::Device(number as u8),
+                _ => Outlet::Side,
+            },
+        }),
         17 => Kind::Function { letter: m.get(1).text().chars().next()?, value: m.get(2).double() },
         18 => Kind::Mode { text: m.get(1).text() },
         19 => Kind::Frame { shift: Box::new(position(m.get(1).bytes())) },

@@ -4,8 +4,8 @@
 //! files stay the only contract. Numbers of fields are those of `event.proto`.
 
 use counterpoint_kernel::log::event::{
-    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Stop, ToolAction,
-    VerdictKind,
+    Direction, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Outlet, Phase, Position, Primitive, Stop,
+    ToolAction, VerdictKind,
 };
 
 const VARINT: u8 = 0;
@@ -56,8 +56,17 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 3, u64::from(spindle.css));
             double_field(out, 4, spindle.speed);
             double_field(out, 5, spindle.limit);
+            double_field(out, 6, spindle.angle);
         }),
-        Kind::Coolant { on } => nested(out, 16, |out| varint_field(out, 1, u64::from(*on))),
+        Kind::Coolant(coolant) => nested(out, 16, |out| {
+            varint_field(out, 1, u64::from(coolant.on));
+            varint_field(out, 2, u64::from(coolant.fluid));
+            match coolant.outlet {
+                Outlet::Main => {}
+                Outlet::Side => varint_field(out, 3, 1),
+                Outlet::Device(number) => varint_field(out, 4, u64::from(number)),
+            }
+        }),
         Kind::Function { letter, value } => nested(out, 17, |out| {
             text_field(out, 1, letter.encode_utf8(&mut [0; 4]));
             double_field(out, 2, *value);
@@ -217,7 +226,7 @@ numbers! {
     motion_kind / motion_kind_of: MotionKind { Rapid = 1, Linear = 2, ArcCw = 3, ArcCcw = 4, Thread = 5, ArcSpace = 6 }
     feed_unit / feed_unit_of: FeedUnit { PerMinute = 1, PerRevolution = 2, InverseTime = 3, Rapid = 4 }
     tool_action / tool_action_of: ToolAction { Select = 1, Load = 2, Offset = 3 }
-    direction / direction_of: Direction { Off = 1, Clockwise = 2, CounterClockwise = 3, Oriented = 4 }
+    direction / direction_of: Direction { Off = 1, Clockwise = 2, CounterClockwise = 3, Oriented = 4, Locked = 5, Neutral = 6 }
     stop_kind / stop_of: Stop { Program = 1, Optional = 2, End = 3, Rewind = 4 }
     primitive / primitive_of: Primitive { Barrier = 1, Flag = 2, Order = 3, Count = 4, Signal = 5, Join = 6 }
     verdict_kind / verdict_kind_of: VerdictKind {

@@ -89,7 +89,7 @@ pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Op
     let scale = kernel.place.axes.get(axis).map_or(1.0, |a| a.scale);
     let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
     Some(match relative {
-        true => of(&kernel.place.position) * scale + datum.value,
+        true => of(&kernel.programmed()) * scale + datum.value,
         false if kernel.block.machine_frame => (datum.value - of(&kernel.place.shift)) * scale,
         false => datum.value * scale,
     })

@@ -13,7 +13,9 @@ pub(super) use define::{define_center, define_direction, define_radius};
 
 use counterpoint_motion::arc as geometry;
 
+use super::cutter::{Shape, Step};
 use super::time::Path;
+use super::turned;
 use crate::channel::block::Firing;
 use crate::channel::state::{Plane, group, plane};
 use crate::channel::{Acted, Kernel};
@@ -56,8 +58,13 @@ struct Words {
 
 /// An arc in the active plane, helical when a further axis is coded.
 pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted {
+    if let Some(polar) = kernel.polar()
+        && let Some(clockwise) = define::direction(kernel, form)
+    {
+        return super::polar::arc(kernel, polar, clockwise);
+    }
     let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+    let (coded, target) = kernel.programmed_targets();
     let Some((plane, flat)) = active_plane(kernel) else {
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
             kernel.take(id);
@@ -74,9 +81,9 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
     let Some(clockwise) = define::direction(kernel, form) else {
         let text = format!("the circle of '{}' has no direction, its end is reached straight", kernel.block_text());
         kernel.diagnose(&diag::ARC_DIRECTION, text);
-        return kernel.feed_to(coded, target, feed, unit);
+        return kernel.feed_to_point(coded, target, feed, unit);
     };
-    cut(kernel, &words, (form, clockwise), &flat, (coded, target), (feed, unit))
+    cut(kernel, &words, (form, clockwise), (plane, &flat), (coded, target), (feed, unit))
 }
 
 /// The active plane, if the channel has its axes.
@@ -96,7 +103,7 @@ fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (
         by => by,
     };
     let mut radius = if by == By::Center { None } else { kernel.take(data::ARC_RADIUS).map(|d| d.value) };
-    let start = flat.point(&kernel.place.position);
+    let start = flat.point(&kernel.programmed());
     let mut center = None;
     if by != By::Radius {
         let roles = [plane.first, plane.second];
@@ -131,11 +138,11 @@ fn cut(
     kernel: &mut Kernel<'_>,
     words: &Words,
     (form, clockwise): (Form, bool),
-    flat: &Flat,
+    (plane, flat): (Plane, &Flat),
     (coded, mut target): (u8, Position),
     (feed, unit): (Option<f64>, FeedUnit),
 ) -> Acted {
-    let from = kernel.place.position;
+    let from = kernel.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = kernel.machine.arcs.tolerance;
     let rises = rises(kernel, flat, &from, &target);
@@ -153,7 +160,7 @@ fn cut(
             let text =
                 format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
-            return kernel.feed_to(coded, target, feed, unit);
+            return kernel.feed_to_point(coded, target, feed, unit);
         }
     };
     let by_angle = words.angle.is_some() && words.center.is_some();
@@ -173,7 +180,8 @@ fn cut(
         made = made.with_turns(turns);
     }
     check_machine(kernel, form, &made, rises);
-    travel(kernel, &made, flat, (coded, turns), &target, (feed, unit))
+    let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
+    if kernel.place.frames.is_some() { turned::circle(kernel, plane, &circle) } else { kernel.circle_to(&circle) }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -232,42 +240,59 @@ fn check_radius(kernel: &mut Kernel<'_>, radius: f64) {
     }
 }
 
-fn travel(
-    kernel: &mut Kernel<'_>,
-    made: &geometry::Arc,
-    flat: &Flat,
-    (coded, turns): (u8, u16),
-    target: &Position,
-    (feed, unit): (Option<f64>, FeedUnit),
-) -> Acted {
-    let from = kernel.place.position;
-    let [first, second] = flat.axes;
-    let changes = kernel.changes(&from, target);
-    let rise = changes
-        .iter()
-        .enumerate()
-        .filter(|&(i, _)| i != first && i != second && kernel.place.axes.get(i).is_some_and(|a| !a.rotary))
-        .map(|(_, c)| c * c)
-        .sum::<f64>();
-    let length = (made.length() * made.length() + rise).sqrt();
-    let x = kernel.place.cartesian.first().copied().flatten().map(usize::from);
-    let radial = flat.axes.iter().position(|&axis| Some(axis) == x);
-    let center = [made.center[0] / flat.scales[0], made.center[1] / flat.scales[1]];
-    let path = Path { from: &from, to: target, length: made.length(), arc: Some((made, radial)) };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    kernel.travel(
-        seconds,
-        &Motion {
-            kind: if made.sweep < 0.0 { MotionKind::ArcCw } else { MotionKind::ArcCcw },
-            moving: coded | 1 << first | 1 << second,
-            from,
-            to: *target,
-            center,
-            plane_axes: [first as u8, second as u8],
-            turns,
-            feed: feed.unwrap_or(0.0),
-            feed_unit: unit,
-            length,
-        },
-    )
+/// A circle to be made, in the frame of its points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Circle {
+    /// Geometry, with full turns.
+    pub(super) made: geometry::Arc,
+    pub(super) coded: u8,
+    pub(super) from: Position,
+    pub(super) to: Position,
+    /// Channel axes of its plane.
+    pub(super) axes: [usize; 2],
+    pub(super) turns: u16,
+    pub(super) feed: Option<f64>,
+    pub(super) unit: FeedUnit,
+}
+
+impl Kernel<'_> {
+    /// A circle in the work frame.
+    #[inline(always)]
+    pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
+        if self.is_compensated() {
+            let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
+            return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
+        }
+        let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
+        let changes = self.changes(&from, &to);
+        let rise = changes
+            .iter()
+            .enumerate()
+            .filter(|&(i, _)| i != first && i != second && self.place.axes.get(i).is_some_and(|a| !a.rotary))
+            .map(|(_, c)| c * c)
+            .sum::<f64>();
+        let length = (made.length() * made.length() + rise).sqrt();
+        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
+        let radial = [first, second].iter().position(|&axis| Some(axis) == x);
+        let scale = |axis: usize| self.place.axes.get(axis).map_or(1.0, |a| a.scale);
+        let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
+        let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let moving = self.moving(coded, &changes) | 1 << first | 1 << second;
+        self.travel(
+            seconds,
+            &Motion {
+                kind: if made.sweep < 0.0 { MotionKind::ArcCw } else { MotionKind::ArcCcw },
+                moving,
+                from,
+                to,
+                center,
+                plane_axes: [first as u8, second as u8],
+                turns,
+                feed: feed.unwrap_or(0.0),
+                feed_unit: unit,
+                length,
+            },
+        )
+    }
 }

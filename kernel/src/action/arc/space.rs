@@ -28,7 +28,8 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return kernel.feed_to(coded, target, feed, unit);
     }
-    let from = kernel.place.position;
+    let via = kernel.work_point(&via);
+    let from = kernel.contour();
     let info = kernel.info;
     let axes = info.channel(kernel.rank).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
@@ -55,7 +56,7 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
     let motion = Motion {
         kind: MotionKind::ArcSpace,
-        moving: swings.fold(coded, |bits, axis| bits | 1 << axis),
+        moving: swings.fold(kernel.moving(coded, &changes), |bits, axis| bits | 1 << axis),
         from,
         to: target,
         center: circle.bulge(start, end),
@@ -65,13 +66,15 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         feed_unit: unit,
         length: (circle.length() * circle.length() + rise).sqrt(),
     };
-    kernel.travel(seconds, &motion)
+    kernel.travel(seconds, &motion)?;
+    crate::action::cutter::after_thread(kernel);
+    Ok(())
 }
 
 /// Takes the point on the way: bits of the coordinates that are said, and the point.
 fn way_point(kernel: &mut Kernel<'_>) -> (u8, Position) {
     let relative = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let (mut said, mut via) = (0, kernel.place.position);
+    let (mut said, mut via) = (0, kernel.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = kernel.take(id) else { continue };
         let Some(axis) = kernel.place.cartesian.get(role).copied().flatten().map(usize::from) else {

@@ -68,7 +68,7 @@ pub(super) fn cycle(kernel: &mut Kernel<'_>, kind: Kind, row: &CodeRow, firing: 
         // Its clearance is the level where it stands unless it says so itself.
         kernel.cycle.clear = None;
     }
-    let level = kernel.place.position.get(axis).copied().unwrap_or(0.0);
+    let level = kernel.programmed().get(axis).copied().unwrap_or(0.0);
     kernel.cycle.begin(kernel.machine, kind, row.id, ((role, axis), level));
     kernel.cycle.block = kernel.blocks;
     let (kind, words) = words::take(kernel, kind);
@@ -89,7 +89,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acte
         return Ok(());
     };
     if !kernel.cycle.running {
-        kernel.cycle.initial = kernel.place.position.get(axis).copied().unwrap_or(0.0);
+        kernel.cycle.initial = kernel.programmed().get(axis).copied().unwrap_or(0.0);
     }
     kernel.cycle.block = kernel.blocks;
     kernel.cycle.running = true;
@@ -164,7 +164,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
     if words.times == 0 {
         return Ok(());
     }
-    let from = kernel.place.position;
+    let from = kernel.programmed();
     let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {

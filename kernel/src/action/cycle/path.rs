@@ -49,20 +49,20 @@ impl Kernel<'_> {
         let along = 1 << hole.axis;
         let mut target = hole.target;
         if self.machine.cycles.approach == Approach::PositionFirst {
-            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.place.position.get(hole.axis)) {
-                *slot = *level;
+            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.programmed().get(hole.axis).copied()) {
+                *slot = level;
             }
-            self.rapid_to(hole.coded & !along, target)?;
-            return self.rapid_to(along, self.level(hole.axis, hole.clear));
+            self.rapid_to_point(hole.coded & !along, target)?;
+            return self.rapid_to_point(along, self.level(hole.axis, hole.clear));
         }
         if let Some(slot) = target.get_mut(hole.axis) {
             *slot = hole.clear;
         }
-        self.rapid_to(hole.coded | along, target)
+        self.rapid_to_point(hole.coded | along, target)
     }
 
     fn level(&self, axis: usize, level: f64) -> Position {
-        let mut target = self.place.position;
+        let mut target = self.programmed();
         if let Some(slot) = target.get_mut(axis) {
             *slot = level;
         }
@@ -71,14 +71,14 @@ impl Kernel<'_> {
 
     /// Along the axis of the cycle at rapid.
     pub(super) fn lift(&mut self, drill: &Drill<'_>, level: f64) -> Acted {
-        self.rapid_to(1 << drill.hole.axis, self.level(drill.hole.axis, level))
+        self.rapid_to_point(1 << drill.hole.axis, self.level(drill.hole.axis, level))
     }
 
     /// Along the axis of the cycle at feed.
     pub(super) fn plunge(&mut self, drill: &Drill<'_>, level: f64, ratio: f64) -> Acted {
         let (feed, unit) = drill.cycle.feed;
         let target = self.level(drill.hole.axis, level);
-        self.feed_to(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)
+        self.feed_to_point(1 << drill.hole.axis, target, feed.map(|feed| feed * ratio), unit)
     }
 
     /// Dwell at depth (0), per step (1), at the top (2).
@@ -194,7 +194,7 @@ impl Kernel<'_> {
     /// The shift of oriented boring, away from the centre (1) or back (−1).
     fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
         let cycle = &drill.cycle;
-        let mut target = self.place.position;
+        let mut target = self.programmed();
         let mut coded = 0_u8;
         let given = cycle.shifts.iter().any(Option::is_some);
         let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));
@@ -211,14 +211,14 @@ impl Kernel<'_> {
                 coded |= 1 << axis;
             }
         }
-        self.rapid_to(coded, target)
+        self.rapid_to_point(coded, target)
     }
 
     /// Stops or orients a spindle that turned when the hole began.
     fn turn(&mut self, drill: &Drill<'_>, direction: Direction) -> Acted {
         match drill.turning {
             Direction::Clockwise | Direction::CounterClockwise => spindle::turn_inside(self, direction),
-            Direction::Off | Direction::Oriented => Ok(()),
+            _ => Ok(()),
         }
     }
 

@@ -143,7 +143,7 @@ fn position(kernel: &mut Kernel<'_>) -> Words {
             relative |= 1 << index;
         }
     }
-    let (coded, target) = kernel.targets();
+    let (coded, target) = kernel.programmed_targets();
     Words { target, coded, relative: relative & coded, times: 1 }
 }
 

@@ -74,7 +74,9 @@ pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) ->
         kernel.modal.remember(data::INTERP_THREAD_PITCH, pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
-    kernel.cut(coded, target, &screw)
+    kernel.cut(coded, target, &screw)?;
+    super::cutter::after_thread(kernel);
+    Ok(())
 }
 
 /// Ends threads: what moves here moves straight.
@@ -146,6 +148,12 @@ fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
 }
 
 impl Kernel<'_> {
+    /// One thread move to a programmed point.
+    pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
+        let target = self.work_point(&target);
+        self.cut(coded, target, screw)
+    }
+
     /// One thread move to a target in the work frame.
     pub(super) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
         let from = self.place.position;
@@ -156,7 +164,8 @@ impl Kernel<'_> {
         let seconds = self.thread_seconds(&target, &changes, screw)?;
         let length = self.tool_path(&changes);
         let feed = (screw.lead, FeedUnit::PerRevolution);
-        self.travel(seconds, &Motion::straight(MotionKind::Thread, coded, [from, target], feed, length))
+        let moving = self.moving(coded, &changes);
+        self.travel(seconds, &Motion::straight(MotionKind::Thread, moving, [from, target], feed, length))
     }
 
     /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.

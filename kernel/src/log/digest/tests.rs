@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Diagnostic, Member, Release, Spindle, Wait};
+use crate::log::event::{Coolant, Diagnostic, Member, Release, Spindle, Wait};
 
 fn event(kind: Kind) -> Event {
     Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }
@@ -94,8 +94,14 @@ fn minus_zero_counts_as_zero() {
 
 #[test]
 fn every_field_counts() {
-    let spindle =
-        Spindle { spindle: 1, direction: Direction::Clockwise, css: false, speed: 900.0, limit: f64::INFINITY };
+    let spindle = Spindle {
+        spindle: 1,
+        direction: Direction::Clockwise,
+        css: false,
+        speed: 900.0,
+        limit: f64::INFINITY,
+        angle: 0.0,
+    };
     let member = Member { channel: 1, file: 0, line: 3, waiting_for: vec![2] };
     let verdict = Verdict { kind: VerdictKind::Cycle, at_ns: 1, text: "t".into(), members: vec![member.clone()] };
     let wait = Wait { key: "M101".into(), primitive: Primitive::Barrier, participants: [1, 2].into() };
@@ -129,8 +135,9 @@ fn every_field_counts() {
         Kind::Spindle(Spindle { css: true, ..spindle }),
         Kind::Spindle(Spindle { speed: 901.0, ..spindle }),
         Kind::Spindle(Spindle { limit: 2000.0, ..spindle }),
-        Kind::Coolant { on: true },
-        Kind::Coolant { on: false },
+        Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
+        Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
+        Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
         Kind::Function { letter: 'M', value: 8.0 },
         Kind::Function { letter: 'N', value: 8.0 },
         Kind::Function { letter: 'M', value: 9.0 },

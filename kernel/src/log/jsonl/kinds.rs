@@ -3,7 +3,7 @@
 //! Invariant: positions are objects with every axis of the channel, in channel order.
 
 use super::{bare_float, boolean, field, float, integer, text, value};
-use crate::log::event::{Event, Kind, Motion, MotionKind, Position, Spindle, Verdict};
+use crate::log::event::{Coolant, Direction, Event, Kind, Motion, MotionKind, Outlet, Position, Spindle, Verdict};
 use crate::log::geometry::Loop;
 use crate::log::info::{Axis, Info};
 
@@ -16,7 +16,7 @@ pub(super) fn name(kind: &Kind) -> &'static str {
         Kind::Dwell => "dwell",
         Kind::Tool { .. } => "tool",
         Kind::Spindle(_) => "spindle",
-        Kind::Coolant { .. } => "coolant",
+        Kind::Coolant(_) => "coolant",
         Kind::Function { .. } => "function",
         Kind::Mode { .. } => "mode",
         Kind::Frame { .. } => "frame",
@@ -46,7 +46,7 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             integer(out, "offset", i64::from(*offset));
         }
         Kind::Spindle(spindle) => write_spindle(spindle, out),
-        Kind::Coolant { on } => boolean(out, "on", *on),
+        Kind::Coolant(coolant) => write_coolant(coolant, out),
         Kind::Function { letter, value } => {
             text(out, "letter", letter.encode_utf8(&mut [0; 4]));
             float(out, "value", *value);
@@ -126,6 +126,22 @@ fn write_spindle(spindle: &Spindle, out: &mut Vec<u8>) {
     boolean(out, "css", spindle.css);
     float(out, "speed", spindle.speed);
     float(out, "limit", spindle.limit);
+    if spindle.direction == Direction::Oriented {
+        float(out, "angle", spindle.angle);
+    }
+}
+
+fn write_coolant(coolant: &Coolant, out: &mut Vec<u8>) {
+    boolean(out, "on", coolant.on);
+    text(out, "fluid", coolant.word());
+    match coolant.outlet {
+        Outlet::Main => text(out, "outlet", "main"),
+        Outlet::Side => text(out, "outlet", "side"),
+        Outlet::Device(number) => {
+            text(out, "outlet", "device");
+            integer(out, "device", i64::from(number));
+        }
+    }
 }
 
 fn write_verdict(info: &Info, verdict: &Verdict, out: &mut Vec<u8>) {

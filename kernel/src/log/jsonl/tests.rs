@@ -47,8 +47,14 @@ fn a_circle_in_space_tells_its_centre_and_its_middle() {
 fn odd_texts_and_numbers_stay_valid() {
     let text = line(&at(1, 1, 0, 0, Kind::Message { text: "a\"b\\c\n\u{1}ä".into() }));
     assert!(text.ends_with(r#""text":"a\"b\\c\n\u0001ä"}"#), "{text}");
-    let spindle =
-        Spindle { spindle: 1, direction: Direction::Clockwise, css: true, speed: f64::NAN, limit: f64::INFINITY };
+    let spindle = Spindle {
+        spindle: 1,
+        direction: Direction::Clockwise,
+        css: true,
+        speed: f64::NAN,
+        limit: f64::INFINITY,
+        angle: 0.0,
+    };
     let text = line(&at(1, 1, 0, 0, Kind::Spindle(spindle)));
     assert!(text.ends_with(r#""direction":"clockwise","css":true,"speed":null,"limit":null}"#), "{text}");
     let text = line(&at(1, 1, 0, 0, Kind::Function { letter: '"', value: 1e300 }));

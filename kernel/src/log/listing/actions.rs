@@ -30,7 +30,10 @@ impl Actions {
             }),
             Kind::Spindle(spindle) => one(match spindle.direction {
                 Direction::Off => "spindle off".to_owned(),
-                Direction::Oriented => "spindle orient".to_owned(),
+                Direction::Oriented if spindle.angle == 0.0 => "spindle orient".to_owned(),
+                Direction::Oriented => format!("spindle orient a={}", number(spindle.angle)),
+                Direction::Locked => "spindle lock".to_owned(),
+                Direction::Neutral => "spindle neutral".to_owned(),
                 _ if spindle.css && spindle.limit.is_finite() => {
                     format!("css v={}, max={}", number(spindle.speed), number(spindle.limit))
                 }
@@ -38,7 +41,7 @@ impl Actions {
                 Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
                 Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
             }),
-            Kind::Coolant { on } => one(format!("coolant {}", if *on { "on" } else { "off" })),
+            Kind::Coolant(coolant) => one(coolant.to_string()),
             Kind::Function { letter, value } => {
                 one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
             }

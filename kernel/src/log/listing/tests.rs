@@ -19,8 +19,14 @@ fn listing(info: &std::sync::Arc<Info>, channel: u16, events: &[Event]) -> Strin
 
 /// One tool turns a diameter, then stops for a while.
 fn turning() -> Vec<Event> {
-    let spindle =
-        Spindle { spindle: 1, direction: Direction::Clockwise, css: false, speed: 950.0, limit: f64::INFINITY };
+    let spindle = Spindle {
+        spindle: 1,
+        direction: Direction::Clockwise,
+        css: false,
+        speed: 950.0,
+        limit: f64::INFINITY,
+        angle: 0.0,
+    };
     let cut = |from: &[f64], to: &[f64], feed| Motion {
         feed,
         feed_unit: FeedUnit::PerRevolution,
@@ -176,7 +182,8 @@ fn arcs_travel_to_their_extremes() {
 #[test]
 fn surface_speed_counts_by_the_mean_of_each_motion() {
     let mut events = turning();
-    let css = Spindle { spindle: 1, direction: Direction::Clockwise, css: true, speed: 200.0, limit: 3000.0 };
+    let css =
+        Spindle { spindle: 1, direction: Direction::Clockwise, css: true, speed: 200.0, limit: 3000.0, angle: 0.0 };
     events[4] = at(1, 2, 4 * S, 0, Kind::Spindle(css));
     let listing = listing(&lathe(&["x"]), 1, &events);
     // 20 mm at 0.3 mm/rev in 90 s: 44.4 rev/min.

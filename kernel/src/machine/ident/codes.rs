@@ -448,6 +448,7 @@ pub const TABLE: &[CodeFacts] = &[
     CodeFacts { name: "CODE_GOHOME_NTH", group: 0, order: 450, built_in: true, own: true },
     CodeFacts { name: "CODE_FUNCTION", group: 0, order: 300, built_in: true, own: true },
     CodeFacts { name: "CODE_POSITION_MACHINE", group: 0, order: 100, built_in: true, own: true },
+    CodeFacts { name: "CODE_OFFSET_SET", group: 0, order: 100, built_in: true, own: true },
 ];
 
 /// `CODE_AIR_OFF`.
@@ -1332,3 +1333,5 @@ pub const GOHOME_NTH: CodeId = CodeId(438);
 pub const FUNCTION: CodeId = CodeId(439);
 /// `CODE_POSITION_MACHINE`: this block's positions are in the machine frame (Fanuc G53).
 pub const POSITION_MACHINE: CodeId = CodeId(440);
+/// `CODE_OFFSET_SET`: sets an offset of the control (Fanuc G10).
+pub const OFFSET_SET: CodeId = CodeId(441);

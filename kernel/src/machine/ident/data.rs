@@ -229,6 +229,9 @@ pub const TABLE: &[DataFacts] = &[
     DataFacts { name: "REG_CYCLE_WEB_DEPTH_3", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_WEB_START_4", built_in: true, own: true },
     DataFacts { name: "REG_CYCLE_WEB_DEPTH_4", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_KIND", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_NUMBER", built_in: true, own: true },
+    DataFacts { name: "REG_OFFSET_VALUE", built_in: true, own: true },
 ];
 
 /// `REG_AIR`.
@@ -677,3 +680,9 @@ pub const CYCLE_WEB_DEPTH_3: DataId = DataId(220);
 pub const CYCLE_WEB_START_4: DataId = DataId(221);
 /// `REG_CYCLE_WEB_DEPTH_4`: where it ends.
 pub const CYCLE_WEB_DEPTH_4: DataId = DataId(222);
+/// `REG_OFFSET_KIND`: which table an offset is set in (Fanuc G10 L).
+pub const OFFSET_KIND: DataId = DataId(223);
+/// `REG_OFFSET_NUMBER`: which offset is set (Fanuc G10 P).
+pub const OFFSET_NUMBER: DataId = DataId(224);
+/// `REG_OFFSET_VALUE`: length or radius that is set (Fanuc G10 R).
+pub const OFFSET_VALUE: DataId = DataId(225);

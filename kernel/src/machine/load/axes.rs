@@ -49,6 +49,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     let home = row.number("home").unwrap_or(0.0);
     let references = references(row);
     let limits = limits(row, home);
+    let (vector, center) = super::kinematics::read_axis(row, data, role);
     Some(Axis {
         name: name?.to_owned(),
         letter: letter?.to_owned(),
@@ -60,6 +61,8 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         home,
         references,
         limits,
+        vector,
+        center,
     })
 }
 

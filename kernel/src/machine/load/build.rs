@@ -5,7 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, cycles, data, diagnostics, dialogs, format, head, initial, macros, overlap, paths, registers,
+    axes, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, kinematics, macros,
+    overlap, paths, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -36,6 +37,9 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let cycles = cycles::read(&mut top, head.unit);
     let arcs = paths::arcs(&mut top, head.unit);
     let threads = paths::threads(&mut top);
+    let pump = pump::read(&mut top);
+    let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
+    let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
     let subprograms = subprograms::read(&mut top);
@@ -75,6 +79,9 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         cycles,
         arcs,
         threads,
+        tool_direction,
+        pump,
+        compensation,
         variables,
         tool,
         work_offsets,

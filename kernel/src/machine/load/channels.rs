@@ -36,15 +36,41 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
     row.require("axes", "names of the channel's axes, in the order in which they are shown");
     let own = channel_axes(row, axes, check);
     let only = if let [spindle] = spindles { Some(spindle.number) } else { None };
-    let spindle = row.integer("spindle", 1..=99).map(|number| number as u16);
-    if let Some(spindle) = spindle
-        && !spindles.iter().any(|known| known.number == spindle)
-    {
-        check.missing(row.place_of("spindle"), format!("there is no spindle {spindle}"));
-    }
+    let [spindle, rear, milling] = ["spindle", "rear", "milling"].map(|key| {
+        let number = row.integer(key, 1..=99).map(|number| number as u16);
+        if let Some(number) = number.filter(|number| !spindles.iter().any(|known| known.number == *number)) {
+            check.missing(row.place_of(key), format!("there is no spindle {number}"));
+        }
+        number
+    });
+    let polar = polar_axes(row, axes, &own, check);
     let number = number?;
     let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
-    Some(Channel { number, name, axes: own, spindle: spindle.or(only) })
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling, polar })
+}
+
+/// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.
+fn polar_axes(row: &mut Section<'_>, axes: &[Axis], own: &[usize], check: &Check) -> Option<[usize; 2]> {
+    let names = row.texts("polar")?;
+    let found: Vec<usize> = names
+        .iter()
+        .filter_map(|(name, place)| {
+            let index = own.iter().copied().find(|index| axes.get(*index).is_some_and(|axis| axis.name == *name));
+            if index.is_none() {
+                check.missing(place, format!("the channel has no axis \"{}\"", name.escape_debug()));
+            }
+            index
+        })
+        .collect();
+    let rotary = |index: usize| axes.get(index).is_some_and(|axis| axis.role.is_rotary());
+    match found.as_slice() {
+        [linear, turning] if !rotary(*linear) && rotary(*turning) => Some([*linear, *turning]),
+        _ if found.len() < names.len() => None,
+        _ => {
+            row.error("polar", "`polar` must be a linear and a rotary axis of the channel");
+            None
+        }
+    }
 }
 
 fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {

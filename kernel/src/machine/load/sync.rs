@@ -68,7 +68,9 @@ fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
 }
 
 fn check_words(section: &Section<'_>, dialect: SyncDialect, channels: &[Channel], rows: &[CodeRow], check: &Check) {
-    let words = rows.iter().any(|row| row.id == codes::SYNC_REG && row.enable);
+    let marks =
+        [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
+    let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable);
     if dialect == SyncDialect::Fanuc && !words && channels.len() > 1 {
         let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";
         check.warning(section.place_of("dialect"), text);

@@ -2,7 +2,7 @@
 //!
 //! Invariant: every offset has one value per axis of the machine; tool offsets stand in ascending number.
 
-use super::values::by_axis;
+use super::values::{by_axis, some_by_axis};
 use crate::machine::model::{Axis, Tool, ToolOffset};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
@@ -15,9 +15,14 @@ const STANDARD: usize = 6;
 
 /// Reads `[tool]`.
 pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool {
-    let mut tool = Tool { offset_digits: 0, offsets: Vec::new() };
+    let mut tool = Tool { offset_digits: 0, offsets: Vec::new(), change_point: Vec::new(), change_motion: false };
     let Some(mut section) = top.table("tool", "[tool]") else { return tool };
     tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
+    tool.change_point = some_by_axis(&mut section, "change_position", axes, check);
+    tool.change_motion = section.flag("change_motion").unwrap_or(false);
+    if tool.change_motion && tool.change_point.iter().all(Option::is_none) {
+        section.error("change_motion", "`change_motion` needs `change_position`, the axes to move and where to");
+    }
     for mut row in section.rows("offsets", "[[tool.offsets]]", MOST) {
         if let Some(offset) = read_offset(&mut row, axes, check) {
             if tool.offsets.iter().any(|other| other.number == offset.number) {

@@ -19,13 +19,23 @@ pub(super) fn factor(section: &mut Section<'_>) -> f64 {
 
 /// `values = { X1 = …, Z1 = … }`: one value per axis of the machine, 0 where none is given.
 pub(super) fn by_axis(section: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<f64> {
-    let mut values = vec![0.0; axes.len()];
-    let Some(table) = section.free_table("values") else { return values };
+    some_by_axis(section, "values", axes, check).into_iter().map(Option::unwrap_or_default).collect()
+}
+
+/// The values of a key by axis name, none where none is given.
+pub(super) fn some_by_axis(
+    section: &mut Section<'_>,
+    key: &'static str,
+    axes: &[Axis],
+    check: &Check,
+) -> Vec<Option<f64>> {
+    let mut values = vec![None; axes.len()];
+    let Some(table) = section.free_table(key) else { return values };
     for entry in &table.entries {
         let value = number(&entry.node, &entry.key, check);
         match axes.iter().position(|axis| axis.name == entry.key) {
             Some(index) => {
-                if let (Some(slot), Some(value)) = (values.get_mut(index), value) {
+                if let Some(slot) = values.get_mut(index) {
                     *slot = value;
                 }
             }

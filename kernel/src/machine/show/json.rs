@@ -35,6 +35,11 @@ pub fn json(machine: &Machine) -> Value {
         "cycles": cycles(machine),
         "arcs": arcs(machine),
         "threads": threads(machine),
+        "compensation": {
+            "rapid": machine.compensation.rapid,
+            "arcs": machine.compensation.arcs,
+            "corner_angle": machine.compensation.corner_angle,
+        },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
@@ -162,6 +167,8 @@ fn channel(machine: &Machine, channel: &Channel) -> Value {
         "name": channel.name,
         "axes": channel.axes.iter().map(|index| axis(machine, *index)).collect::<Vec<_>>(),
         "spindle": channel.spindle,
+        "rear": channel.rear,
+        "milling": channel.milling,
     })
 }
 

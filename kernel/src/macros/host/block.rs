@@ -29,6 +29,8 @@ impl Kernel<'_> {
         let before = self.modal.code(group);
         self.modal.activate(group, id, row);
         self.follow_cycle();
+        self.follow_spindle();
+        self.follow_clamps();
         before
     }
 

@@ -64,6 +64,8 @@ impl Kernel<'_> {
                 };
                 self.modal.restore(&groups);
                 self.follow_cycle();
+                self.follow_spindle();
+                self.follow_clamps();
                 self.secondary = self.modal.code(crate::channel::state::group::UNITS)
                     == Some(crate::machine::ident::codes::UNITS_SECONDARY);
             }
@@ -111,7 +113,7 @@ impl Kernel<'_> {
             Task::Tool(action, tool, offset, ns) => {
                 self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
             }
-            Task::Head(id) => self.meanwhile(state, |kernel| kernel.load_head(id)),
+            Task::Head(kind, id) => self.meanwhile(state, |kernel| kernel.load_head(kind, id)),
             Task::Cycle(hole) => {
                 let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(Value::as_real));
                 self.meanwhile(state, |kernel| kernel.output_cycle(*hole, heights))

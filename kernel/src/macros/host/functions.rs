@@ -14,6 +14,7 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 use crate::macros::model::{FIRST_HOOK_ID, Hook};
@@ -69,13 +70,20 @@ impl Kernel<'_> {
                 nothing(function)
             }
             "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
-            "$FDK" | "$FIK" => {
-                let mut numbers: Vec<f64> = self.kinematic_position(arguments)?;
-                let direction = if function.name == "$FDK" { [0.0, 0.0, 1.0] } else { [0.0; 3] };
-                numbers.extend(direction);
-                Value::numbers(&numbers)
-            }
-            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
+            "$FDK" => self.forward(arguments)?,
+            "$FIK" => self.backward(arguments)?,
+            "$FKINCFG" => self.configure(arguments),
+            "$FKINROT" => self.choose_rotary(arguments),
+            "$FUNWIND" => self.unwind_named(arguments),
+            "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
+            "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
+            "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
+            "$FMSGFCV" => self.read_offset(Table::Work, arguments)?,
+            "$FMSSDCV" => self.write_radius(Radii::Cutter, arguments)?,
+            "$FMSSRCV" => self.write_radius(Radii::Corner, arguments)?,
+            "$FMSSLCV" => self.write_offset(Table::Length, arguments)?,
+            "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
+            "$FMSLCS" => self.give_frame(arguments)?,
             name if name.starts_with("$FMS") => {
                 let message = format!("{name} needs a machine model, and there is none here");
                 state.warn(Fault::new(Number::NO_MODEL, message));
@@ -104,18 +112,6 @@ impl Kernel<'_> {
         };
         runtime.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
         Ok(Value::Logical(true))
-    }
-
-    fn kinematic_position(&self, arguments: &[Value]) -> Outcome<Vec<f64>> {
-        let own = |axis: Option<usize>| axis.and_then(|at| self.place.position.get(at)).copied().unwrap_or(0.0);
-        let [x, y, z, ..] = self.six_axes();
-        let mut numbers = vec![own(x), own(y), own(z)];
-        if let Some(Value::Sequence(given)) = arguments.first() {
-            for (place, value) in numbers.iter_mut().zip(given.iter()) {
-                *place = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
-            }
-        }
-        Ok(numbers)
     }
 
     /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.

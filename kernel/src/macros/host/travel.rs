@@ -1,22 +1,39 @@
 //! How far axes went, by tool and by operation: `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX`.
 //!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C of tables, 10 to 12 of
-//! heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decisions: positions are those
-//! of `$XM`, arcs with their extremes. Invariant: an axis that has not moved in a row has no position there.
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C as tables,
+//! 10 to 12 A B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision:
+//! positions are those of `$XM`, arcs with their extremes. Invariant: an axis that has not moved in a row has no position
+//! there.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
-use super::variables::axis_letter;
 use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Motion};
 use crate::log::geometry::Round;
+use crate::machine::ident::{DataId, data};
 
 /// Columns of the tables.
 const COLUMNS: usize = 15;
 
-/// Letters of the columns as `$AXES` shows them.
-const LETTERS: &[u8; COLUMNS] = b"XYZUVWabcABCENn";
+/// Data of the axes of the columns.
+const AXES: [DataId; COLUMNS] = [
+    data::AXIS_X,
+    data::AXIS_Y,
+    data::AXIS_Z,
+    data::AXIS_U,
+    data::AXIS_V,
+    data::AXIS_W,
+    data::AXIS_AT,
+    data::AXIS_BT,
+    data::AXIS_CT,
+    data::AXIS_AH,
+    data::AXIS_BH,
+    data::AXIS_CH,
+    data::AXIS_E,
+    data::AXIS_N,
+    data::AXIS_N2,
+];
 
 /// Smallest and largest position of each column.
 type Row = [[Option<f64>; 2]; COLUMNS];
@@ -64,16 +81,18 @@ impl Kernel<'_> {
     /// Column of each axis of the channel, none for those that the tables do not have.
     pub(crate) fn travel_columns(&self) -> [Option<usize>; MAX_AXES] {
         let mut columns = [None; MAX_AXES];
-        for (column, letter) in LETTERS.iter().enumerate() {
-            let axis = match column {
-                0..=2 => self.axis_of(char::from(*letter)),
-                _ => self.place.axes.iter().position(|axis| axis_letter(axis.data) == Some(char::from(*letter))),
-            };
+        for (column, id) in AXES.into_iter().enumerate() {
+            let axis = self.axis_of_data(id).or_else(|| self.second_table(id));
             if let Some(slot) = axis.and_then(|axis| columns.get_mut(axis)) {
                 *slot = Some(column);
             }
         }
         columns
+    }
+
+    /// A second table about Z stands for the first one where there is none.
+    fn second_table(&self, id: DataId) -> Option<usize> {
+        self.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
     }
 
     /// Notes where a motion leads.

@@ -4,13 +4,17 @@
 //! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
 //! positions and decisions: docs/emulation.md.
 
+mod coolant;
 mod cycles;
+mod frames;
 mod kernels;
+mod offsets;
 mod positions;
 mod program;
 mod spindles;
 mod state;
 mod threads;
+mod tip;
 
 use std::sync::OnceLock;
 
@@ -18,8 +22,6 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
-
-pub(super) use positions::axis_letter;
 
 use crate::channel::Kernel;
 use crate::diag;
@@ -68,8 +70,9 @@ fn source(name: &str) -> Source {
     if let Some(place) = positions::place(name) {
         return Source::Position(place);
     }
-    let found = program::find(name).or_else(|| state::find(name)).or_else(|| cycles::find(name));
-    let found = found.or_else(|| spindles::find(name)).or_else(|| threads::find(name)).or_else(|| kernels::find(name));
+    let own = [cycles::find, spindles::find, threads::find, coolant::find];
+    let own = own.into_iter().chain([kernels::find, frames::find, offsets::find, tip::find]);
+    let found = [program::find, state::find].into_iter().chain(own).find_map(|find| find(name));
     match found {
         Some((read, write)) => Source::State(read, write),
         None => Source::Kept,

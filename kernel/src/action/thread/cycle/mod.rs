@@ -119,7 +119,13 @@ pub(crate) fn cycle(kernel: &mut Kernel<'_>, kind: Kind) -> Acted {
     };
     let axes = if kind.face { [x, z] } else { [z, x] };
     (kernel.threads.cycle.kind, kernel.threads.cycle.block) = (Some(kind), kernel.blocks);
-    if kind.multi { multi(kernel, kind, axes) } else { single(kernel, kind, axes) }
+    if kind.multi {
+        multi(kernel, kind, axes)?
+    } else {
+        single(kernel, kind, axes)?
+    }
+    crate::action::cutter::after_thread(kernel);
+    Ok(())
 }
 
 /// One pass and back.

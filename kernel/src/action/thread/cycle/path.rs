@@ -43,7 +43,7 @@ impl Kernel<'_> {
             let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.place.position.get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
+        let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
         let outward = thread.outward(level);
         let flank = libm::tan(self.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
@@ -68,7 +68,7 @@ impl Kernel<'_> {
     /// One pass that ends at `root` across and begins `shift` further along.
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
-        let home = self.place.position;
+        let home = self.programmed();
         let of = |axis: usize| home.get(axis).copied().unwrap_or(0.0);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
@@ -77,21 +77,21 @@ impl Kernel<'_> {
         let chamfer = self.pull_out(thread, root, level, begin);
         let last = chamfer.as_ref().map_or(thread.end, |chamfer| chamfer.from);
         let target = self.place_of(thread, [last, thread.across(root, last)]);
-        self.cut(1 << along | self.moved(across, &target), target, &thread.screw)?;
+        self.cut_to_point(1 << along | self.moved(across, &target), target, &thread.screw)?;
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
-        let mut clear = self.place.position;
+        let mut clear = self.programmed();
         if let Some(slot) = clear.get_mut(across) {
             *slot = of(across);
         }
-        self.rapid_to(1 << across, clear)?;
-        self.rapid_to(1 << along, home)
+        self.rapid_to_point(1 << across, clear)?;
+        self.rapid_to_point(1 << along, home)
     }
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
-        let mut target = self.place.position;
+        let mut target = self.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             if let Some(slot) = target.get_mut(*axis) {
                 let wanted = value / scale;
@@ -104,13 +104,13 @@ impl Kernel<'_> {
 
     /// Bit of an axis if it moves to the target.
     fn moved(&self, axis: usize, target: &Position) -> u8 {
-        if self.place.position.get(axis) == target.get(axis) { 0 } else { 1 << axis }
+        if self.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {
         let target = self.place_of(thread, places);
         let coded = thread.axes.iter().fold(0, |bits, axis| bits | self.moved(*axis, &target));
-        self.rapid_to(coded, target)
+        self.rapid_to_point(coded, target)
     }
 
     /// The chamfer of a pass, if there is one: no higher than where the tool stands.
@@ -151,8 +151,8 @@ impl Kernel<'_> {
         let coded = 1 << thread.axes[0] | 1 << thread.axes[1];
         let lead = Lead { start: thread.screw.lead, change: thread.screw.change }.after(way);
         if chamfer.locked {
-            return self.cut(coded, target, &Screw { lead, ..thread.screw });
+            return self.cut_to_point(coded, target, &Screw { lead, ..thread.screw });
         }
-        self.feed_to(coded, target, Some(lead), FeedUnit::PerRevolution)
+        self.feed_to_point(coded, target, Some(lead), FeedUnit::PerRevolution)
     }
 }

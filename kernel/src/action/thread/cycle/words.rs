@@ -38,7 +38,7 @@ pub(super) fn points(kernel: &mut Kernel<'_>, ids: [DataId; 2], axes: bool) -> [
         let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
-                of(&kernel.place.position) + datum.value
+                of(&kernel.programmed()) + datum.value
             } else if kernel.block.machine_frame {
                 datum.value - of(&kernel.place.shift)
             } else {
@@ -180,7 +180,8 @@ pub(super) fn thread(
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
     let scales = axes.map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
-    let here = axes.map(|axis| kernel.place.position.get(axis).copied().unwrap_or(0.0));
+    let place = kernel.programmed();
+    let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
     if end.iter().any(Option::is_none) {
         let text = format!("a thread needs its end along X and Z in '{}'", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);

@@ -52,6 +52,9 @@ G2 CODE_INTERP_ARC_CLW 500 1
 G3 CODE_INTERP_ARC_CCLW 500 1
 G4 CODE_DELAY 300 0
 G9 CODE_EXACTSTOP 100 15
+G10 CODE_OFFSET_SET 100 0
+G12.1 CODE_C2P_CART_ON 100 26
+G13.1 CODE_C2P_CART_OFF 100 26
 G17 CODE_PLANE_XY 100 2
 G18 CODE_PLANE_ZX 100 2
 G19 CODE_PLANE_YZ 100 2
@@ -68,10 +71,14 @@ G41 CODE_COMP_DIAM_LEFT 100 7
 G42 CODE_COMP_DIAM_RIGHT 100 7
 G50 CODE_SPINDLE_MAXRPM 100 0
 G50 CODE_POSITION_PRESET 450 0
+G52 CODE_LCS_TRANSLATE_ON 100 17
 G53 CODE_POSITION_MACHINE 100 0
 G54-G59 CODE_COMP_WORKP_ON 100 14
+G54.1 CODE_COMP_EXTFIXT 100 14
 G61 CODE_EXACTSTOP_ON 100 15
 G64 CODE_EXACTSTOP_OFF 100 15
+G68.1 CODE_LCS_ROTATE_ON 100 16
+G69.1 CODE_LCS_ROTATE_OFF 100 16
 G76 CODE_THREAD_MULTI 500 1
 G80 CODE_CYCLE_OFF 400 9
 G83 CODE_CYCLE_DEEP 400 9
@@ -85,6 +92,8 @@ G96 CODE_SPINDLE_CSS 300 13
 G97 CODE_SPINDLE_RPM 100 13
 G98 CODE_FEED_UPM 100 5
 G99 CODE_FEED_UPR 100 5
+G112 CODE_C2P_CART_ON 100 26
+G113 CODE_C2P_CART_OFF 100 26
 T0-T99999999 CODE_TOOL_LOAD 700 0
 M0 CODE_STOP 900 0
 M1 CODE_OPSTOP 900 0
@@ -126,25 +135,39 @@ fn the_two_path_lathe_has_these_data() {
         "N REG_SEQNO - - none",
         "X REG_AXIS_X yes - length",
         "X REG_DELAY - - time",
+        "X REG_LCS_TRANS_X - - length",
+        "X REG_LCS_ROT_CENTER_X - - length",
         "Y REG_AXIS_Y yes - length",
+        "Y REG_LCS_TRANS_Y - - length",
+        "Y REG_LCS_ROT_CENTER_Y - - length",
         "Z REG_AXIS_Z yes - length",
+        "Z REG_LCS_TRANS_Z - - length",
+        "Z REG_LCS_ROT_CENTER_Z - - length",
         "A REG_THREAD_MULTI_ANGLE - - angle",
         "C REG_AXIS_CT yes - angle",
+        "C REG_C2P_INTERP_Y - - length",
         "I REG_ARC_CENTER_X - - length",
         "I REG_THREAD_MULTI_TAPER_X - - length",
+        "I REG_LCS_ROT_ANGLE_X - - angle",
         "J REG_ARC_CENTER_Y - - length",
+        "J REG_LCS_ROT_ANGLE_Y - - angle",
         "K REG_ARC_CENTER_Z - - length",
         "K REG_INTERP_THREAD_PITCH_VAR - - length",
         "K REG_THREAD_MULTI_HEIGHT_X - - length",
         "K REG_CYCLE_REPEAT - - none",
+        "K REG_LCS_ROT_ANGLE_Z - - angle",
         "R REG_ARC_RADIUS - - length",
+        "R REG_OFFSET_VALUE - - length",
         "R REG_THREAD_SINGLE_TAPER_X - - length",
         "R REG_THREAD_MULTI_FINISH_X - - length",
         "R REG_THREAD_MULTI_TAPER_X - - length",
         "R REG_CYCLE_CLEAR - - length",
+        "R REG_LCS_ROT_ANGLE - - angle",
         "P REG_DELAY - *0.001 time",
         "P REG_GOHOME_NTH - - none",
         "P REG_CALSUB_ID - - none",
+        "P REG_COMP_EXTFIXT_REG - - none",
+        "P REG_OFFSET_NUMBER - - none",
         "P REG_THREAD_MULTI_PWORD - - none",
         "P REG_THREAD_MULTI_HEIGHT_X - *0.001 increments",
         "P REG_THREAD_MULTI_INFEED - - none",
@@ -155,6 +178,7 @@ fn the_two_path_lathe_has_these_data() {
         "Q REG_THREAD_MULTI_STEP_X - *0.001 increments",
         "Q REG_CYCLE_STEP - - length",
         "L REG_CALSUB_REPEAT - - none",
+        "L REG_OFFSET_KIND - - none",
         "F REG_FEED_UPM yes - feed",
         "F REG_FEED_UPR yes - feed",
         "F REG_INTERP_THREAD_PITCH yes - length",
@@ -213,6 +237,9 @@ fn the_other_machines_differ_where_they_should() {
     assert_eq!(meaning(&mill, 'G', 91.0), ["CODE_POSITION_RELATIVE"]);
     assert_eq!(meaning(&mill, 'G', 98.0), ["CODE_CYCLE_RETRACT_INITIAL"]);
     assert_eq!(meaning(&mill, 'G', 85.0), ["CODE_CYCLE_REAM"]);
+    assert_eq!(meaning(&mill, 'G', 51.0), ["CODE_LCS_SCALE_ON"]);
+    assert_eq!(meaning(&mill, 'G', 51.1), ["CODE_LCS_MIRROR_ON"]);
+    assert_eq!(meaning(&mill, 'G', 68.0), ["CODE_LCS_ROTATE_ON"]);
     assert_eq!(meaning(&mill, 'G', 86.0), ["CODE_CYCLE_BORE"]);
     assert_eq!(meaning(&mill, 'T', 12.0), ["CODE_TOOL_SELECT"]);
     assert_eq!(meaning(&mill, 'M', 6.0), ["CODE_TOOL_LOAD"]);

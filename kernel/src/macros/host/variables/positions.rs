@@ -10,9 +10,9 @@ use crate::machine::ident::{DataId, data};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     letter: char,
-    /// `T` of a table, `H` of a head, none for either.
-    side: Option<char>,
     kind: char,
+    /// On the table (T) or the head (H), blank for either.
+    side: char,
     /// At the start of the last motion.
     before: bool,
 }
@@ -27,71 +27,65 @@ pub(super) fn place(name: &str) -> Option<Place> {
     let mut letters = name.chars();
     let letter = letters.next()?;
     let rest: String = letters.collect();
-    let (side, kind) = match rest.as_str() {
-        "M" => (None, 'M'),
-        "TM" => (Some('T'), 'M'),
-        "HM" => (Some('H'), 'M'),
-        "J" => (None, 'J'),
-        "TJ" => (Some('T'), 'J'),
-        "HJ" => (Some('H'), 'J'),
-        "W" if "XYZ".contains(letter) => (None, 'W'),
+    let kind = match rest.as_str() {
+        "M" | "TM" | "HM" => 'M',
+        "J" | "TJ" | "HJ" => 'J',
+        "W" if "XYZ".contains(letter) => 'W',
         _ => return None,
     };
-    "XYZUVWEABCND".contains(letter).then_some(Place { letter, side, kind, before })
-}
-
-/// Which machine axis a data identifier is: its letter as `$AXES` shows it, lower case for a table and for the second
-/// one that can be removed.
-pub(in crate::macros::host) fn axis_letter(id: DataId) -> Option<char> {
-    Some(match id {
-        data::AXIS_AT => 'a',
-        data::AXIS_BT => 'b',
-        data::AXIS_CT | data::AXIS_CT2 => 'c',
-        data::AXIS_AH => 'A',
-        data::AXIS_BH => 'B',
-        data::AXIS_CH => 'C',
-        data::AXIS_N => 'N',
-        data::AXIS_N2 => 'n',
-        data::AXIS_U => 'U',
-        data::AXIS_V => 'V',
-        data::AXIS_W => 'W',
-        data::AXIS_E => 'E',
-        _ => return None,
-    })
+    let side = if rest.len() == 2 { rest.chars().next()? } else { ' ' };
+    let rotary = "ABC".contains(letter);
+    ("XYZUVWEND".contains(letter) && side == ' ' || rotary).then_some(Place { letter, kind, side, before })
 }
 
 impl Kernel<'_> {
     /// Channel axis with this letter.
     pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
-        self.axis_on(letter, None)
+        let role = "XYZ".find(letter).and_then(|at| self.place.cartesian.get(at).copied().flatten());
+        role.map(usize::from).or_else(|| {
+            self.place.axes.iter().position(|axis| {
+                let own = self.machine.axes.get(axis.machine);
+                own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
+            })
+        })
     }
 
-    /// The same of a table or a head only; without a side the table goes first. N and D are those that can be removed.
-    fn axis_on(&self, letter: char, side: Option<char>) -> Option<usize> {
-        if let Some(at) = "XYZ".find(letter) {
-            return self.place.cartesian.get(at).copied().flatten().map(usize::from);
-        }
-        let wanted: &[char] = match (letter, side) {
-            ('N', _) => &['N'],
-            ('D', _) => &['n'],
-            (_, Some('T')) => &[letter.to_ascii_lowercase()],
-            (_, Some(_)) => &[letter],
-            _ => &[letter.to_ascii_lowercase(), letter],
+    /// Channel axis of a name.
+    fn axis_at(&self, place: Place) -> Option<usize> {
+        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.axis_of_data(*id));
+        let of = |table: DataId, head: DataId| match place.side {
+            'T' => find(&[table]),
+            'H' => find(&[head]),
+            _ => find(&[table, head]),
         };
-        wanted.iter().find_map(|wanted| self.place.axes.iter().position(|axis| axis_letter(axis.data) == Some(*wanted)))
+        match place.letter {
+            'A' => of(data::AXIS_AT, data::AXIS_AH),
+            'B' => of(data::AXIS_BT, data::AXIS_BH),
+            'C' => of(data::AXIS_CT, data::AXIS_CH).or_else(|| find(&[data::AXIS_CT2]).filter(|_| place.side != 'H')),
+            'N' => find(&[data::AXIS_N]),
+            'D' => find(&[data::AXIS_N2]),
+            'E' => find(&[data::AXIS_E]),
+            letter => self.axis_of(letter),
+        }
     }
 
     pub(super) fn position_of(&self, place: Place) -> f64 {
-        let Some(axis) = self.axis_on(place.letter, place.side) else { return 0.0 };
+        let Some(axis) = self.axis_at(place) else { return 0.0 };
+        if place.kind == 'W' && !place.before {
+            return self.programmed().get(axis).copied().unwrap_or(0.0);
+        }
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
             _ => &self.place.position,
         };
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
+            'M' if self.tip().is_some() => {
+                value(&self.machine_point(at)) - value(&self.place.shift) + value(&self.place.preset)
+            }
             'M' => value(at) + value(&self.place.preset),
-            'J' => value(at) + value(&self.place.shift),
-            _ => value(at),
+            'J' => value(&self.machine_point(at)),
+            _ => value(&self.program_point(at)),
         }
     }
 
@@ -106,15 +100,18 @@ impl Kernel<'_> {
         [x, y, z, fourth, fifth, sixth]
     }
 
+    /// Letter of a channel axis in `$AXES`.
+    pub(super) fn axis_letter(&self, axis: Option<usize>) -> char {
+        let axis = axis.and_then(|at| self.place.axes.get(at));
+        let name = axis.map_or("", |axis| self.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
+        let letter = name.chars().next().unwrap_or('*');
+        // Small letters: tables, and the second attachable axis.
+        if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
+    }
+
     /// `$AXES`
     pub(super) fn axes_text(&self) -> String {
-        let letter = |axis: Option<usize>| {
-            let axis = axis.and_then(|at| self.place.axes.get(at));
-            let own = axis.and_then(|axis| self.machine.axes.get(axis.machine));
-            let known = axis.and_then(|axis| axis_letter(axis.data));
-            known.or_else(|| own.and_then(|own| own.letter.chars().next())).unwrap_or('*')
-        };
-        self.six_axes().into_iter().map(letter).collect()
+        self.six_axes().into_iter().map(|axis| self.axis_letter(axis)).collect()
     }
 }
 
@@ -125,7 +122,6 @@ mod tests {
     #[test]
     fn names_of_positions() {
         let of = |name: &str| place(name).map(|p| (p.letter, p.kind, p.before));
-        assert_eq!(place("$BHM").and_then(|p| p.side), Some('H'));
         assert_eq!(of("$XM"), Some(('X', 'M', false)));
         assert_eq!(of("$LZJ"), Some(('Z', 'J', true)));
         assert_eq!(of("$ATM"), Some(('A', 'M', false)));

@@ -1,4 +1,4 @@
-//! Variables of spindles and coolant devices.
+//! Variables of spindles.
 //!
 //! Invariant: what a macro sets counts from the next action on and makes no event. Facts: reference system-variables.md
 //! 6, 9.
@@ -10,16 +10,12 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write};
 use crate::action::spindle::set_command;
 use crate::channel::Kernel;
+use crate::channel::state::group;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
-use crate::machine::ident::{CodeId, codes};
+use crate::machine::ident::codes;
+
 use crate::multi::shared::Command;
-
-/// Modal group of the main and the sub-spindle.
-const SPINDLES: u16 = 67;
-
-/// Modal group of the first coolant device, less one.
-const DEVICES: u16 = 540;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
@@ -67,16 +63,17 @@ fn mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 
 /// 0 stops, 2 turns by rev/min, 1 and 3 by surface speed in the unit of the machine.
 fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let (mode, rank) = (real(value), kernel.rank);
+    let mode = real(value);
     if mode == 0.0 {
         kernel.activate_code(codes::SPINDLE_OFF);
         return set(kernel, |command| command.direction = Direction::Off);
     }
     let css = mode != 2.0;
+    let driver = kernel.states.spindles.driver.unwrap_or(kernel.rank);
     kernel.activate_code(if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
     set(kernel, |command| {
         if css && !command.css {
-            command.driver = rank;
+            command.driver = driver;
         }
         command.css = css;
     })
@@ -106,39 +103,8 @@ fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     number(kernel.spindle.command.limit.min(machine))
 }
 
-/// The code of a coolant device; custom tables of a machine need not have it.
-fn device(at: &[i64], on: bool) -> Option<CodeId> {
-    let number = u16::try_from(*at.first()?).ok().filter(|number| (1..=9).contains(number))?;
-    Some(CodeId(codes::COOLANT_DEV1_OFF.0 + (number - 1) * 2 + u16::from(on)))
-}
-
-fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
-    let group = at.first().and_then(|at| u16::try_from(*at).ok()).map_or(0, |at| DEVICES + at);
-    let active = kernel.modal.code(group);
-    number(match active {
-        Some(code) if Some(code) == device(at, true) => 1.0,
-        Some(code) if Some(code) == device(at, false) => 0.0,
-        _ => -1.0,
-    })
-}
-
-fn set_device(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()> {
-    let wanted = match real(value) {
-        0.0 => device(at, false),
-        1.0 => device(at, true),
-        _ => None,
-    };
-    match wanted.filter(|code| kernel.row_of_code(*code).is_some()) {
-        Some(code) => {
-            kernel.activate_code(code);
-            Ok(())
-        }
-        None => Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this state of the coolant device")),
-    }
-}
-
 fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let rear = kernel.modal.code(SPINDLES) == Some(codes::SPINDLE_REAR);
+    let rear = kernel.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR);
     let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
     word.map_or(Value::Null, Value::Keyword)
 }
@@ -188,10 +154,13 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| number(k.spindle.command.driver),
             Some(|k, _, value| {
                 let head = real(value).clamp(0.0, f64::from(u16::MAX)) as u16;
+                k.states.spindles.driver = (head > 0).then_some(head);
                 set(k, |command| command.driver = head)
             }),
         ),
-        "$COOLDEV" => (device_state, Some(set_device)),
+        "$LTHMOD" => (|k, _| number(u8::from(k.states.spindles.milling)), None),
+        "$STID" => (|k, _| number(k.turning_code()), None),
+        "$SMID" => (|k, _| number(k.milling_code()), None),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
         _ => return None,
     };

@@ -24,28 +24,15 @@ fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) 
 
 const DIAMETER: [(CodeId, f64); 3] =
     [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
-const COOLANTS: [(CodeId, f64); 5] = [
-    (codes::COOLANT_OFF, 0.0),
-    (codes::COOLANT_FLOOD, 1.0),
-    (codes::COOLANT_MIST, 2.0),
-    (codes::COOLANT_TAPKUL, 3.0),
-    (codes::COOLANT_THRU, 4.0),
-];
-const COOLANT_WORDS: [(CodeId, &str); 5] = [
-    (codes::COOLANT_OFF, "OFF"),
-    (codes::COOLANT_FLOOD, "FLOOD"),
-    (codes::COOLANT_MIST, "MIST"),
-    (codes::COOLANT_TAPKUL, "TAPKUL"),
-    (codes::COOLANT_THRU, "THRU"),
-];
-const HEADS: [(CodeId, &str); 2] = [(codes::HEAD_MAIN, "MAIN"), (codes::HEAD_SIDE, "SIDE")];
-
-/// Keyword of the active code of a group in a list; the first one without one.
-fn keyword(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, &str)]) -> Value {
-    let active = kernel.modal.code(group);
-    let found = list.iter().find(|(code, _)| Some(*code) == active).or(list.first());
-    let code = found.and_then(|(_, word)| counterpoint_lang::ident::minor_code(word));
-    code.map_or(Value::Null, Value::Keyword)
+/// `$HEAD`: the active code of heads, or the head that its word has named.
+fn head(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let word = match (kernel.modal.code(group::HEAD), kernel.states.head) {
+        (Some(codes::HEAD_MAIN), _) => "MAIN",
+        (Some(codes::HEAD_SIDE), _) | (_, 2) => "SIDE",
+        (_, 3) => "RIGHT",
+        _ => "MAIN",
+    };
+    counterpoint_lang::ident::minor_code(word).map_or(Value::Null, Value::Keyword)
 }
 
 const PLANES: [(CodeId, f64); 3] = [(codes::PLANE_XY, 1.0), (codes::PLANE_ZX, 2.0), (codes::PLANE_YZ, 3.0)];
@@ -61,6 +48,13 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> 
         }
         None => Err(Fault::new(Number::BAD_VALUE, "there is no mode of this number")),
     }
+}
+
+/// `$DCOMP`: the code becomes active, and the path follows it.
+fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
+    set_group(kernel, &DIAMETER, value)?;
+    kernel.switch_cutter();
+    Ok(())
 }
 
 fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
@@ -111,16 +105,6 @@ fn rule(kernel: &Kernel<'_>, at: &[i64]) -> Option<usize> {
     (at < kernel.machine.tape_editor.len()).then_some(at)
 }
 
-/// Number of the length offset: that of the tool word on a lathe.
-fn length_offset(kernel: &Kernel<'_>) -> u32 {
-    if kernel.machine.tool.offset_digits > 0 { kernel.place.tool_offset } else { kernel.place.length_number }
-}
-
-/// Number of an offset in force, −1 when it is off.
-fn in_force(offset: u32) -> Value {
-    if offset == 0 { Value::Real(-1.0) } else { number(offset) }
-}
-
 fn whole(value: &Value) -> u32 {
     value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
 }
@@ -155,44 +139,14 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$TCF" => (|k, _| number(k.place.work_offset), None),
-        "$TCFM" => (|k, _| in_force(k.place.work_offset), None),
-        "$TCL" => (|k, _| number(length_offset(k)), None),
-        "$TCLM" => (|k, _| in_force(length_offset(k)), None),
         "$XDIAM" => (
             |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
             None,
         ),
         "$DCOMP" => {
-            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| set_group(k, &DIAMETER, value)))
+            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
         }
-        "$DCOMPM" => (
-            |k, _| {
-                let active = k.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-                number(u8::from(active))
-            },
-            None,
-        ),
-        "$COOLTYP" => {
-            (|k, _| of_group(k, group::COOLANT, &COOLANTS, 0.0), Some(|k, _, value| set_group(k, &COOLANTS, value)))
-        }
-        "$COOLNT" => (
-            |k, _| keyword(k, group::COOLANT, &COOLANT_WORDS),
-            Some(|k, _, value| {
-                let is = |word: &str| {
-                    matches!(value, Value::Keyword(code)
-                    if counterpoint_lang::ident::minor_code(word) == Some(*code))
-                };
-                match COOLANT_WORDS.iter().find(|(_, word)| is(word)) {
-                    Some((code, _)) => {
-                        k.activate_code(*code);
-                        Ok(())
-                    }
-                    None => Err(Fault::new(Number::BAD_VALUE, "there is no coolant of this name")),
-                }
-            }),
-        ),
-        "$HEAD" => (|k, _| keyword(k, group::HEAD, &HEADS), None),
+        "$HEAD" => (head, None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
         "$RAPID" => (
             |k, _| Value::Logical(k.modal.code(group::MOTION) == Some(codes::RAPID)),

@@ -1,0 +1,71 @@
+//! The tool-change position: to it, back from it, and on the way to a tool change.
+//!
+//! Facts: reference control-emulator.md 6.1, 6.3. Decision: like the reference point, with coded axes via the given
+//! point and only those, without any all axes that have a position.
+
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+
+/// To the change position.
+pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {
+    let (coded, via) = kernel.targets();
+    kernel.states.before_change = Some(kernel.machine_point(&kernel.place.position));
+    if coded != 0 {
+        kernel.rapid_to(coded, via)?;
+    }
+    to_point(kernel, coded)
+}
+
+/// Before a tool is loaded.
+pub(super) fn before_load(kernel: &mut Kernel<'_>) -> Acted {
+    kernel.states.before_change = Some(kernel.machine_point(&kernel.place.position));
+    to_point(kernel, 0)
+}
+
+/// `coded` 0 = all axes that have a position.
+fn to_point(kernel: &mut Kernel<'_>, coded: u8) -> Acted {
+    let mut target = kernel.machine_point(&kernel.place.position);
+    let (mut moving, mut missing) = (0_u8, false);
+    let point = &kernel.machine.tool.change_point;
+    for (at, (slot, axis)) in target.iter_mut().zip(&kernel.place.axes).enumerate() {
+        if coded != 0 && coded & 1 << at == 0 {
+            continue;
+        }
+        match point.get(axis.machine).copied().flatten() {
+            Some(value) => {
+                *slot = value;
+                moving |= 1 << at;
+            }
+            None => missing |= coded != 0,
+        }
+    }
+    let target = kernel.way_of_machine(&target);
+    if missing || moving == 0 {
+        let text = format!("there is no tool-change position for every axis of '{}'", kernel.block_text());
+        kernel.diagnose(&diag::NO_REFERENCE, text);
+    }
+    kernel.rapid_to(moving, target)
+}
+
+/// Back: to the programmed point, or to where the axes stood.
+pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
+    let (coded, target) = kernel.targets();
+    let before = kernel.states.before_change.take();
+    if coded != 0 {
+        return kernel.rapid_to(coded, target);
+    }
+    match before {
+        Some(before) => {
+            let before = kernel.way_of_machine(&before);
+            let moved = kernel.place.position.iter().zip(&before).take(kernel.place.axes.len()).enumerate();
+            let moving = moved.filter(|(_, (now, then))| now != then).fold(0, |bits, (at, _)| bits | 1_u8 << at);
+            kernel.rapid_to(moving, before)
+        }
+        None => {
+            let text =
+                format!("the axes have not been sent to the tool-change position before '{}'", kernel.block_text());
+            kernel.diagnose(&diag::RETURN_WITHOUT_HOME, text);
+            Ok(())
+        }
+    }
+}

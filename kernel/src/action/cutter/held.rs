@@ -1,0 +1,32 @@
+//! What is held back with a move that waits, and its release behind that move.
+//!
+//! While a move waits the clock stands where the move begins, and goes on by what happens after it (dwells, functions).
+//! When the move has been made, all that was held back is moved on by its time.
+
+use super::state::Waiting;
+use crate::channel::Kernel;
+use crate::log::event::Event;
+
+impl Kernel<'_> {
+    /// Lets held events out up to (not including) the one with this number; they come `late` ns later.
+    pub(super) fn let_out(&mut self, events: &mut std::vec::IntoIter<Event>, count: usize, late: i64) {
+        for mut event in events.by_ref().take(count) {
+            event.t_ns = event.t_ns.saturating_add(late);
+            if late > 0 {
+                event.micro = 0;
+            }
+            self.emitter.push(event);
+        }
+    }
+
+    /// Goes to the time and block of a waiting move.
+    pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
+        self.clock = waiting.clock.saturating_add(late);
+        if late > 0 {
+            self.micro = 0;
+        }
+        (self.file, self.line) = (waiting.file, waiting.line);
+        self.edited.clone_from(&waiting.text);
+        self.block.exact_stop = waiting.exact;
+    }
+}

@@ -1,0 +1,394 @@
+//! Cutter and nose radius compensation: the tool goes beside the programmed contour.
+//!
+//! A move waits until the next one of its plane is known; what happens in between is held back with it (`held`), so
+//! that the log keeps its order. Invariants: without a radius nothing of this exists; a held clock never runs past what
+//! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
+//! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
+
+mod corner;
+mod element;
+mod held;
+mod moves;
+mod state;
+
+use counterpoint_motion::arc::Arc;
+
+use super::Action;
+use crate::channel::state::{group, plane};
+use crate::channel::{Acted, Halt, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Position};
+use crate::machine::ident::{CodeId, codes, data};
+
+use element::Element;
+pub(crate) use state::Cutter;
+use state::{Stage, Waiting};
+
+/// Blocks without motion in the plane that are looked through.
+const LOOKED_THROUGH: u32 = 2;
+
+/// Blocks after which a waiting move is finished whatever comes.
+const LONGEST_WAIT: u64 = 1000;
+
+/// A move as programmed, in the work frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Step {
+    pub(super) shape: Shape,
+    pub(super) coded: u8,
+    pub(super) to: Position,
+    pub(super) feed: Option<f64>,
+    pub(super) unit: FeedUnit,
+}
+
+/// How a move goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
+    Rapid,
+    Linear,
+    Circle {
+        /// With full turns.
+        made: Arc,
+        axes: [usize; 2],
+        turns: u16,
+    },
+}
+
+/// Imaginary tips: from the tip to the centre of the nose, along Z and X.
+const TIPS: [[f64; 2]; 10] = [
+    [0.0, 0.0],
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, 1.0],
+    [-1.0, 0.0],
+    [0.0, -1.0],
+    [1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, 0.0],
+];
+
+/// A code that switches compensation: what follows goes beside the contour, or on it again.
+pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
+    kernel.settle()?;
+    let side = match code {
+        codes::COMP_DIAM_LEFT => 1.0,
+        codes::COMP_DIAM_RIGHT => -1.0,
+        codes::COMP_3D_VECTOR => 0.0,
+        _ => {
+            if let Some(cutter) = kernel.cutter() {
+                cutter.stage = Stage::Ending;
+            }
+            return Ok(());
+        }
+    };
+    let number = kernel.diameter_in_force().unwrap_or(0);
+    let radius = kernel.cutter_radius(number);
+    if kernel.cutter().is_none() && radius == 0.0 {
+        return Ok(());
+    }
+    let Some((plane_code, axes)) = compensated_plane(kernel) else {
+        let text = format!("no plane with both axes is active for the compensation of '{}'", kernel.block_text());
+        kernel.diagnose(&diag::CUTTER_PLANE, text);
+        return Ok(());
+    };
+    let tip = kernel.nose_tip(number, plane_code);
+    let contour = kernel.contour();
+    let kept = kernel.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
+    let new = Cutter {
+        side: if radius < 0.0 { -side } else { side },
+        radius: radius.abs(),
+        tip: tip.map(|part| part * radius.abs()),
+        axes,
+        contour,
+        stage: kept.unwrap_or(Stage::Start),
+        waiting: Vec::new(),
+        idle: 0,
+        seen: kernel.blocks,
+        suspended: false,
+    };
+    kernel.frames().cutter = Some(Box::new(new));
+    Ok(())
+}
+
+/// The active plane and its axes.
+fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
+    let code = kernel.modal.code(group::PLANE)?;
+    let plane = plane(code)?;
+    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    Some((code, [axis(plane.first)?, axis(plane.second)?]))
+}
+
+/// What an action means for a move that waits.
+pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
+    let blocks = kernel.blocks;
+    let Some(cutter) = kernel.cutter() else { return Ok(()) };
+    if cutter.seen != blocks {
+        cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
+        cutter.seen = blocks;
+    }
+    let long = cutter.idle > LOOKED_THROUGH;
+    match action {
+        Action::Rapid | Action::Linear | Action::LinearTimes(_) | Action::Arc(_) if !kernel.block.machine_frame => {
+            if let Some(cutter) = kernel.cutter() {
+                cutter.suspended = false;
+            }
+        }
+        Action::Rapid
+        | Action::Linear
+        | Action::LinearTimes(_)
+        | Action::Arc(_)
+        | Action::ArcCenter
+        | Action::ArcRadius
+        | Action::ArcDirection(_)
+        | Action::ThreadSetting(_)
+        | Action::Mode(_)
+        | Action::Units { .. }
+        | Action::ExactStopBlock
+        | Action::Dwell
+        | Action::Diameter(_)
+        | Action::Corner { .. }
+        | Action::VectorCompensation
+        | Action::Coolant(_)
+        | Action::Additive(_)
+        | Action::Function
+        | Action::Call
+        | Action::CallRange
+        | Action::Return => {}
+        Action::MachineFrame
+        | Action::GoHome
+        | Action::GoHomeNth
+        | Action::GoHomeReturn
+        | Action::ArcSpace
+        | Action::Thread(_)
+        | Action::ThreadOff
+        | Action::ThreadCycle(_)
+        | Action::Probe
+        | Action::Cycle(_)
+        | Action::CycleOn => {
+            kernel.settle()?;
+            if let Some(cutter) = kernel.cutter() {
+                cutter.suspended = true;
+            }
+            return Ok(());
+        }
+        _ => return kernel.settle(),
+    }
+    if long { kernel.settle() } else { Ok(()) }
+}
+
+/// A thread goes without compensation: what follows comes to the contour again.
+pub(super) fn after_thread(kernel: &mut Kernel<'_>) {
+    let position = kernel.place.position;
+    if let Some(cutter) = kernel.cutter() {
+        (cutter.contour, cutter.stage) = (position, Stage::Start);
+    }
+}
+
+impl Kernel<'_> {
+    /// Compensation, if it is active.
+    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
+        self.place.frames.as_deref_mut()?.cutter.as_deref_mut()
+    }
+
+    /// Compensation takes moves of this kernel.
+    #[inline(always)]
+    pub(super) fn is_compensated(&self) -> bool {
+        self.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
+    }
+
+    /// Radius that paths keep from the contour.
+    fn cutter_radius(&self, number: u32) -> f64 {
+        use crate::channel::frames::offsets::{BASE, Radii};
+        let own = if number == BASE { 0.0 } else { self.offset_radius(Radii::Cutter, number) };
+        let base = if self.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
+        own + base
+    }
+
+    /// From the imaginary tip to the centre of the nose, in the plane.
+    fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
+        if !self.is_turning() || plane != codes::PLANE_ZX {
+            return [0.0; 2];
+        }
+        let tip = self.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |own| own.tip);
+        TIPS.get(usize::from(tip)).copied().unwrap_or_default()
+    }
+
+    /// Takes a move: it may wait for the next one.
+    pub(super) fn compensate(&mut self, step: Step) -> Acted {
+        if self.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
+            return self.along_vector(step);
+        }
+        let from = self.contour();
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
+        if cutter.suspended {
+            cutter.stage = Stage::Start;
+            cutter.contour = step.to;
+            return self.on_contour(&step);
+        }
+        let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
+        let rapid = matches!(step.shape, Shape::Rapid);
+        let round = matches!(step.shape, Shape::Circle { .. });
+        let rules = self.machine.compensation;
+        match stage {
+            Stage::Ending => {
+                self.tell_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
+                self.forget_cutter();
+                return self.on_contour(&step);
+            }
+            Stage::Start if first => self.tell_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
+            Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
+        }
+        self.next_element(Some(&element))?;
+        self.come_to(&step, &element)?;
+        self.wait(step, Some(element));
+        Ok(())
+    }
+
+    /// Compensation is switched by a move that the machine does not take for it.
+    fn tell_switch(&mut self, step: &Step, what: &str, (rapid, round): (bool, bool)) {
+        let on = what == "on";
+        let (facts, kind) = match (rapid, round, step.shape) {
+            (true, ..) if on => (&diag::COMP_ON_RAPID, "a rapid move"),
+            (true, ..) => (&diag::COMP_OFF_RAPID, "a rapid move"),
+            (_, true, _) if on => (&diag::COMP_ON_ARC, "a circle"),
+            (_, true, _) => (&diag::COMP_OFF_ARC, "a circle"),
+            _ => return,
+        };
+        let text = format!("cutter compensation is switched {what} by {kind} in '{}'", self.block_text());
+        self.diagnose(facts, text);
+    }
+
+    /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
+    fn element(&mut self, step: &Step, from: &Position, axes: [usize; 2]) -> Option<Element> {
+        let spot = |of: &Position| axes.map(|axis| self.radial(of, axis));
+        let (start, end) = (spot(from), spot(&step.to));
+        match step.shape {
+            Shape::Circle { made, axes: own, .. } if own == axes => {
+                Some(Element { from: start, to: end, arc: Some(made) })
+            }
+            Shape::Circle { .. } => {
+                let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
+                self.diagnose(&diag::CUTTER_PLANE, text);
+                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
+            }
+            _ => {
+                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
+            }
+        }
+    }
+
+    /// A move beside the plane: with a move that waits it waits too.
+    fn out_of_plane(&mut self, step: Step) -> Acted {
+        let stands = self.place.position;
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        cutter.contour = step.to;
+        if !cutter.waiting.is_empty() {
+            self.wait(step, None);
+            return Ok(());
+        }
+        let to = cutter.lifted(&step.to, &stands);
+        self.straight(&step, to)
+    }
+
+    /// The vector form: every straight move ends beside its point, in the direction of the vector.
+    fn along_vector(&mut self, step: Step) -> Acted {
+        let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
+        let vector = &mut self.place.compensation.vector;
+        for (slot, word) in vector.iter_mut().zip(words) {
+            *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
+        }
+        let vector = *vector;
+        let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let mut to = step.to;
+        let Some(cutter) = self.cutter() else { return Ok(()) };
+        cutter.contour = step.to;
+        let ending = cutter.stage == Stage::Ending;
+        let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
+        for (role, part) in vector.into_iter().enumerate() {
+            let axis = self.place.cartesian.get(role).copied().flatten().map(usize::from);
+            if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
+                *slot += part * radius / self.place.scale_of(role);
+            }
+        }
+        if ending {
+            self.forget_cutter();
+        }
+        self.straight(&step, to)
+    }
+
+    /// Compensation has come to its end.
+    fn forget_cutter(&mut self) {
+        if let Some(frames) = self.place.frames.as_deref_mut() {
+            frames.cutter = None;
+        }
+        self.frames_changed();
+    }
+
+    /// The program has come to an end: the move that waits is made, unless the job has been stopped.
+    pub(crate) fn end_cutter(&mut self, halt: Halt) -> Halt {
+        if !self.is_compensated() {
+            return halt;
+        }
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            let settled = self.settle();
+            self.forget_cutter();
+            return settled.err().unwrap_or(halt);
+        }
+        let mut events = self.emitter.release().into_iter();
+        self.let_out(&mut events, usize::MAX, 0);
+        self.forget_cutter();
+        halt
+    }
+
+    /// A macro has made another code of compensation active.
+    pub(crate) fn switch_cutter(&mut self) {
+        if let Some(code) = self.modal.code(group::DIAMETER)
+            && let Err(halt) = switched(self, code)
+        {
+            self.keep_halt(halt);
+        }
+    }
+
+    /// A macro is about to change offsets: the move that waits is made before.
+    pub(crate) fn settle_for_macro(&mut self) {
+        if let Err(halt) = self.settle()
+            && self.macros.is_some()
+        {
+            self.keep_halt(halt);
+        }
+    }
+
+    /// Finishes the move that waits, without knowing the next one.
+    pub(crate) fn settle(&mut self) -> Acted {
+        if self.is_compensated() { self.next_element(None) } else { Ok(()) }
+    }
+
+    /// Finishes a move that has waited too long.
+    pub(crate) fn settle_old(&mut self) -> Acted {
+        let blocks = self.blocks;
+        let old = self.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
+        if old.is_some_and(|old| old > LONGEST_WAIT) { self.settle() } else { Ok(()) }
+    }
+
+    /// Keeps a move back, and from here on what happens after it.
+    fn wait(&mut self, step: Step, element: Option<Element>) {
+        let (file, line, block, clock) = (self.file, self.line, self.blocks, self.clock);
+        let exact = self.block.exact_stop;
+        let text = self.edited.clone();
+        let tag = self.tag();
+        let first = element.is_some();
+        if first {
+            self.emitter.hold(tag);
+        }
+        let events = self.emitter.held();
+        let Some(cutter) = self.cutter() else { return };
+        cutter.contour = step.to;
+        if first {
+            cutter.idle = 0;
+        }
+        cutter.waiting.push(Waiting { step, element, file, line, block, clock, exact, text, events });
+        self.block.moved = true;
+        self.flow.pass.effects = true;
+    }
+}

@@ -1,0 +1,247 @@
+//! The moves of the tool beside a contour.
+//!
+//! Invariant: every move is an ordinary motion, made where the tool stands; `Place::position` is that of the tool's
+//! centre (on a lathe of the imaginary tip). The feed is that of this point.
+
+use counterpoint_motion::arc::Arc;
+use std::f64::consts::TAU;
+
+use super::corner::{Corner, Link, Offset};
+use super::element::{Element, NOISE, Spot, angle, distance, plus};
+use super::state::{Stage, Waiting};
+use super::{Cutter, Shape, Step};
+use crate::action::arc::Circle;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Position};
+
+impl Kernel<'_> {
+    /// Coordinate of a position as geometry.
+    pub(super) fn radial(&self, of: &Position, axis: usize) -> f64 {
+        let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+        of.get(axis).copied().unwrap_or(0.0) * scale
+    }
+
+    /// Where the tool's centre is in the plane.
+    fn spot_of(&self, cutter: &Cutter) -> Spot {
+        plus(cutter.axes.map(|axis| self.radial(&self.place.position, axis)), cutter.tip, 1.0)
+    }
+
+    /// The position that puts the tool's centre on a spot, the other axes where `to` has them.
+    fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
+        let mut position = *to;
+        for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
+            let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            if let Some(slot) = position.get_mut(axis) {
+                *slot = crate::channel::frames::clean(value / scale, *slot);
+            }
+        }
+        position
+    }
+
+    fn offset(&self, cutter: &Cutter) -> Offset {
+        let limit = libm::cos(self.machine.compensation.corner_angle.to_radians());
+        Offset { side: cutter.side, radius: cutter.radius, corner: self.place.compensation.corner, limit }
+    }
+
+    /// A move that goes where it says, without compensation.
+    pub(super) fn on_contour(&mut self, step: &Step) -> Acted {
+        self.straight(step, step.to)
+    }
+
+    /// A straight move of a step to a point.
+    pub(super) fn straight(&mut self, step: &Step, to: Position) -> Acted {
+        self.without_cutter(|kernel| match step.shape {
+            Shape::Rapid => kernel.rapid_within(step.coded, to, step.feed),
+            Shape::Linear | Shape::Circle { .. } => kernel.feed_to(step.coded, to, step.feed, step.unit),
+        })
+    }
+
+    /// Carries moves out while compensation does not take them.
+    fn without_cutter<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+        let cutter = self.frames().cutter.take();
+        let result = act(self);
+        if cutter.is_some() {
+            self.frames().cutter = cutter;
+        }
+        result
+    }
+
+    /// Where a piece begins after one that did not know it: around the corner, or straight.
+    pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let offset = self.offset(&cutter);
+        let links = match cutter.stage {
+            Stage::Start => {
+                if matches!(step.shape, Shape::Circle { .. }) {
+                    vec![Link::Line(offset.at_start(element))]
+                } else {
+                    return Ok(());
+                }
+            }
+            Stage::Settled { corner, along } => {
+                let start = offset.at_start(element);
+                let turn = super::element::cross(along, element.start()) * cutter.side;
+                if distance(self.spot_of(&cutter), start) < NOISE {
+                    Vec::new()
+                } else if turn > 0.0 {
+                    vec![Link::Line(start)]
+                } else {
+                    offset.outside(corner, along, element)
+                }
+            }
+            Stage::Turned => vec![Link::Line(offset.at_start(element))],
+            Stage::On | Stage::Ending => return Ok(()),
+        };
+        if let Some(cutter) = self.cutter() {
+            cutter.stage = Stage::On;
+        }
+        self.links((step, element), &cutter, &links, self.place.position)
+    }
+
+    /// Finishes the move that waits, now that the next piece is known (or will not be).
+    pub(super) fn next_element(&mut self, next: Option<&Element>) -> Acted {
+        let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
+        let waiting = std::mem::take(&mut cutter.waiting);
+        cutter.idle = 0;
+        let begun = cutter.stage;
+        let now = (self.clock, self.micro, self.file, self.line, self.block.exact_stop);
+        let edited = self.edited.clone();
+        let mut events = self.emitter.release().into_iter();
+        let (mut late, mut out) = (0_i64, 0_usize);
+        let mut result = Ok(());
+        for waits in &waiting {
+            self.let_out(&mut events, waits.events.saturating_sub(out), late);
+            out = out.max(waits.events);
+            self.go_to(waits, late);
+            let before = self.clock;
+            if result.is_ok() {
+                result = self.make(waits, begun, next);
+            }
+            late = late.saturating_add(self.clock.saturating_sub(before));
+        }
+        self.let_out(&mut events, usize::MAX, late);
+        (self.clock, self.micro, self.file, self.line, self.block.exact_stop) = now;
+        self.edited = edited;
+        self.clock = self.clock.saturating_add(late);
+        if late > 0 {
+            self.micro = 0;
+        }
+        result
+    }
+
+    /// Makes a move that has waited.
+    fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
+        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let (step, offset) = (&waits.step, self.offset(&cutter));
+        let Some(element) = &waits.element else {
+            let to = cutter.lifted(&step.to, &self.place.position);
+            return self.straight(step, to);
+        };
+        let stage = match next {
+            Some(_) => Stage::On,
+            None => Stage::Settled { corner: element.to, along: element.end() },
+        };
+        if let Some(cutter) = self.cutter() {
+            cutter.stage = stage;
+        }
+        if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {
+            let end = next.map_or_else(|| offset.at_end(element), |next| offset.at_start(next));
+            let to = self.position_at(&cutter, &step.to, end);
+            return self.straight(step, to);
+        }
+        let here = self.spot_of(&cutter);
+        let corner = match next {
+            Some(next) => offset.between(element, next, here),
+            None => {
+                let hurts = element.is_too_small(cutter.side, cutter.radius);
+                Corner { end: offset.at_end(element), links: Vec::new(), hurts }
+            }
+        };
+        if corner.hurts {
+            let text = format!(
+                "the tool of radius {} does not fit into the contour at the end of '{}'",
+                counterpoint_lang::format::wildcard_text(cutter.radius),
+                self.block_text()
+            );
+            self.diagnose(&diag::CUTTER_INTERFERENCE, text);
+        }
+        self.along(step, &cutter, element, corner.end)?;
+        let to = self.place.position;
+        self.links((step, element), &cutter, &corner.links, to)
+    }
+
+    /// Along the offset of a piece to a spot of it.
+    fn along(&mut self, step: &Step, cutter: &Cutter, element: &Element, end: Spot) -> Acted {
+        let to = self.position_at(cutter, &step.to, end);
+        let (Some(arc), Shape::Circle { axes, turns, .. }) = (&element.arc, step.shape) else {
+            return self.straight(step, to);
+        };
+        let Some(radius) = element.offset_radius(cutter.side, cutter.radius) else { return self.straight(step, to) };
+        let here = self.spot_of(cutter);
+        let start_angle = angle(arc.center, here);
+        let turn = arc.sweep.signum();
+        let way = ((angle(arc.center, end) - start_angle) * turn).rem_euclid(TAU);
+        // A whole circle, or nothing of one.
+        let near = way < 1e-9 || TAU - way < 1e-9;
+        let whole = f64::from(turns) * TAU;
+        let part = arc.sweep.abs() - whole;
+        let way = if near && part > TAU / 2.0 {
+            TAU
+        } else if near {
+            0.0
+        } else {
+            way
+        };
+        if way + whole < 1e-12 {
+            return self.straight(step, to);
+        }
+        let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
+        let Step { coded, feed, unit, .. } = *step;
+        self.round(&Circle { made, coded, from: self.place.position, to, axes, turns, feed, unit })
+    }
+
+    fn round(&mut self, circle: &Circle) -> Acted {
+        self.without_cutter(|kernel| kernel.circle_to(circle))
+    }
+
+    /// The moves around a corner, the axes beside the plane standing.
+    fn links(&mut self, (step, element): (&Step, &Element), cutter: &Cutter, links: &[Link], level: Position) -> Acted {
+        let length = element.length();
+        for link in links {
+            match *link {
+                Link::Line(spot) => {
+                    let to = self.position_at(cutter, &level, spot);
+                    self.link(step, length, to, None)?;
+                }
+                Link::Round { to: spot, center, clockwise } => {
+                    let to = self.position_at(cutter, &level, spot);
+                    let here = self.spot_of(cutter);
+                    let turn = if clockwise { -1.0 } else { 1.0 };
+                    let start_angle = angle(center, here);
+                    let sweep = ((angle(center, spot) - start_angle) * turn).rem_euclid(TAU) * turn;
+                    let center = plus(center, cutter.tip, -1.0);
+                    let made = Arc { center, radius: cutter.radius, start_angle, sweep };
+                    self.link(step, length, to, Some((made, cutter.axes)))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A move around a corner has the feed of its block; under inverse time the speed that the block has on the
+    /// contour.
+    fn link(&mut self, step: &Step, length: f64, to: Position, round: Option<(Arc, [usize; 2])>) -> Acted {
+        let (feed, unit) = match step.unit {
+            FeedUnit::InverseTime => (step.feed.map(|feed| feed * length), FeedUnit::PerMinute),
+            unit => (step.feed, unit),
+        };
+        match (round, step.shape) {
+            (Some((made, axes)), Shape::Linear | Shape::Circle { .. }) => {
+                let from = self.place.position;
+                self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit })
+            }
+            _ => self.straight(&Step { feed, unit, ..step.clone() }, to),
+        }
+    }
+}

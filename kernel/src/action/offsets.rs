@@ -1,0 +1,104 @@
+//! Offsets that the program itself sets.
+//!
+//! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. Invariant: what
+//! is not kept is told and nothing changes; the machine stands still.
+
+use crate::channel::frames::offsets::{EXTENDED, Radii, Table};
+use crate::channel::state::group;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::Kind;
+use crate::machine::ident::{codes, data};
+
+/// What is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum What {
+    /// Values of all axes.
+    Axes(Table, u32),
+    /// A length along Z.
+    Length(u32),
+    Radius(u32),
+    /// Values of the axes and the radius of a turning tool.
+    Tool(u32),
+}
+
+/// Geometry of turning tools: their numbers are above this one.
+const GEOMETRY: u32 = 10_000;
+
+/// Sets an offset: L2 work, L20 extended work, L10 length, L12 radius; without L a turning tool.
+pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
+    let whole = |value: f64| (0.0..=99_999.0).contains(&value).then_some(value as u32);
+    let kind = kernel.take(data::OFFSET_KIND).map(|datum| datum.value);
+    let number = kernel.take(data::OFFSET_NUMBER).and_then(|datum| whole(datum.value));
+    let what = match (kind, number) {
+        (Some(2.0), Some(number)) => Some(What::Axes(Table::Work, number)),
+        (Some(20.0), Some(number)) if number > 0 => Some(What::Axes(Table::Work, EXTENDED + number)),
+        (Some(10.0), Some(number)) => Some(What::Length(number)),
+        (Some(12.0), Some(number)) => Some(What::Radius(number)),
+        (None, Some(number)) if kernel.is_turning() && number > GEOMETRY => Some(What::Tool(number - GEOMETRY)),
+        _ => None,
+    };
+    let Some(what) = what else {
+        let text = format!("this kind of offset is not kept, '{}' sets nothing", kernel.block_text());
+        kernel.diagnose(&diag::OFFSET_NOT_KEPT, text);
+        kernel.take(data::OFFSET_VALUE);
+        kernel.targets();
+        return Ok(());
+    };
+    let kept = match what {
+        What::Axes(table, number) => axes(kernel, table, number),
+        What::Length(number) => length(kernel, number),
+        What::Radius(number) => radius(kernel, number),
+        What::Tool(number) => axes(kernel, Table::Length, number) && radius(kernel, number),
+    };
+    let (table, number) = match what {
+        What::Axes(_, number) => ("workp", number),
+        What::Length(number) => ("length", number),
+        What::Radius(number) => ("radius", number),
+        What::Tool(number) => ("tool", number),
+    };
+    let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
+    kernel.emit(0, Kind::Mode { text: text.into() });
+    Ok(())
+}
+
+fn is_relative(kernel: &Kernel<'_>) -> bool {
+    kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+}
+
+fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
+    let mut values = kernel.offset_values(table, number);
+    let relative = is_relative(kernel);
+    for index in 0..kernel.place.axes.len() {
+        let Some(id) = kernel.place.axes.get(index).map(|axis| axis.data) else { break };
+        let Some(datum) = kernel.take(id).filter(|datum| datum.value.is_finite()) else { continue };
+        if let Some(slot) = values.get_mut(index) {
+            *slot = if relative || datum.incremental { *slot + datum.value } else { datum.value };
+        }
+    }
+    kernel.set_offset(table, number, values)
+}
+
+fn length(kernel: &mut Kernel<'_>, number: u32) -> bool {
+    let mut values = kernel.offset_values(Table::Length, number);
+    let along = kernel.place.cartesian.get(2).copied().flatten().map(usize::from);
+    let relative = is_relative(kernel);
+    let Some(value) = kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
+    let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };
+    *slot = if relative { *slot + value } else { value };
+    kernel.set_offset(Table::Length, number, values)
+}
+
+/// A missing value changes nothing.
+fn radius(kernel: &mut Kernel<'_>, number: u32) -> bool {
+    let before = kernel.offset_radius(Radii::Cutter, number);
+    let relative = is_relative(kernel);
+    match kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) {
+        Some(value) if value.is_finite() => {
+            let value = if relative { before + value } else { value };
+            kernel.set_offset_radius(Radii::Cutter, number, value)
+        }
+        Some(_) => false,
+        None => true,
+    }
+}

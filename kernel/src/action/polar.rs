@@ -1,0 +1,161 @@
+//! Polar interpolation: its codes, its words, and circles on the part.
+//!
+//! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
+//! the real axes; length and time are those on the part.
+
+use std::f64::consts::TAU;
+
+use counterpoint_motion::arc as geometry;
+
+use super::time::Path;
+use crate::channel::data::Datum;
+use crate::channel::frames::polar::{Polar, round_the_centre};
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Kind, Motion, MotionKind, Position};
+use crate::log::info::Unit;
+use crate::machine::ident::{DataId, data};
+
+/// Degrees of a circle that one step goes round its own centre.
+const STEP: f64 = 2.0;
+
+/// Switches it on: words are coordinates, or radius and angle.
+pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
+    if kernel.polar().is_some_and(|polar| polar.cartesian == cartesian) {
+        return Ok(());
+    }
+    let Some((linear, rotary)) = axes(kernel) else {
+        let text = format!(
+            "channel {} has no linear and rotary axis for polar interpolation of '{}'",
+            kernel.rank,
+            kernel.block_text()
+        );
+        kernel.diagnose(&diag::NO_POLAR_AXES, text);
+        return Ok(());
+    };
+    kernel.frames().polar = Some(Polar::new(&kernel.place, linear, rotary, cartesian));
+    kernel.frames_changed();
+    kernel.emit(0, Kind::Mode { text: format!("c2p {} on", form(cartesian)).into() });
+    Ok(())
+}
+
+/// Switches it off; the axes stay where they are.
+pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
+    let Some(polar) = kernel.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
+        return Ok(());
+    };
+    kernel.frames_changed();
+    kernel.emit(0, Kind::Mode { text: format!("c2p {} off", form(polar.cartesian)).into() });
+    Ok(())
+}
+
+fn form(cartesian: bool) -> &'static str {
+    if cartesian { "cart" } else { "polar" }
+}
+
+/// The axes that the machine names for it, else X and the first rotary axis of the workpiece.
+fn axes(kernel: &Kernel<'_>) -> Option<(usize, usize)> {
+    let channel = kernel.machine.channels.iter().find(|channel| channel.number == kernel.rank)?;
+    let own = |machine: usize| kernel.place.axes.iter().position(|axis| axis.machine == machine);
+    if let Some([linear, rotary]) = channel.polar {
+        return own(linear).zip(own(rotary));
+    }
+    let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
+    let rotary = tables.into_iter().find_map(|id| kernel.axis_of_data(id))?;
+    Some((usize::from(kernel.place.cartesian.first().copied().flatten()?), rotary))
+}
+
+/// A circle on the part. Its plane is that of the part, whatever plane is active.
+pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Acted {
+    let (feed, unit) = kernel.feed();
+    let (coded, target) = kernel.targets();
+    let radius = kernel.take(data::ARC_RADIUS).map(|d| d.value);
+    let offsets = [data::ARC_CENTER_X, data::ARC_CENTER_Y].map(|id| kernel.take(id).map(|d| d.value));
+    let turns = kernel.take(data::ARC_TURNS).map_or(0.0, |d| d.value);
+    if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let from = kernel.place.position;
+    let [start, end] = [&from, &target].map(|point| polar.part(&kernel.place, point));
+    let tolerance = if kernel.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
+    let made = match radius {
+        Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
+        None => {
+            let [i, j] = offsets.map(|offset| offset.unwrap_or(0.0));
+            geometry::by_center(start, end, [start[0] + i, start[1] + j], clockwise)
+        }
+    };
+    let made = match made {
+        Ok(made) => made,
+        Err(error) => {
+            let text =
+                format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+            kernel.diagnose(&diag::ARC_RADIUS, text);
+            return kernel.feed_to(coded, target, feed, unit);
+        }
+    };
+    let off = made.end_error(end);
+    if radius.is_none() && off > tolerance {
+        let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::ARC_END_OFF, text);
+    }
+    let made = made.with_turns(if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 });
+    let mut to = target;
+    polar.reach(&kernel.place, &mut to, end, way_round(&made));
+    let changes = kernel.feed_changes(&from, &to);
+    let others = changes.iter().enumerate().filter(|(axis, _)| *axis != polar.linear && *axis != polar.rotary);
+    let rise = others.map(|(_, change)| change * change).sum::<f64>();
+    let length = (made.length() * made.length() + rise).sqrt();
+    let path = Path { from: &from, to: &to, length: made.length(), arc: None };
+    let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    let moving = kernel.moving(coded, &kernel.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
+    let feed = (feed.unwrap_or(0.0), unit);
+    kernel.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
+}
+
+/// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.
+fn way_round(made: &geometry::Arc) -> f64 {
+    let turns = (made.sweep.abs() / TAU).floor();
+    let rest = made.sweep - turns * TAU.copysign(made.sweep);
+    let once = if turns > 0.0 { part_round(made, TAU.copysign(made.sweep)) } else { 0.0 };
+    turns * once + part_round(made, rest)
+}
+
+/// The same for a part of at most one turn from its start, radians.
+fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
+    let steps = (sweep.abs().to_degrees() / STEP).ceil().clamp(1.0, 360.0 / STEP);
+    let point = |at: u32| {
+        let angle = made.start_angle + sweep * (f64::from(at) / steps);
+        [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)]
+    };
+    round_the_centre((0..=steps as u32).map(point))
+}
+
+impl Kernel<'_> {
+    /// Takes the word of an axis of the interpolation, in the axis's own unit.
+    pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
+        let (id, scale) = self.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
+        let registers = |id: DataId| self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
+            // A word across is none of the axis that has its letter.
+            return None;
+        }
+        let own = match (axis == polar.linear, axis == polar.rotary, polar.cartesian) {
+            (true, _, true) => Some(data::C2P_INTERP_X),
+            (true, _, false) => Some(data::C2P_INTERP_PLRX),
+            (_, true, true) => Some(data::C2P_INTERP_Y),
+            _ => None,
+        };
+        // The words of the interpolation are radii.
+        let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
+        let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
+        let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
+        across.or_else(|| self.take(id))
+    }
+
+    /// Length of a feed move on the part, or of its tool path.
+    #[inline(always)]
+    pub(super) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
+        if self.place.frames.is_some() && self.polar().is_some() { feed_length } else { self.tool_path(changes) }
+    }
+}

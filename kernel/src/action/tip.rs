@@ -1,0 +1,182 @@
+//! Tool tip control: its codes, and the words that say where the tool points.
+//!
+//! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
+
+use super::frame;
+use crate::channel::frames::affine::{Affine, Point};
+use crate::channel::frames::kinematics::Angles;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{Kind, Position};
+use crate::machine::ident::{CodeId, DataId, codes, data};
+
+/// Words of the forms that say a direction, by `$TCPFMT`.
+const WORDS: [[DataId; 3]; 5] = [
+    [data::RTCP_VECTOR_X, data::RTCP_VECTOR_Y, data::RTCP_VECTOR_Z],
+    [data::RTCP_2PT_X, data::RTCP_2PT_Y, data::RTCP_2PT_Z],
+    [data::RTCP_RPY_X, data::RTCP_RPY_Y, data::RTCP_RPY_Z],
+    [data::RTCP_EULER_1, data::RTCP_EULER_2, data::RTCP_EULER_3],
+    [data::RTCP_CUSTOM_1, data::RTCP_CUSTOM_2, data::RTCP_CUSTOM_3],
+];
+
+/// Names of the forms, by `$TCPFMT` from 1.
+const NAMES: [&str; 6] = ["axes", "vector", "2pt", "rpy", "euler", "custom"];
+
+/// Form of an orientation code, as `$TCPFMT` counts them.
+pub(super) fn format_of(id: CodeId) -> Option<u8> {
+    Some(match id {
+        codes::RTCP_ORIENT_AXES => 1,
+        codes::RTCP_ORIENT_VECTOR => 2,
+        codes::RTCP_ORIENT_2PT => 3,
+        codes::RTCP_ORIENT_RPY => 4,
+        codes::RTCP_ORIENT_EULER => 5,
+        codes::RTCP_ORIENT_CUSTOM => 6,
+        _ => return None,
+    })
+}
+
+/// Switches it on, with the length offset of the block if there is one.
+pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
+    let number = kernel.take(data::COMP_LENGTH).map(|d| d.value).filter(|n| (0.0..=999_999.0).contains(n));
+    if let Some(number) = number {
+        frame::length_on(kernel, number as u32);
+    }
+    let was = kernel.end_tip();
+    if !kernel.start_tip(number.is_some()) {
+        let text =
+            format!("the axes of channel {} cannot follow the tool tip in '{}'", kernel.rank, kernel.block_text());
+        kernel.diagnose(&diag::NO_TIP_AXES, text);
+        return Ok(());
+    }
+    let changed = kernel.states.tip.method != method || !was;
+    kernel.states.tip.method = method;
+    kernel.states.tip.format = kernel.states.tip.format.max(1);
+    if changed {
+        let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
+        kernel.emit(0, Kind::Mode { text: text.into() });
+    }
+    Ok(())
+}
+
+/// Switches it off.
+pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
+    if kernel.end_tip() {
+        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+    }
+    Ok(())
+}
+
+/// How the orientation is written from here on.
+pub(super) fn orient(kernel: &mut Kernel<'_>, format: u8) -> Acted {
+    kernel.states.tip.format = format;
+    if kernel.mode_changed {
+        let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
+        kernel.emit(0, Kind::Mode { text: format!("rtcp orient {name}").into() });
+    }
+    Ok(())
+}
+
+/// Direction of the tool that words of a form mean; `tip`: the programmed tip.
+fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let turns = |turns: [(Point, f64); 3]| {
+        let mut map = Affine::SAME;
+        for (axis, angle) in turns {
+            map = map.after(&Affine::rotation(axis, angle)?);
+        }
+        Some(map.direction(z))
+    };
+    match format {
+        2 => Some([a, b, c]),
+        3 => {
+            let [p, q, r] = tip;
+            Some([a - p, b - q, c - r])
+        }
+        // About the fixed X, then Y, then Z.
+        4 => turns([(z, c), (y, b), (x, a)]),
+        // About Z, then the X that has turned, then the Z that has turned.
+        5 => turns([(z, a), (x, b), (z, c)]),
+        // About X, then the Y and the Z that have turned.
+        6 => turns([(x, a), (y, b), (z, c)]),
+        _ => None,
+    }
+}
+
+impl Kernel<'_> {
+    /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
+    #[inline(always)]
+    pub(super) fn oriented(&mut self, (coded, target): (u8, Position)) -> (u8, Position) {
+        if self.place.frames.is_none() { (coded, target) } else { self.orient_words(coded, target) }
+    }
+
+    #[cold]
+    fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
+        let format = self.states.tip.format;
+        let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
+        let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };
+        let given = words.map(|id| self.take(id).map(|datum| datum.value));
+        if given.iter().all(Option::is_none) {
+            return (coded, target);
+        }
+        let mut values = self.states.tip.words.get(usize::from(format)).copied().unwrap_or_default();
+        for (slot, given) in values.iter_mut().zip(given) {
+            *slot = given.unwrap_or(*slot);
+        }
+        if let Some(slot) = self.states.tip.words.get_mut(usize::from(format)) {
+            *slot = values;
+        }
+        let tip = self.place.geometry(&self.program_point(&target));
+        let wanted = direction(format, values, tip);
+        let wanted = wanted.map(|wanted| match self.place.frames.as_deref() {
+            Some(frames) => frames.local.map().direction(wanted),
+            None => wanted,
+        });
+        let Some(solution) = wanted.and_then(|wanted| self.shortest(wanted)) else {
+            let text = format!(
+                "the rotary axes cannot bring the tool into the direction of '{}', they stay",
+                self.block_text()
+            );
+            self.diagnose(&diag::TIP_UNREACHABLE, text);
+            return (coded, target);
+        };
+        let mut coded = coded;
+        for (axis, angle) in solution {
+            if let (Some(slot), Some(angle)) = (target.get_mut(axis), angle) {
+                *slot = angle;
+                coded |= 1_u8.checked_shl(axis as u32).unwrap_or(0);
+            }
+        }
+        (coded, target)
+    }
+
+    /// The solution with the least turning that stays within the limits, near where the axes stand.
+    pub(crate) fn shortest(&self, direction: Point) -> Option<Angles> {
+        let all: Vec<Angles> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
+        let inside: Vec<&Angles> = all.iter().filter(|one| self.within(one)).collect();
+        let pick = if inside.is_empty() { all.iter().collect() } else { inside };
+        pick.into_iter().min_by(|a, b| self.turned(a).total_cmp(&self.turned(b))).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use counterpoint_lang::format::wildcard_text;
+
+    use super::*;
+
+    fn shown(point: Point) -> String {
+        point.map(|value| wildcard_text((value * 1e9).round() / 1e9)).join(" ")
+    }
+
+    #[test]
+    fn forms_of_the_direction() {
+        let of = |format, values| shown(direction(format, values, [1.0, 2.0, 3.0]).unwrap());
+        assert_eq!(of(2, [0.0, 0.0, 5.0]), "0 0 5");
+        assert_eq!(of(3, [1.0, 2.0, 13.0]), "0 0 10");
+        assert_eq!(of(4, [90.0, 0.0, 0.0]), "0 -1 0");
+        assert_eq!(of(4, [0.0, 90.0, 90.0]), "0 1 0");
+        assert_eq!(of(5, [90.0, 90.0, 0.0]), "1 0 0");
+        assert_eq!(of(6, [90.0, 90.0, 0.0]), "1 0 0");
+        assert_eq!(direction(4, [f64::NAN, 0.0, 0.0], [0.0; 3]), None);
+    }
+}

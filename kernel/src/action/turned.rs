@@ -1,0 +1,138 @@
+//! Circles under a local frame.
+//!
+//! A circle that stays one in a plane of two axes is made as such, with the direction and radius that it has there; one
+//! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
+//! scales in the plane make no circle; it is told, and the end is reached straight.
+
+use counterpoint_motion::arc as geometry;
+
+use super::arc::Circle;
+use crate::channel::frames::affine::{Affine, Point};
+use crate::channel::state::Plane;
+use crate::channel::{Acted, Kernel};
+use crate::diag;
+use crate::log::event::{FeedUnit, Position};
+use crate::log::info::Unit;
+
+/// Parts of a direction below this are none.
+const FLAT: f64 = 1e-9;
+
+/// Most straight pieces of a circle.
+const MOST_PIECES: f64 = 20_000.0;
+
+/// The two directions of a circle's plane as they are in the work frame.
+struct Sides {
+    first: Point,
+    second: Point,
+    /// How many times as large the circle is.
+    scale: f64,
+}
+
+/// Makes a circle whose points are those of the program.
+pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> Acted {
+    let map = kernel.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+    let Some(sides) = sides(&map, plane) else {
+        let text = format!("unequal scales make no circle of '{}', the end is reached straight", kernel.block_text());
+        kernel.diagnose(&diag::ARC_SCALED, text);
+        return kernel.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
+    };
+    let work = kernel.contour();
+    match roles(&sides) {
+        Some(roles) => flat(kernel, &map, (plane, roles), (circle, sides.scale), work),
+        None => leaning(kernel, plane, circle, sides.scale),
+    }
+}
+
+/// The sides of the plane, if a circle stays a circle.
+fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
+    let unit = |role: usize| {
+        let mut direction = [0.0; 3];
+        if let Some(slot) = direction.get_mut(role) {
+            *slot = 1.0;
+        }
+        map.direction(direction)
+    };
+    let (first, second) = (unit(plane.first), unit(plane.second));
+    let product = |a: Point, b: Point| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (one, other) = (product(first, first), product(second, second));
+    let same = (one - other).abs() <= FLAT * one && product(first, second).abs() <= FLAT * one;
+    same.then_some(Sides { first, second, scale: one.sqrt() })
+}
+
+/// The roles of the two axes whose plane the circle lies in.
+fn roles(sides: &Sides) -> Option<[usize; 2]> {
+    let flat = |role: usize| {
+        let part = |side: &Point| side.get(role).is_some_and(|part| part.abs() <= FLAT * sides.scale);
+        part(&sides.first) && part(&sides.second)
+    };
+    [(2, [0, 1]), (1, [2, 0]), (0, [1, 2])].into_iter().find(|(normal, _)| flat(*normal)).map(|(_, roles)| roles)
+}
+
+/// A circle that lies in the plane of two axes.
+fn flat(
+    kernel: &mut Kernel<'_>,
+    map: &Affine,
+    (plane, roles): (Plane, [usize; 2]),
+    (circle, scale): (&Circle, f64),
+    from: Position,
+) -> Acted {
+    let axes = roles.map(|role| kernel.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let [Some(first), Some(second)] = axes else { return Ok(()) };
+    let to = kernel.work_point(&circle.to);
+    let mut middle = kernel.place.geometry(&circle.from);
+    for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
+        if let Some(slot) = middle.get_mut(role) {
+            *slot = value;
+        }
+    }
+    let pick = |point: Point| roles.map(|role| point.get(role).copied().unwrap_or(0.0));
+    let center = pick(map.point(middle));
+    let start = pick(kernel.place.geometry(&from));
+    // The other way round where the frame mirrors the plane.
+    let unit = |role: usize| {
+        let mut direction = [0.0; 3];
+        if let Some(slot) = direction.get_mut(role) {
+            *slot = 1.0;
+        }
+        pick(map.direction(direction))
+    };
+    let ([a, b], [c, d]) = (unit(plane.first), unit(plane.second));
+    let sweep = if a * d - b * c < 0.0 { -circle.made.sweep } else { circle.made.sweep };
+    let made = geometry::Arc {
+        center,
+        radius: circle.made.radius * scale,
+        start_angle: libm::atan2(start[1] - center[1], start[0] - center[0]),
+        sweep,
+    };
+    kernel.circle_to(&Circle { made, from, to, axes: [first, second], ..*circle })
+}
+
+/// A circle between the axes, in straight pieces that stay near to it.
+fn leaning(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
+    let near = match kernel.machine.unit {
+        Unit::Mm => 0.001,
+        Unit::Inch => 0.001 / 25.4,
+    };
+    let made = &circle.made;
+    let step = 2.0 * libm::acos((1.0 - near / (made.radius * scale)).clamp(-1.0, 1.0));
+    let pieces = (made.sweep.abs() / step.max(1e-6)).ceil().clamp(1.0, MOST_PIECES);
+    let count = pieces as u32;
+    // Inverse time is that of the whole circle.
+    let feed = if circle.unit == FeedUnit::InverseTime { circle.feed.map(|f| f * pieces) } else { circle.feed };
+    for piece in 1..count {
+        let share = f64::from(piece) / pieces;
+        let mut target = circle.from;
+        for (slot, to) in target.iter_mut().zip(circle.to) {
+            *slot += (to - *slot) * share;
+        }
+        let angle = made.start_angle + made.sweep * share;
+        let at = [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)];
+        for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
+            if let Some(slot) = target.get_mut(axis) {
+                *slot = value / kernel.place.scale_of(role);
+            }
+        }
+        kernel.feed_to_point(circle.coded, target, feed, circle.unit)?;
+    }
+    kernel.feed_to_point(circle.coded, circle.to, feed, circle.unit)
+}

@@ -1,0 +1,126 @@
+//! Offsets of the control while it runs: those of the machine definition, and what macros have set since.
+//!
+//! Values are by channel axis, as programmed. Base values are added whatever the number, of fixtures even when none is
+//! active. Invariant: an offset that nobody has set is that of the definition; one that does not exist is zero. Facts:
+//! reference functions.md 12.
+
+use std::collections::BTreeMap;
+
+use crate::channel::Kernel;
+use crate::log::event::{MAX_AXES, Position};
+
+/// Number of the base values.
+pub(crate) const BASE: u32 = 0;
+
+/// The first extended work offset has this number plus one.
+pub(crate) const EXTENDED: u32 = 6;
+
+/// Extended work offsets of a range.
+pub(crate) const RANGE: u32 = 300;
+
+/// Largest value of an offset.
+const BOUND: f64 = 1e9;
+
+/// Most offsets that macros set.
+const MOST: usize = 10_000;
+
+/// What macros have set, by number.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Offsets {
+    work: BTreeMap<u32, Position>,
+    length: BTreeMap<u32, Position>,
+    radius: BTreeMap<u32, f64>,
+    corner: BTreeMap<u32, f64>,
+}
+
+/// A table of offsets with a value per axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Table {
+    Work,
+    Length,
+}
+
+/// A table of radii.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Radii {
+    /// For the compensation of paths.
+    Cutter,
+    /// Of the corner; on a lathe the same as the other.
+    Corner,
+}
+
+impl Offsets {
+    /// A work offset has been set.
+    pub(crate) fn has_work(&self, number: u32) -> bool {
+        self.work.contains_key(&number)
+    }
+}
+
+impl Kernel<'_> {
+    /// Values of an offset.
+    pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
+        let set = self.place.offsets.as_deref().and_then(|offsets| {
+            let table = if table == Table::Work { &offsets.work } else { &offsets.length };
+            table.get(&number)
+        });
+        if let Some(values) = set {
+            return *values;
+        }
+        let values = match table {
+            Table::Work => (number as usize).checked_sub(1).and_then(|at| self.machine.work_offsets.get(at)),
+            Table::Length => self.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
+        };
+        let mut position = [0.0; MAX_AXES];
+        for (slot, axis) in position.iter_mut().zip(&self.place.axes) {
+            *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
+        }
+        position
+    }
+
+    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
+            return false;
+        }
+        let offsets = self.place.offsets.get_or_insert_default();
+        let slot = if table == Table::Work { &mut offsets.work } else { &mut offsets.length };
+        if slot.len() >= MOST && !slot.contains_key(&number) {
+            return false;
+        }
+        slot.insert(number, values);
+        self.reframe();
+        true
+    }
+
+    fn radii(&self, table: Radii) -> Radii {
+        if self.machine.tool.offset_digits > 0 { Radii::Cutter } else { table }
+    }
+
+    /// A radius, without the base value.
+    pub(crate) fn offset_radius(&self, table: Radii, number: u32) -> f64 {
+        let table = self.radii(table);
+        let set = self.place.offsets.as_deref().and_then(|offsets| {
+            let table = if table == Radii::Cutter { &offsets.radius } else { &offsets.corner };
+            table.get(&number)
+        });
+        set.copied().unwrap_or_else(|| {
+            let own = self.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
+            own.map_or(0.0, |own| own.radius)
+        })
+    }
+
+    /// Sets a radius; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset_radius(&mut self, table: Radii, number: u32, value: f64) -> bool {
+        let table = self.radii(table);
+        if value.is_nan() || value.abs() > BOUND {
+            return false;
+        }
+        let offsets = self.place.offsets.get_or_insert_default();
+        let slot = if table == Radii::Cutter { &mut offsets.radius } else { &mut offsets.corner };
+        if slot.len() >= MOST && !slot.contains_key(&number) {
+            return false;
+        }
+        slot.insert(number, value);
+        true
+    }
+}
