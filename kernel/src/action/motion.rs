@@ -8,14 +8,13 @@ use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
+use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
     let feed = kernel.rapid_feed();
-    let target = kernel.targets();
-    let (coded, target) = kernel.oriented(target);
+    let (coded, target) = kernel.straight_targets();
     if coded == 0 {
         return Ok(());
     }
@@ -25,16 +24,18 @@ pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
 /// Straight feed.
 pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     let (feed, unit) = kernel.feed();
-    let target = kernel.targets();
-    let (coded, target) = kernel.oriented(target);
+    if kernel.place.frames.is_none() {
+        let (coded, target) = kernel.plain_targets();
+        return kernel.plain_feed(coded, &target, feed, unit);
+    }
+    let (coded, target) = kernel.straight_targets();
     kernel.feed_to(coded, target, feed, unit)
 }
 
 /// Straight feed over a multiple of the programmed distance.
 pub(super) fn linear_times(kernel: &mut Kernel<'_>, factor: f64) -> Acted {
     let (feed, unit) = kernel.feed();
-    let target = kernel.targets();
-    let (coded, mut target) = kernel.oriented(target);
+    let (coded, mut target) = kernel.straight_targets();
     for (to, from) in target.iter_mut().zip(&kernel.contour()) {
         let far = from + factor * (*to - from);
         if far.is_finite() {
@@ -75,22 +76,50 @@ impl Kernel<'_> {
     }
 
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
+    #[inline(always)]
     pub(super) fn targets(&mut self) -> (u8, Position) {
-        if self.place.frames.is_none() {
-            return self.axis_words(self.place.position, self.place.shift, Self::take_axis);
-        }
-        let (coded, target) = self.programmed_targets();
-        (coded, self.work_point(&target))
+        if self.place.frames.is_some() { self.targets_in_frames() } else { self.plain_targets() }
+    }
+
+    /// The same, with the words that orient the tool.
+    #[inline(always)]
+    pub(super) fn straight_targets(&mut self) -> (u8, Position) {
+        if self.place.frames.is_some() { self.oriented_targets() } else { self.plain_targets() }
     }
 
     /// Takes the axis words: bits of coded axes, and the target as programmed.
+    #[inline(always)]
     pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
-        if self.block.machine_frame && self.place.frames.is_some() {
+        if self.place.frames.is_some() { self.framed_targets() } else { self.plain_targets() }
+    }
+
+    /// Where programmed points are points of the work frame.
+    #[inline(never)]
+    fn plain_targets(&mut self) -> (u8, Position) {
+        self.axis_words(self.place.position, |kernel, axis| kernel.place.shift.get(axis).copied(), Self::take_axis)
+    }
+
+    #[cold]
+    fn targets_in_frames(&mut self) -> (u8, Position) {
+        let (coded, target) = self.framed_targets();
+        (coded, self.work_point(&target))
+    }
+
+    #[cold]
+    fn oriented_targets(&mut self) -> (u8, Position) {
+        let (coded, target) = self.targets_in_frames();
+        self.orient_words(coded, target)
+    }
+
+    #[cold]
+    fn framed_targets(&mut self) -> (u8, Position) {
+        if self.block.machine_frame {
             let machine = self.machine_point(&self.place.position);
-            let (coded, target) = self.axis_words(machine, [0.0; MAX_AXES], Self::take_axis);
+            let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
             return (coded, self.program_point(&self.point_of_machine(&target)));
         }
-        let (from, shift) = (self.programmed(), self.place.shift);
+        let from = self.programmed();
+        let shift = |kernel: &Self, axis: usize| kernel.place.shift.get(axis).copied();
         match self.polar() {
             Some(polar) => self.axis_words(from, shift, |kernel, axis| kernel.take_polar(polar, axis)),
             None => self.axis_words(from, shift, Self::take_axis),
@@ -104,12 +133,12 @@ impl Kernel<'_> {
         self.take(id)
     }
 
-    /// Takes the axis words onto a point whose machine coordinates are `shift` away.
+    /// Takes the axis words onto a point; `shift` tells how far away its machine coordinates are.
     #[inline(always)]
     fn axis_words(
         &mut self,
         from: Position,
-        shift: Position,
+        shift: impl Fn(&Self, usize) -> Option<f64>,
         take: impl Fn(&mut Self, usize) -> Option<Datum>,
     ) -> (u8, Position) {
         let relative = match self.modal.code(group::POSITION) {
@@ -128,12 +157,11 @@ impl Kernel<'_> {
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }
-            let shift = shift.get(index).copied().unwrap_or(0.0);
             let Some(slot) = target.get_mut(index) else { break };
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
             } else if self.block.machine_frame {
-                datum.value - shift
+                datum.value - shift(self, index).unwrap_or(0.0)
             } else {
                 datum.value
             };
@@ -172,12 +200,6 @@ impl Kernel<'_> {
         changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
     }
 
-    /// The same, by the ends of the move.
-    #[inline(always)]
-    fn moves(&self, coded: u8, from: &Position, to: &Position) -> u8 {
-        if self.place.frames.is_none() { coded } else { self.moving(coded, &self.changes(from, to)) }
-    }
-
     /// A rapid move to a target in the work frame.
     pub(super) fn rapid_to(&mut self, coded: u8, target: Position) -> Acted {
         self.rapid_within(coded, target, None)
@@ -207,6 +229,29 @@ impl Kernel<'_> {
 
     /// A straight feed move to a target in the work frame.
     pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        if self.place.frames.is_some() {
+            return self.feed_in_frames(coded, target, feed, unit);
+        }
+        self.plain_feed(coded, &target, feed, unit)
+    }
+
+    /// Where programmed points are points of the work frame.
+    fn plain_feed(&mut self, coded: u8, target: &Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
+        let from = self.place.position;
+        if *target == from {
+            return Ok(());
+        }
+        let changes = self.changes(&from, target);
+        let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let path = Path { from: &from, to: target, length: feed_length, arc: None };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let length = if self.place.rotary { self.tool_path(&changes) } else { feed_length };
+        let feed = (feed.unwrap_or(0.0), unit);
+        self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
+    }
+
+    #[cold]
+    fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
         if self.is_compensated() && coded != 0 {
             return self.compensate(Step { shape: Shape::Linear, coded, to: target, feed, unit });
         }
@@ -219,7 +264,7 @@ impl Kernel<'_> {
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let length = self.feed_path(&changes, feed_length);
-        let moving = self.moves(coded, &from, &target);
+        let moving = self.moving(coded, &self.changes(&from, &target));
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
@@ -287,7 +332,15 @@ impl Kernel<'_> {
         self.follow_radius()
     }
 
+    #[inline(always)]
     fn check_travel(&mut self, to: &Position) {
+        if self.place.limited {
+            self.check_limits_of_axes(to);
+        }
+    }
+
+    #[inline(never)]
+    fn check_limits_of_axes(&mut self, to: &Position) {
         let mut over = None;
         let machine = self.machine_point(to);
         for (axis, at) in self.place.axes.iter().zip(machine) {

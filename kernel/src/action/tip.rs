@@ -104,13 +104,8 @@ fn direction(format: u8, [a, b, c]: Point, tip: Point) -> Option<Point> {
 
 impl Kernel<'_> {
     /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
-    #[inline(always)]
-    pub(super) fn oriented(&mut self, (coded, target): (u8, Position)) -> (u8, Position) {
-        if self.place.frames.is_none() { (coded, target) } else { self.orient_words(coded, target) }
-    }
-
     #[cold]
-    fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
+    pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let format = self.states.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
         let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };

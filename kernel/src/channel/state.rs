@@ -133,6 +133,10 @@ pub(crate) struct Axis {
 pub(crate) struct Place {
     /// Axes in channel order.
     pub(crate) axes: Vec<Axis>,
+    /// One of them turns.
+    pub(crate) rotary: bool,
+    /// One of them has limits of travel.
+    pub(crate) limited: bool,
     /// Programmed position in the work frame.
     pub(crate) position: Position,
     /// Machine frame = work frame + shift.
@@ -194,6 +198,8 @@ impl Place {
         let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
         Self {
             position: machine.home(channel),
+            rotary: axes.iter().any(|axis| axis.rotary),
+            limited: axes.iter().any(|axis| axis.limits.is_some()),
             axes,
             shift: [0.0; MAX_AXES],
             preset: [0.0; MAX_AXES],

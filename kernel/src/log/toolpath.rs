@@ -173,6 +173,7 @@ impl Track {
 
 impl Track {
     /// The path goes on where the motion begins.
+    #[inline(always)]
     fn begin(&mut self, motion: &Motion) {
         if self.end != Some(motion.from) {
             self.path.begin(self.eyes.point(&motion.from));

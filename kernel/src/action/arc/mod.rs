@@ -145,7 +145,9 @@ fn cut(
     let from = kernel.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = kernel.machine.arcs.tolerance;
-    let rises = rises(kernel, flat, &from, &target);
+    // Many machines do not ask.
+    let asks = kernel.machine.arcs.helix != Helix::Any || kernel.machine.arcs.turns == Turns::Helical;
+    let rises = asks && rises(kernel, flat, &from, &target);
     let made = match (words.radius, words.angle, words.center) {
         (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
         (None, Some(angle), Some(center)) => geometry::by_center_and_angle(start, center, angle, clockwise),
