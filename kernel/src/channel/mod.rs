@@ -27,7 +27,6 @@ pub(crate) mod remarks;
 mod report;
 pub(crate) mod scan;
 mod search;
-pub(crate) mod special;
 pub(crate) mod state;
 pub(crate) mod tape;
 mod text;

@@ -6,10 +6,10 @@
 mod marks;
 
 use super::block::{Block, Word};
-use super::special::{self, Early};
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::mcd::special::{self, Early};
 
 /// What a line turned out to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,3 +3,4 @@
 pub(crate) mod layout;
 pub mod program;
 pub mod source;
+pub(crate) mod special;

@@ -4,7 +4,7 @@
 //! the same question, so a line that one of them takes for words is none that the other takes for a statement.
 
 use super::statement::Names;
-use crate::channel::special::stands;
+use crate::mcd::special::stands;
 
 /// Key words of statements; two letters are enough.
 pub(super) const STATEMENTS: &[&str] =

@@ -1,7 +1,7 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
-use crate::channel::special::Special;
+use crate::mcd::special::Special;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]

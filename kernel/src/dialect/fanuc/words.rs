@@ -6,7 +6,7 @@
 use super::compile::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Number, Statement, TemplateWord};
-use crate::channel::special::{stands, starts_value};
+use crate::mcd::special::{stands, starts_value};
 
 impl Parser<'_> {
     /// A special register with a value, or a text that looks like a word, begins here.

@@ -11,9 +11,9 @@ use crate::machine::model::CodeForm;
 #[derive(Debug)]
 pub(crate) struct Early {
     /// Literal texts that a register would read as a word, with their rows.
-    pub(super) texts: Vec<(Vec<u8>, u16)>,
+    pub(crate) texts: Vec<(Vec<u8>, u16)>,
     /// Special registers.
-    pub(super) registers: Vec<Special>,
+    pub(crate) registers: Vec<Special>,
     /// Bytes that any of them begins with.
     first: [u64; 4],
 }
@@ -51,7 +51,7 @@ impl Special {
 
 impl Early {
     /// What a machine has of them.
-    pub(super) fn new(machine: &Machine) -> Option<Box<Self>> {
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let mut registers = Vec::new();
         for (register, definition) in (0u8..).zip(&machine.registers).filter(|(_, r)| !r.is_regular()) {
             let after = definition.after.clone().into_bytes();
@@ -91,7 +91,7 @@ impl Early {
     }
 
     /// A special register with a variable or an expression in place of its number stands at a place.
-    pub(super) fn opens_macro(&self, line: &[u8], at: usize) -> bool {
+    pub(crate) fn opens_macro(&self, line: &[u8], at: usize) -> bool {
         let Some(&byte) = line.get(at) else { return false };
         self.may_start(byte)
             && self
@@ -101,7 +101,7 @@ impl Early {
     }
 
     /// One of them may begin with this byte.
-    pub(super) fn may_start(&self, byte: u8) -> bool {
+    pub(crate) fn may_start(&self, byte: u8) -> bool {
         self.first.get(usize::from(byte >> 6)).is_some_and(|bits| bits >> (byte & 63) & 1 != 0)
     }
 }
