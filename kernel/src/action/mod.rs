@@ -160,6 +160,8 @@ impl Action {
             codes::PLANE_YZ => A::Mode("plane yz"),
             codes::POSITION_ABSOLUTE => A::Mode("position absolute"),
             codes::POSITION_RELATIVE => A::Mode("position incremental"),
+            codes::XAXIS_DIAMETER => A::Mode("x diameter"),
+            codes::XAXIS_RADIUS => A::Mode("x radius"),
             codes::FEED_UPM => A::Mode("feed per minute"),
             codes::FEED_UPR => A::Mode("feed per revolution"),
             codes::FEED_1T => A::Mode("feed inverse time"),
