@@ -237,6 +237,8 @@ impl Action {
             codes::SYNC_REG_SIDE => A::Sync(sync::Mark::Side),
             codes::SYNC_REG_START => A::Sync(sync::Mark::Start),
             codes::SYNC_REG_STOP => A::Sync(sync::Mark::Stop),
+            codes::SYNC_START_MAIN => A::Sync(sync::Mark::StartBy(1)),
+            codes::SYNC_START_SIDE => A::Sync(sync::Mark::StartBy(2)),
             codes::FUNCTION => A::Function,
             _ => {
                 let local = || local::of(id).map(|(part, change)| A::Local(part, change));
