@@ -1,8 +1,7 @@
 //! What the spec pages show: identifiers, system variables.
 //!
 //! Every example of `tests/spec/emulator` and `tests/spec/tables` is run with the trace of codes and data; what comes
-//! up there has been shown. `tests/spec/owed.txt` names the built-in identifiers that no page shows yet: an identifier
-//! that a page shows, or that does not exist, must be taken off it, so the list only gets shorter.
+//! up there has been shown. Every built-in identifier must.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -115,7 +114,7 @@ impl Example {
 }
 
 #[test]
-fn built_in_identifiers_are_shown_or_owed() {
+fn built_in_identifiers_are_shown() {
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (folder, tables) in [("emulator", false), ("tables", true)] {
         for page in pages(folder) {
@@ -125,12 +124,8 @@ fn built_in_identifiers_are_shown_or_owed() {
     let codes = codes::TABLE.iter().filter(|facts| facts.built_in).map(|facts| facts.name);
     let data = data::TABLE.iter().filter(|facts| facts.built_in).map(|facts| facts.name);
     let all: BTreeSet<String> = codes.chain(data).map(str::to_owned).collect();
-    let list = std::fs::read_to_string(spec().join("owed.txt")).unwrap();
-    let owed: BTreeSet<String> = list.lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect();
-    let missing: Vec<_> = all.difference(&shown).filter(|name| !owed.contains(*name)).collect();
-    let done: Vec<_> = owed.iter().filter(|name| shown.contains(*name) || !all.contains(*name)).collect();
+    let missing: Vec<_> = all.difference(&shown).collect();
     assert!(missing.is_empty(), "no page shows: {missing:#?}");
-    assert!(done.is_empty(), "take these off tests/spec/owed.txt: {done:#?}");
 }
 
 /// The names of a pattern of the table: `[x]` is left out or one of x, `{xy}` is one of x and y.

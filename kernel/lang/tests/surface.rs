@@ -123,6 +123,21 @@ fn files_are_checked_together() {
 }
 
 #[test]
+fn a_file_has_its_limits() {
+    let numbers = |text: &str| -> Vec<Number> {
+        let (mut program, mut host) = (Program::new(), Test::new());
+        let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+        added.diagnostics.iter().map(|diagnostic| diagnostic.number).collect()
+    };
+    let many = numbers(&"A=\n".repeat(300));
+    assert_eq!((many.len(), many.last()), (201, Some(&Number::TOO_MANY)));
+    assert_eq!(numbers(&"A=B+C*D-E\n".repeat(40_000)), [Number::TOO_LARGE]);
+    assert_eq!(numbers(&format!("A={}1{}", "(".repeat(200), ")".repeat(200))), [Number::TOO_DEEP]);
+    let half = "MACRO/HALF(V)\nHALF=V/2\nENDMAC\n";
+    assert_eq!(numbers(&half.repeat(2)), [Number::DUPLICATE_FUNCTION]);
+}
+
+#[test]
 fn budgets_end_a_run() {
     let limits = Limits { ticks: 10_000, text: 100, elements: 100, depth: 3, units: 1 };
     for (text, number) in [

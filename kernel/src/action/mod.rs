@@ -160,6 +160,8 @@ impl Action {
             codes::PLANE_YZ => A::Mode("plane yz"),
             codes::POSITION_ABSOLUTE => A::Mode("position absolute"),
             codes::POSITION_RELATIVE => A::Mode("position incremental"),
+            codes::XAXIS_DIAMETER => A::Mode("x diameter"),
+            codes::XAXIS_RADIUS => A::Mode("x radius"),
             codes::FEED_UPM => A::Mode("feed per minute"),
             codes::FEED_UPR => A::Mode("feed per revolution"),
             codes::FEED_1T => A::Mode("feed inverse time"),
@@ -235,6 +237,8 @@ impl Action {
             codes::SYNC_REG_SIDE => A::Sync(sync::Mark::Side),
             codes::SYNC_REG_START => A::Sync(sync::Mark::Start),
             codes::SYNC_REG_STOP => A::Sync(sync::Mark::Stop),
+            codes::SYNC_START_MAIN => A::Sync(sync::Mark::StartBy(1)),
+            codes::SYNC_START_SIDE => A::Sync(sync::Mark::StartBy(2)),
             codes::FUNCTION => A::Function,
             _ => {
                 let local = || local::of(id).map(|(part, change)| A::Local(part, change));

@@ -3,6 +3,8 @@
 //! Facts: reference channel-synchronisation.md 1.3. An illegal channel list alarms when the block is read; codes
 //! that do not match alarm when two waits meet.
 
+mod start;
+
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -61,6 +63,8 @@ pub(crate) enum Mark {
     Start,
     /// Its end.
     Stop,
+    /// A start by this head.
+    StartBy(u16),
 }
 
 /// A waiting code of the main and the side head: both meet at equal numbers, whatever their words.
@@ -69,6 +73,7 @@ fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
         Mark::Main => (data::SYNC_MAIN, 'S'),
         Mark::Side => (data::SYNC_SIDE, 'S'),
         Mark::Start => (data::SYNC_START, 'B'),
+        Mark::StartBy(by) => return start::start(kernel, by),
         Mark::Stop | Mark::Word => (data::SYNC_STOP, 'E'),
     };
     let number = kernel.take(id).map_or(0.0, |d| d.value) as u32;
@@ -209,6 +214,11 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
             }
         }
     };
+    woken(kernel, wake, all, release)
+}
+
+/// Goes on after standing; `all`: nobody does anything before.
+fn woken(kernel: &mut Kernel<'_>, wake: Wake, all: bool, release: impl FnOnce(u64) -> Release) -> Acted {
     match wake {
         Wake::Released { tag, meeting } => {
             kernel.progress.set_state(State::Running);

@@ -68,12 +68,17 @@ impl Kernel<'_> {
 
     /// The sequence number that the head of this channel has of its own.
     fn head_sequence(&mut self) {
-        let own = usize::from(self.rank).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
-        if let Some(register) = own.copied().flatten()
+        if let Some(register) = self.own_sequence()
             && let Some(word) = self.block.take(register)
         {
             self.block.sequence = self.block.sequence.or((word.value >= 0.0).then_some(word.value as u32));
         }
+    }
+
+    /// Register of the sequence numbers that the head of this channel has of its own.
+    pub(crate) fn own_sequence(&self) -> Option<u8> {
+        let own = usize::from(self.rank).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
+        own.copied().flatten()
     }
 
     /// What macros found out inside a place that could not leave the program.
@@ -234,7 +239,8 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let factor = self.unit_factor(source.dimension);
+            let across = if source.across { self.across_factor() } else { 1.0 };
+            let factor = self.unit_factor(source.dimension) * across;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
@@ -244,7 +250,8 @@ impl Kernel<'_> {
         let rows = self.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let factor = self.unit_factor(dimension);
+        let across = if self.plan.across.contains(&id) { self.across_factor() } else { 1.0 };
+        let factor = self.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }
 

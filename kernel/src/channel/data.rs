@@ -3,9 +3,10 @@
 //! Facts: reference control-emulator.md 1.3. Invariant: a value is taken off the block at most once.
 
 use super::Kernel;
+use super::state::group;
 use crate::diag;
 use crate::log::info::Unit;
-use crate::machine::ident::DataId;
+use crate::machine::ident::{DataId, codes};
 use crate::machine::model::Dimension;
 
 /// A value taken off the block.
@@ -59,7 +60,10 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let value = (raw * source.mul + source.add) * self.unit_factor(source.dimension);
+            let mut value = (raw * source.mul + source.add) * self.unit_factor(source.dimension);
+            if source.across {
+                value *= self.across_factor();
+            }
             if source.modal && !incremental {
                 self.modal.remember(id, value);
             }
@@ -106,6 +110,23 @@ impl Kernel<'_> {
             (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
             _ => 1.0,
         }
+    }
+
+    /// Factor from programmed positions of X to those of its axis: the program may count radii along a diameter axis, or
+    /// diameters along another one (reference control-emulator.md 6.2).
+    #[cold]
+    pub(crate) fn across_factor(&self) -> f64 {
+        match (self.modal.code(group::ACROSS), self.place.scale_of(0) < 1.0) {
+            (Some(codes::XAXIS_RADIUS), true) => 2.0,
+            (Some(codes::XAXIS_DIAMETER), false) => 0.5,
+            _ => 1.0,
+        }
+    }
+
+    /// The same for the positions of an axis that have words of their own.
+    pub(crate) fn factor_across(&self, axis: usize) -> f64 {
+        let is_x = self.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
+        if is_x && !self.plan.across.is_empty() { self.across_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {

@@ -5,8 +5,8 @@ use super::scan::Scanner;
 use super::tape::Tape;
 use crate::action::Action;
 use crate::machine::Machine;
-use crate::machine::ident::data;
-use crate::machine::model::Dimension;
+use crate::machine::ident::{DataId, codes, data};
+use crate::machine::model::{AxisRole, Dimension};
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -26,6 +26,8 @@ pub(crate) struct Plan {
     pub(crate) registers_of: Vec<u128>,
     /// Where the values of each data identifier come from, in row order.
     pub(crate) sources: Vec<Vec<Source>>,
+    /// Data that are positions of X, where programs choose between diameter and radius.
+    pub(crate) across: Vec<DataId>,
     /// Registers of the sequence numbers of the main and of the side head.
     pub(crate) head_sequences: [Option<u8>; 2],
     /// Registers that carry the spindle speed.
@@ -75,11 +77,33 @@ pub(crate) struct Source {
     pub(crate) min: f64,
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
+    /// A position of X, which may be programmed as a diameter or as a radius.
+    pub(crate) across: bool,
     /// Row of the data table.
     pub(crate) row: u16,
 }
 
-fn sources(machine: &Machine) -> Vec<Vec<Source>> {
+/// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
+fn across(machine: &Machine) -> Vec<DataId> {
+    let chooses = |id| id == codes::XAXIS_DIAMETER || id == codes::XAXIS_RADIUS;
+    if !machine.codes.iter().any(|row| row.enable && chooses(row.id)) {
+        return Vec::new();
+    }
+    let axes = machine.axes.iter().filter(|axis| axis.role == AxisRole::X).map(|axis| axis.data);
+    let own = [
+        data::ARC_3D_POINT_X,
+        data::LCS_TRANS_X,
+        data::LCS_ROT_CENTER_X,
+        data::LCS_SCALE_CENTER_X,
+        data::THREAD_SINGLE_START_X,
+        data::THREAD_SINGLE_END_X,
+        data::THREAD_MULTI_START_X,
+        data::THREAD_MULTI_END_X,
+    ];
+    axes.chain(own).collect()
+}
+
+fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
     let source = |&index: &u16| {
         let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
         Some(Source {
@@ -90,6 +114,7 @@ fn sources(machine: &Machine) -> Vec<Vec<Source>> {
             min: row.min.unwrap_or(f64::NEG_INFINITY),
             max: row.max.unwrap_or(f64::INFINITY),
             dimension: row.dimension,
+            across: across.contains(&row.id),
             row: index,
         })
     };
@@ -133,6 +158,7 @@ impl Plan {
             let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
             known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
         });
+        let across = across(machine);
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
@@ -142,7 +168,8 @@ impl Plan {
             g,
             definition,
             motion_registers,
-            sources: sources(machine),
+            sources: sources(machine, &across),
+            across,
             registers_of: machine
                 .tables
                 .rows_of_data

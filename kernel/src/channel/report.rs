@@ -33,7 +33,8 @@ impl Kernel<'_> {
         if self.macros.is_some() {
             return self.issue(facts.number, severity, text);
         }
-        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into() };
+        let diagnostic =
+            Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into(), kernel: "".into() };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 

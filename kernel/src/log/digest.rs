@@ -413,8 +413,11 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&diagnostic.number.to_le_bytes());
             out.push(diagnostic.severity);
             text(out, &diagnostic.text);
-            if !diagnostic.operation.is_empty() {
+            if !diagnostic.operation.is_empty() || !diagnostic.kernel.is_empty() {
                 text(out, &diagnostic.operation);
+            }
+            if !diagnostic.kernel.is_empty() {
+                text(out, &diagnostic.kernel);
             }
         }
         Kind::Trace { letter, text: line } => {

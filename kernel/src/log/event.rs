@@ -373,6 +373,8 @@ pub struct Diagnostic {
     pub text: Box<str>,
     /// Name of the operation as macros have set it (`$OPNAME`), empty without one.
     pub operation: Box<str>,
+    /// Name of the kernel as macros have set it (`$MCENAM`), empty while it is that of the channel.
+    pub kernel: Box<str>,
 }
 
 /// Why channels can never go on.

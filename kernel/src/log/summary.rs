@@ -144,6 +144,9 @@ pub struct Diagnostic {
     /// Name of the operation as macros have set it, left out without one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub operation: String,
+    /// Name of the kernel as macros have set it, left out while it is that of the channel.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kernel: String,
     /// When, ns.
     pub t_ns: i64,
 }
@@ -226,6 +229,7 @@ impl Findings {
             block,
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
+            kernel: diagnostic.kernel.to_string(),
             t_ns: told.t_ns,
         });
     }

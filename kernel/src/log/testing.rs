@@ -87,7 +87,13 @@ pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severi
         line,
         t_ns,
         0,
-        Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation: "".into() })),
+        Kind::Diagnostic(Box::new(Diagnostic {
+            number,
+            severity,
+            text: text.into(),
+            operation: "".into(),
+            kernel: "".into(),
+        })),
     )
 }
 

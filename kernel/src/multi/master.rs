@@ -20,6 +20,9 @@ use crate::mcd::program::Range;
 /// Where a kernel starts.
 pub(crate) type At = (FileId, Range, Box<str>);
 
+/// Program and name of a kernel, and its first channel of the model, as Machine Startup left them.
+pub(super) type Given = (String, String, f64);
+
 /// What the master has left for later.
 pub(super) struct Master {
     channel: Channel,
@@ -114,7 +117,11 @@ impl<'a> Shop<'a> {
             let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_program, (at, 0)));
             set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
         };
-        let given = (1..).take(machine.channels.len()).map(|at| (program(at), kernel.model_channel(at)));
+        let name = |at| {
+            let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_name, (at, 0)));
+            set.and_then(Value::as_text).unwrap_or("").to_owned()
+        };
+        let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
         // The master starts once, so nothing is there yet.
         let _ = self.given.set(given.collect());
         let tag = kernel.tag();

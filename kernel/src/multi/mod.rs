@@ -168,7 +168,7 @@ struct Shop<'a> {
     files: &'a dyn Files,
     control: &'a Control,
     /// Programs and channels of the kernels as Machine Startup left them, by kernel; nothing without a master.
-    given: &'a OnceLock<Vec<(String, f64)>>,
+    given: &'a OnceLock<Vec<master::Given>>,
 }
 
 impl<'a> Shop<'a> {
@@ -363,8 +363,8 @@ impl<'a> Shop<'a> {
             tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
         }
         .with_macros(job.macros());
-        for ((program, channel), at) in given.get().into_iter().flatten().zip(1..) {
-            kernel.tell_program(at, program, *channel);
+        for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
+            kernel.tell_program(at, program, name, *channel);
         }
         kernel
     }

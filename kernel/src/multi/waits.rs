@@ -3,6 +3,8 @@
 //! Facts: reference channel-synchronisation.md 1.1, 1.3 (Fanuc), 2.3 (fix-point). Invariant: arrivals come in tag
 //! order, so the outcome depends on simulated time alone.
 
+mod start;
+
 use std::fmt::Write as _;
 
 use super::tag::Tag;
@@ -80,8 +82,11 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// `M101` or `M101 P12`.
+    /// `M101` or `M101 P12`; `START1` for a start by one side.
     pub(crate) fn text(&self) -> String {
+        if self.primitive == Primitive::Signal {
+            return format!("START{}", self.number);
+        }
         let mut out = format!("{}{}", self.letter, self.number);
         if self.style == Style::Listed {
             out.push_str(" P");
@@ -99,7 +104,8 @@ impl Spec {
     }
 
     fn matches(&self, other: &Self) -> bool {
-        self.letter == other.letter
+        self.primitive == other.primitive
+            && self.letter == other.letter
             && self.number == other.number
             && self.style == other.style
             && self.named == other.named
@@ -108,6 +114,9 @@ impl Spec {
 
     /// Case of PS0160 when both stand at the same time.
     fn mismatch(&self, other: &Self) -> Option<&'static str> {
+        if self.primitive != Primitive::Barrier || other.primitive != Primitive::Barrier {
+            return None;
+        }
         let same_code = self.letter == other.letter && self.number == other.number;
         match (self.style, other.style) {
             (Style::NoList, Style::NoList) if !same_code => Some("different codes without P"),
@@ -166,6 +175,8 @@ pub(crate) struct Waits {
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
     release_ns: i64,
+    /// Starts that a head has given and the other one has not used yet.
+    starts: [u32; 2],
 }
 
 /// When a meeting lets go whose last arrival was at this time and microstep.
@@ -179,7 +190,7 @@ fn index(rank: u16) -> usize {
 
 impl Waits {
     pub(crate) fn new(channels: usize, release_ns: i64) -> Self {
-        Self { waiting: vec![None; channels], finished: vec![None; channels], release_ns }
+        Self { waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
     }
 
     /// Time from the last arrival to the release, ns.

@@ -15,7 +15,7 @@ pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, seq
 
 use crate::channel::Kernel;
 use crate::log::event::Kind;
-use crate::machine::ident::{CodeId, DataId};
+use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
 
@@ -60,6 +60,17 @@ impl Kernel<'_> {
         }
         if let Some(number) = self.block.sequence {
             self.trace('C', |_| sequence(number));
+        }
+        self.trace_head_sequence();
+    }
+
+    /// The sequence number that the head of this channel has of its own.
+    fn trace_head_sequence(&mut self) {
+        let Some(register) = self.own_sequence() else { return };
+        let word = self.block.words.iter().find(|word| word.register == register).map(|word| word.value);
+        let id = if self.rank == 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        if let Some(value) = word {
+            self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
         }
     }
 

@@ -60,6 +60,7 @@ fn kinds() -> Vec<Kind> {
             severity: 9,
             text: "no such register".into(),
             operation: "ROUGH".into(),
+            kernel: "TURRET".into(),
         })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,

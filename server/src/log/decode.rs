@@ -202,6 +202,7 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             severity: m.number(2) as u8,
             text: m.get(3).text(),
             operation: m.get(4).text(),
+            kernel: m.get(5).text(),
         })),
         28 => Kind::Trace { letter: m.get(1).text().chars().next()?, text: m.get(2).text() },
         27 => Kind::Verdict(Box::new(Verdict {

@@ -96,6 +96,7 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 2, u64::from(diagnostic.severity));
             text_field(out, 3, &diagnostic.text);
             text_field(out, 4, &diagnostic.operation);
+            text_field(out, 5, &diagnostic.kernel);
         }),
         Kind::Trace { letter, text } => nested(out, 28, |out| {
             text_field(out, 1, letter.encode_utf8(&mut [0; 4]));

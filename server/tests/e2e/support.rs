@@ -87,9 +87,13 @@ fn position(value: f64) -> Position {
 pub fn event(seq: u64) -> Event {
     let line = (seq % 100) as u32 + 1;
     let kind = match seq % 50 {
-        0 => {
-            Kind::Diagnostic(Box::new(Diagnostic { number: 7, severity: 2, text: "note".into(), operation: "".into() }))
-        }
+        0 => Kind::Diagnostic(Box::new(Diagnostic {
+            number: 7,
+            severity: 2,
+            text: "note".into(),
+            operation: "".into(),
+            kernel: "".into(),
+        })),
         n if n % 2 == 0 => Kind::Block { number: seq },
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
@@ -114,6 +118,7 @@ impl Ready {
             severity: 9,
             text: "alarm".into(),
             operation: "".into(),
+            kernel: "".into(),
         }));
         Event { kind, ..event(seq) }
     }
@@ -159,6 +164,7 @@ impl Prepared for Ready {
                         severity: 0,
                         text: text.into(),
                         operation: "".into(),
+                        kernel: "".into(),
                     }));
                     assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
                     seq += 1;

@@ -90,8 +90,11 @@ pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Op
     let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
     Some(match relative {
         true => of(&kernel.programmed()) * scale + datum.value,
-        false if kernel.block.machine_frame => (datum.value - of(&kernel.place.shift)) * scale,
-        false => datum.value * scale,
+        false => {
+            let value = datum.value * kernel.factor_across(axis);
+            let shift = if kernel.block.machine_frame { of(&kernel.place.shift) } else { 0.0 };
+            (value - shift) * scale
+        }
     })
 }
 

@@ -115,9 +115,15 @@ fn depth(kernel: &mut Kernel<'_>, (role, axis): (usize, usize), scale: f64, rule
 fn height(kernel: &mut Kernel<'_>, id: DataId, rule: Heights, scale: f64) -> Option<Height> {
     let datum = kernel.take(id)?;
     let relative = is_relative(kernel, rule, &datum);
-    let axis = kernel.cycle.axis.map(|(_, axis)| axis).filter(|_| kernel.block.machine_frame && !relative);
-    let shift = axis.and_then(|axis| kernel.place.shift.get(axis)).copied().unwrap_or(0.0);
-    Some(Height { value: if relative { datum.value / scale } else { datum.value - shift }, relative })
+    if relative {
+        return Some(Height { value: datum.value / scale, relative });
+    }
+    let axis = kernel.cycle.axis.map(|(_, axis)| axis);
+    // The word of the axis itself has been taken as its axis counts.
+    let own = axis.filter(|axis| kernel.place.axes.get(*axis).is_some_and(|axis| axis.data != id));
+    let factor = own.map_or(1.0, |axis| kernel.factor_across(axis));
+    let shift = axis.filter(|_| kernel.block.machine_frame).and_then(|axis| kernel.place.shift.get(axis));
+    Some(Height { value: datum.value * factor - shift.copied().unwrap_or(0.0), relative })
 }
 
 fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {

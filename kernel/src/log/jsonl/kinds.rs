@@ -77,6 +77,9 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             if !diagnostic.operation.is_empty() {
                 text(out, "operation", &diagnostic.operation);
             }
+            if !diagnostic.kernel.is_empty() {
+                text(out, "kernel", &diagnostic.kernel);
+            }
         }
         Kind::Trace { letter, text: line } => {
             text(out, "letter", letter.encode_utf8(&mut [0; 4]));

@@ -5,7 +5,7 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Stop, ToolAction};
+use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, Stop, ToolAction};
 use crate::log::geometry::Loop;
 use crate::log::info::Axis;
 
@@ -28,19 +28,7 @@ impl Actions {
                 ToolAction::Load => format!("load tool n={tool}"),
                 ToolAction::Offset => format!("tool offset n={offset}"),
             }),
-            Kind::Spindle(spindle) => one(match spindle.direction {
-                Direction::Off => "spindle off".to_owned(),
-                Direction::Oriented if spindle.angle == 0.0 => "spindle orient".to_owned(),
-                Direction::Oriented => format!("spindle orient a={}", number(spindle.angle)),
-                Direction::Locked => "spindle lock".to_owned(),
-                Direction::Neutral => "spindle neutral".to_owned(),
-                _ if spindle.css && spindle.limit.is_finite() => {
-                    format!("css v={}, max={}", number(spindle.speed), number(spindle.limit))
-                }
-                _ if spindle.css => format!("css v={}", number(spindle.speed)),
-                Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
-                Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
-            }),
+            Kind::Spindle(spindle) => one(turning(spindle)),
             Kind::Coolant(coolant) => one(coolant.to_string()),
             Kind::Function { letter, value } => {
                 one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
@@ -109,6 +97,29 @@ impl Actions {
         }
         out.push(format!("{verb} {}", items.join(", ")).trim_end().to_owned());
         out
+    }
+}
+
+/// State of a spindle; those beyond the first one are told with their number.
+fn turning(spindle: &Spindle) -> String {
+    let number = wildcard_text;
+    let text = match spindle.direction {
+        Direction::Off => "spindle off".to_owned(),
+        Direction::Oriented if spindle.angle == 0.0 => "spindle orient".to_owned(),
+        Direction::Oriented => format!("spindle orient a={}", number(spindle.angle)),
+        Direction::Locked => "spindle lock".to_owned(),
+        Direction::Neutral => "spindle neutral".to_owned(),
+        _ if spindle.css && spindle.limit.is_finite() => {
+            format!("css v={}, max={}", number(spindle.speed), number(spindle.limit))
+        }
+        _ if spindle.css => format!("css v={}", number(spindle.speed)),
+        Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
+        Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
+    };
+    match spindle.spindle {
+        0 | 1 => text,
+        other if text.contains('=') => format!("{text}, n={other}"),
+        other => format!("{text} n={other}"),
     }
 }
 

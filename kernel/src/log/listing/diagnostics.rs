@@ -29,7 +29,10 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
         write!(out, " OPER({})", diagnostic.operation)?;
     }
     if info.channels.len() > 1 {
-        let name = info.channel(event.channel).map_or("MASTER", |c| c.name.as_str());
+        let name = match &*diagnostic.kernel {
+            "" => info.channel(event.channel).map_or("MASTER", |c| c.name.as_str()),
+            given => given,
+        };
         write!(out, " KERNEL({name})")?;
     }
     writeln!(out)

@@ -112,7 +112,8 @@ impl Kernel<'_> {
         }
         let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let operation = self.operation_name().into();
-        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation })));
+        let kernel = self.kernel_name().into();
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation, kernel })));
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.

@@ -11,6 +11,9 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write, names};
 use crate::channel::Kernel;
 
+/// Characters of a kernel's name in diagnostics.
+const MOST_NAME: usize = 80;
+
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
 }
@@ -112,12 +115,25 @@ fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &Value) -> Outcome<()> {
 }
 
 impl Kernel<'_> {
-    /// A kernel has got this program, and starts on this channel of the model.
-    pub(crate) fn tell_program(&mut self, at: i64, program: &str, channel: f64) {
+    /// A kernel has got this program and name, and starts on this channel of the model.
+    pub(crate) fn tell_program(&mut self, at: i64, program: &str, name: &str, channel: f64) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.store.set_element(names().kernel_program, (at, 0), Value::text(program));
             runtime.store.set_element(names().kernel_channel, (at, 0), Value::Real(channel));
+            runtime.store.set_element(names().kernel_name, (at, 0), Value::text(name));
         }
+    }
+
+    /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; else blank.
+    pub(crate) fn kernel_name(&self) -> String {
+        let at = (i64::from(self.rank), 0);
+        let set = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_name, at));
+        let set = set.and_then(Value::as_text).unwrap_or("").trim();
+        let own = self.info.channel(self.rank).map_or("MASTER", |channel| channel.name.as_str());
+        if set == own || self.machine.channels.len() < 2 {
+            return String::new();
+        }
+        set.chars().take(MOST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
     /// Channel of the model that a kernel starts on.

@@ -57,6 +57,26 @@ fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
     Ok(())
 }
 
+/// `$XDIAM`: X is programmed as a diameter.
+fn reads_diameters(kernel: &Kernel<'_>) -> bool {
+    match kernel.modal.code(group::ACROSS) {
+        Some(codes::XAXIS_DIAMETER) => true,
+        Some(codes::XAXIS_RADIUS) => false,
+        _ => kernel.place.scale_of(0) < 1.0,
+    }
+}
+
+fn switch_across(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let wanted = value.as_logical() == Some(true);
+    if wanted != reads_diameters(kernel) {
+        kernel.activate_code(if wanted { codes::XAXIS_DIAMETER } else { codes::XAXIS_RADIUS });
+        if wanted != reads_diameters(kernel) {
+            return Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this"));
+        }
+    }
+    Ok(())
+}
+
 fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let (id, _) = feed_of(kernel.modal.code(group::FEED));
     number(kernel.modal.value(id).unwrap_or(0.0))
@@ -139,10 +159,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$XDIAM" => (
-            |k, _| Value::Logical(k.axis_of('X').and_then(|at| k.place.axes.get(at)).is_some_and(|a| a.scale < 1.0)),
-            None,
-        ),
+        "$XDIAM" => (|k, _| Value::Logical(reads_diameters(k)), Some(switch_across)),
         "$DCOMP" => {
             (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
         }

@@ -1,0 +1,67 @@
+//! A start by one side: one code in both programs. The head that it is named after lets the other one go on and does not
+//! wait; the other one waits there for it.
+//!
+//! Facts: reference channel-synchronisation.md 1.0; the reading is ours, told in docs/emulation.md, "Spindles".
+
+use super::{pass, passes, stand, woken};
+use crate::channel::{Acted, Kernel};
+use crate::log::event::{Kind, Release};
+use crate::machine::model::SyncDialect;
+use crate::multi::coordinator::Wake;
+use crate::multi::waits::{Set, Spec, Waiting};
+
+/// Carries out the start by a head.
+pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {
+    let heads = Set::up_to(2);
+    let gives = kernel.rank == by && kernel.machine.sync.dialect != SyncDialect::None;
+    if !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 || !gives && passes(kernel) {
+        return pass(kernel);
+    }
+    kernel.flow.pass.effects = true;
+    if gives { give(kernel) } else { wait(kernel, by) }
+}
+
+fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
+    kernel.emit(0, Kind::Mode { text: format!("sync mark={} {what}", spec.text()).into() });
+}
+
+/// Lets the other head go on, now or when it comes.
+fn give(kernel: &mut Kernel<'_>) -> Acted {
+    tell(kernel, &Spec::start(kernel.rank), "set");
+    let tag = kernel.tag();
+    kernel.shared(|inner, coordinator| {
+        if let Some(released) = inner.waits.start(tag) {
+            let meeting = coordinator.count_meeting(inner, Set::default().with(tag.rank).with(released.rank));
+            coordinator.resume(inner, released.rank, Wake::Released { tag: released, meeting });
+        }
+    })
+}
+
+/// Waits for the other head, unless it has been here before.
+fn wait(kernel: &mut Kernel<'_>, by: u16) -> Acted {
+    let spec = Spec::start(by);
+    let (since_ns, tag) = (kernel.clock, kernel.tag());
+    let (file, line, info) = (kernel.file, kernel.line, kernel.info);
+    let waiting = Waiting { spec: spec.clone(), tag, file, line };
+    let stands = kernel.shared(|inner, coordinator| {
+        if inner.waits.started(by) {
+            return None;
+        }
+        inner.waits.stand(waiting);
+        let verdict = if inner.waits.hopeful(tag.rank) { None } else { inner.judge(tag.t, info) };
+        coordinator.block(inner, tag.rank);
+        Some(verdict)
+    })?;
+    let Some(verdict) = stands else {
+        tell(kernel, &spec, "go");
+        return Ok(());
+    };
+    let wait = kernel.meetings.wait(&spec);
+    kernel.emit(0, Kind::Wait(wait.clone()));
+    if let Some(verdict) = verdict {
+        kernel.emit_verdict(verdict);
+    }
+    let wake = stand(kernel, tag, &wait);
+    let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
+    woken(kernel, wake, false, release)
+}

@@ -1,0 +1,85 @@
+//! Starts by one side: a head lets the other one go on and does not wait itself.
+//!
+//! Invariant: each start ends one wait of the other head, in order of simulated time; one that comes early is kept. Facts:
+//! reference channel-synchronisation.md 1.0 (names only, the reading is ours), 1.1 (signal).
+
+use super::{Set, Spec, Style, Waiting, Waits, after, index};
+use crate::log::event::Primitive;
+use crate::multi::tag::Tag;
+
+impl Spec {
+    /// The wait for a start by a head.
+    pub(crate) fn start(by: u16) -> Self {
+        let (primitive, named, parts) = (Primitive::Signal, Set::default(), Set::up_to(2));
+        Self { primitive, letter: 'S', number: u32::from(by), named, parts, style: Style::NoList }
+    }
+}
+
+impl Waits {
+    /// The head of this tag starts the other one: where that goes on, if it stands.
+    pub(crate) fn start(&mut self, tag: Tag) -> Option<Tag> {
+        let spec = Spec::start(tag.rank);
+        let standing = self.waiting.iter().flatten().find(|waiting| waiting.spec == spec).map(|w| w.tag.rank);
+        match standing {
+            Some(rank) => {
+                self.leave(rank);
+                let (t, micro) = after(tag.t, tag.micro, self.release_ns);
+                Some(Tag { t, micro, rank })
+            }
+            None => {
+                if let Some(kept) = self.starts.get_mut(index(tag.rank)) {
+                    *kept = kept.saturating_add(1);
+                }
+                None
+            }
+        }
+    }
+
+    /// Uses up a start that a head has given already.
+    pub(crate) fn started(&mut self, by: u16) -> bool {
+        match self.starts.get_mut(index(by)) {
+            Some(kept) if *kept > 0 => {
+                *kept -= 1;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// A channel stands until the other head starts it.
+    pub(crate) fn stand(&mut self, waiting: Waiting) {
+        if let Some(slot) = self.waiting.get_mut(index(waiting.tag.rank)) {
+            *slot = Some(waiting);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tag(rank: u16, t: i64) -> Tag {
+        Tag { t, micro: 3, rank }
+    }
+
+    #[test]
+    fn each_start_ends_one_wait() {
+        let mut waits = Waits::new(2, 0);
+        let stands = || Waiting { spec: Spec::start(1), tag: tag(2, 5), file: 0, line: 1 };
+        assert_eq!(waits.start(tag(1, 1)), None);
+        assert!(waits.started(1) && !waits.started(1) && !waits.started(2) && !waits.started(9));
+        waits.stand(stands());
+        assert!(waits.missing(2) == Set::default().with(1) && waits.hopeful(2) && waits.dead() == Set::default());
+        assert_eq!(waits.start(tag(2, 6)), None, "a start of its own is not waited for");
+        assert_eq!(waits.start(tag(1, 7)), Some(Tag { t: 7, micro: 4, rank: 2 }));
+        assert_eq!(waits.missing(2), Set::default());
+    }
+
+    #[test]
+    fn a_wait_for_a_start_is_no_mismatch() {
+        let barrier = Spec { primitive: Primitive::Barrier, ..Spec::start(1) };
+        assert_eq!(barrier.mismatch(&Spec { letter: 'M', ..Spec::start(1) }), None);
+        assert!(!barrier.matches(&Spec::start(1)));
+        assert_eq!(Spec::start(2).text(), "START2");
+    }
+}
