@@ -15,6 +15,8 @@ pub enum Macros {
     Shown,
     /// They change ends of moves, heights of cycles, tools, and start the program again.
     Meddling,
+    /// The machine is started again with the first program, at last as if it were the first time.
+    Rounds,
 }
 
 const MILL: &str = "
@@ -320,6 +322,13 @@ IF/SERIES.LT.2
 ENDOF/IF
 ";
 
+const ROUNDS: &str = "
+IF/SERIES.LT.2
+  SERIES=SERIES+1
+  %L01=$FCERST('p1.nc',1,SERIES.EQ.2)
+ENDOF/IF
+";
+
 /// A machine.
 pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
     let mut text = format!(
@@ -330,7 +339,7 @@ pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
     let mut files = Memory::default();
     let mut add = |name: &str, macro_text: &str| files.insert(format!("mixed/{name}.mac"), macro_text);
     match macros {
-        Macros::None => {}
+        Macros::None | Macros::Rounds => {}
         Macros::Shown => {
             text += "\n[macros]\nblock_shutdown = \"show.mac\"\n";
             add("show", SHOW);
@@ -344,6 +353,11 @@ pub fn machine(mill: bool, macros: Macros) -> Arc<Machine> {
             add("declare", "DECLAR/OBJECT,INTEGER,SERIES=0\n");
             add("again", AGAIN);
         }
+    }
+    if macros == Macros::Rounds {
+        text += "\n[macros]\ndeclaration = \"declare.mac\"\nmachine_shutdown = \"rounds.mac\"\n";
+        files.insert("mixed/declare.mac", "DECLAR/GLOBAL,INTEGER,SERIES=0\n");
+        files.insert("mixed/rounds.mac", ROUNDS);
     }
     files.insert("mixed/machine.toml", text);
     let loaded = load(&Overlay::new(files, shipped()), "mixed");

@@ -129,11 +129,24 @@ fn run(machine: Arc<Machine>, texts: &[String]) -> Result<(), TestCaseError> {
 
 fn macros(cutter: bool) -> impl Strategy<Value = Macros> {
     // What macros tell behind a move that waits is where the axes stood before it.
-    prop::sample::select(if cutter { vec![Macros::None, Macros::Meddling] } else { vec![Macros::Shown] })
+    prop::sample::select(if cutter {
+        vec![Macros::None, Macros::Meddling, Macros::Rounds]
+    } else {
+        vec![Macros::Shown]
+    })
 }
 
 fn cases() -> u32 {
     std::env::var("MIXED_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(100)
+}
+
+/// A meeting is one microstep after its last arrival, and so is the move behind it, however long that waits.
+#[test]
+fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
+    let upper = "G98 F500\nT101\nG42 G1 X20.\nM100\nG1 Z-5.\nG4 P100\nX30.\nG40 X40.\nM30\n";
+    for lower in ["G98 F500\nT101\nG4 P100\nM100\nM30\n", "G98 F500\nT101\nG4 X60.\nM100\nM30\n"] {
+        run(machine(false, Macros::None), &[upper.to_owned(), lower.to_owned()]).unwrap();
+    }
 }
 
 proptest! {

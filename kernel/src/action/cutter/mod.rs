@@ -407,7 +407,7 @@ impl Kernel<'_> {
 
     /// Keeps a move back, and from here on what happens after it.
     fn wait(&mut self, step: Step, element: Option<Element>) {
-        let (file, line, block, clock) = (self.file, self.line, self.blocks, self.clock);
+        let (file, line, block, clock, micro) = (self.file, self.line, self.blocks, self.clock, self.micro);
         let exact = self.block.exact_stop;
         let text = self.edited.clone();
         let tag = self.tag();
@@ -421,7 +421,7 @@ impl Kernel<'_> {
         if first {
             cutter.idle = 0;
         }
-        cutter.waiting.push(Waiting { step, element, file, line, block, clock, exact, text, events });
+        cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
         self.block.moved = true;
         self.flow.pass.effects = true;
     }
