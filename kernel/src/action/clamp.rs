@@ -136,6 +136,7 @@ impl Kernel<'_> {
 
     /// Takes whole turns off the position of an axis; nothing moves.
     pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: Modulo) {
+        self.settle_for_macro();
         let mut machine = self.machine_point(&self.place.position);
         let Some(slot) = machine.get_mut(axis) else { return };
         let (before, after) = (*slot, modulo.of(*slot));
@@ -144,6 +145,9 @@ impl Kernel<'_> {
         }
         *slot = after;
         self.place.position = self.way_of_machine(&machine);
+        if let Some(slot) = self.cutter().and_then(|cutter| cutter.contour.get_mut(axis)) {
+            *slot += after - before;
+        }
         self.frames_changed();
         let text = format!("unwind {}={}", self.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
         self.emit(0, Kind::Mode { text: text.into() });

@@ -84,6 +84,20 @@ pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
     kernel.reframe();
 }
 
+/// Everything between the program and the axes is as at the begin of a job, but for what offsets say; the machine
+/// stands still.
+pub(crate) fn forget(kernel: &mut Kernel<'_>) {
+    if kernel.end_tip() {
+        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+    }
+    let place = &mut kernel.place;
+    (place.frames, place.clamped) = (None, 0);
+    (place.work_offset, place.tool_offset) = (1, 0);
+    (place.length_sign, place.length_number) = (0.0, 0);
+    place.preset = [0.0; MAX_AXES];
+    kernel.reframe();
+}
+
 impl Kernel<'_> {
     /// The part of the shift that is the tool.
     pub(crate) fn tool_shift(&self) -> Position {
@@ -135,22 +149,16 @@ impl Kernel<'_> {
         if wanted == self.place.shift {
             return;
         }
-        self.cycle.reframed(&self.place.shift, &wanted);
         if self.place.frames.is_some() {
             self.settle_for_macro();
-            let machine = self.machine_point(&self.place.position);
-            self.place.shift = wanted;
-            let stood = self.place.position;
-            self.refresh_tip();
-            self.place.position = self.point_of_machine(&machine);
-            let stands = self.place.position;
-            if let Some(cutter) = self.cutter() {
-                for ((slot, new), old) in cutter.contour.iter_mut().zip(stands).zip(stood) {
-                    *slot += new - old;
-                }
-            }
-            self.frames_changed();
+            let levels = self.cycle_levels();
+            self.standing(|kernel| {
+                kernel.place.shift = wanted;
+                kernel.refresh_tip();
+            });
+            self.keep_levels(levels);
         } else {
+            self.cycle.reframed(&self.place.shift, &wanted);
             for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
                 *position += old - new;
             }

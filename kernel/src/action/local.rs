@@ -56,6 +56,7 @@ pub(super) fn of(id: crate::machine::ident::CodeId) -> Option<(Part, Change)> {
 /// Carries out a code of the local frame.
 pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Acted {
     let has = kernel.place.has_axes();
+    let levels = kernel.cycle_levels();
     let made = match (part, change) {
         (Part::Mirror, Change::Off) => {
             let given = fewer_mirrors(kernel);
@@ -86,6 +87,7 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
         refuse(kernel, refused);
     }
     kernel.frames_changed();
+    kernel.keep_levels(levels);
     let text = kernel.frame_text();
     kernel.emit(0, Kind::Mode { text: text.into() });
     Ok(())
@@ -136,9 +138,9 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 
 /// Takes a centre. A machine that has words for it means the place where the tool stands when the block has none.
 fn center(kernel: &mut Kernel<'_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
-    let here = kernel.place.geometry(&kernel.place.position);
+    let here = kernel.seen_from_work(&kernel.contour());
     let stands = match kernel.place.frames.as_deref() {
-        Some(_) if change == Change::Add => kernel.place.geometry(&kernel.programmed()),
+        Some(_) if change == Change::Add => kernel.seen(&kernel.programmed()),
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
     };

@@ -19,6 +19,7 @@ mod mode;
 mod motion;
 mod offsets;
 mod polar;
+mod rates;
 pub(crate) mod skip;
 pub(crate) mod spindle;
 pub(crate) mod spindles;

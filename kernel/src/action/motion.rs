@@ -252,8 +252,10 @@ impl Kernel<'_> {
 
     #[cold]
     fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.is_compensated() && coded != 0 {
-            return self.compensate(Step { shape: Shape::Linear, coded, to: target, feed, unit });
+        if self.is_compensated() {
+            // Without a coordinate nothing moves, though the tool is not where the program is.
+            let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
+            return if coded == 0 { Ok(()) } else { self.compensate(step) };
         }
         let from = self.place.position;
         if target == from {
@@ -263,6 +265,7 @@ impl Kernel<'_> {
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
+        let seconds = self.at_rates(seconds, &from, &target, None);
         let length = self.feed_path(&changes, feed_length);
         let moving = self.moving(coded, &self.changes(&from, &target));
         let feed = (feed.unwrap_or(0.0), unit);
@@ -297,7 +300,10 @@ impl Kernel<'_> {
         let changes = self.feed_changes(&from, &to);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
-        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let mut seconds = self.feed_seconds(&path, feed, unit)?;
+        if self.place.frames.is_some() {
+            seconds = self.at_rates(seconds, &from, &to, None);
+        }
         let length = self.feed_path(&changes, feed_length);
         let feed = (feed.unwrap_or(0.0), unit);
         self.move_to(seconds, &Motion::straight(MotionKind::Linear, coded, [from, to], feed, length))

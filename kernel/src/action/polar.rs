@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use counterpoint_motion::arc as geometry;
 
+use super::arc::Circle;
 use super::time::Path;
 use crate::channel::data::Datum;
 use crate::channel::frames::polar::{Polar, round_the_centre};
@@ -35,6 +36,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
     };
     kernel.frames().polar = Some(Polar::new(&kernel.place, linear, rotary, cartesian));
     kernel.frames_changed();
+    super::cutter::plane_changed(kernel);
     kernel.emit(0, Kind::Mode { text: format!("c2p {} on", form(cartesian)).into() });
     Ok(())
 }
@@ -45,6 +47,7 @@ pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     };
     kernel.frames_changed();
+    super::cutter::plane_changed(kernel);
     kernel.emit(0, Kind::Mode { text: format!("c2p {} off", form(polar.cartesian)).into() });
     Ok(())
 }
@@ -68,15 +71,22 @@ fn axes(kernel: &Kernel<'_>) -> Option<(usize, usize)> {
 /// A circle on the part. Its plane is that of the part, whatever plane is active.
 pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Acted {
     let (feed, unit) = kernel.feed();
-    let (coded, target) = kernel.targets();
+    let (coded, target) = kernel.programmed_targets();
     let radius = kernel.take(data::ARC_RADIUS).map(|d| d.value);
     let offsets = [data::ARC_CENTER_X, data::ARC_CENTER_Y].map(|id| kernel.take(id).map(|d| d.value));
     let turns = kernel.take(data::ARC_TURNS).map_or(0.0, |d| d.value);
     if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
         return Ok(());
     }
-    let from = kernel.place.position;
-    let [start, end] = [&from, &target].map(|point| polar.part(&kernel.place, point));
+    let (from, programmed) = (kernel.contour(), kernel.programmed());
+    let mut to = kernel.work_point(&target);
+    // Words that are coordinates tell a circle of the local frame.
+    let spots = if polar.cartesian {
+        [&programmed, &target].map(|point| kernel.seen(point)).map(|[x, y, _]| [x, y])
+    } else {
+        [&from, &to].map(|point| polar.part(&kernel.place, point))
+    };
+    let [start, end] = spots;
     let tolerance = if kernel.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
     let made = match radius {
         Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
@@ -91,7 +101,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
             let text =
                 format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
-            return kernel.feed_to(coded, target, feed, unit);
+            return kernel.feed_to(coded, to, feed, unit);
         }
     };
     let off = made.end_error(end);
@@ -99,22 +109,23 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
         let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
         kernel.diagnose(&diag::ARC_END_OFF, text);
     }
-    let made = made.with_turns(if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 });
-    let mut to = target;
-    polar.reach(&kernel.place, &mut to, end, way_round(&made));
-    let changes = kernel.feed_changes(&from, &to);
-    let others = changes.iter().enumerate().filter(|(axis, _)| *axis != polar.linear && *axis != polar.rotary);
-    let rise = others.map(|(_, change)| change * change).sum::<f64>();
-    let length = (made.length() * made.length() + rise).sqrt();
-    let path = Path { from: &from, to: &to, length: made.length(), arc: None };
-    let seconds = kernel.feed_seconds(&path, feed, unit)?;
-    let moving = kernel.moving(coded, &kernel.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
-    let feed = (feed.unwrap_or(0.0), unit);
-    kernel.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
+    let local = kernel.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
+    let level = kernel.seen(&programmed)[2];
+    let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
+        let text =
+            format!("the frame makes no circle of the part of '{}', its end is reached straight", kernel.block_text());
+        kernel.diagnose(&diag::ARC_SCALED, text);
+        return kernel.feed_to(coded, to, feed, unit);
+    };
+    let turns = if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 };
+    let made = made.with_turns(turns);
+    let spot = polar.part(&kernel.place, &to);
+    polar.reach(&kernel.place, &mut to, spot, way_round(&made));
+    kernel.circle_to(&Circle { made, coded, from, to, axes: [polar.linear, polar.rotary], turns, feed, unit })
 }
 
 /// Degrees that a circle goes round the centre of the part; every full turn goes as far as the others.
-fn way_round(made: &geometry::Arc) -> f64 {
+pub(super) fn way_round(made: &geometry::Arc) -> f64 {
     let turns = (made.sweep.abs() / TAU).floor();
     let rest = made.sweep - turns * TAU.copysign(made.sweep);
     let once = if turns > 0.0 { part_round(made, TAU.copysign(made.sweep)) } else { 0.0 };
@@ -122,7 +133,7 @@ fn way_round(made: &geometry::Arc) -> f64 {
 }
 
 /// The same for a part of at most one turn from its start, radians.
-fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
+pub(super) fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
     let steps = (sweep.abs().to_degrees() / STEP).ceil().clamp(1.0, 360.0 / STEP);
     let point = |at: u32| {
         let angle = made.start_angle + sweep * (f64::from(at) / steps);
@@ -132,6 +143,22 @@ fn part_round(made: &geometry::Arc, sweep: f64) -> f64 {
 }
 
 impl Kernel<'_> {
+    /// A circle of the part from where the axes stand, which `circle.to` has gone round already.
+    #[cold]
+    pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
+        let Circle { made, coded, from, to, feed, unit, .. } = *circle;
+        let changes = self.feed_changes(&from, &to);
+        let others = changes.iter().enumerate().filter(|(axis, _)| *axis != polar.linear && *axis != polar.rotary);
+        let rise = others.map(|(_, change)| change * change).sum::<f64>();
+        let length = (made.length() * made.length() + rise).sqrt();
+        let path = Path { from: &from, to: &to, length: made.length(), arc: None };
+        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let seconds = self.at_rates(seconds, &from, &to, Some(&made));
+        let moving = self.moving(coded, &self.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
+        let feed = (feed.unwrap_or(0.0), unit);
+        self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
+    }
+
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
         let (id, scale) = self.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;

@@ -8,11 +8,12 @@ use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use crate::channel::frames::affine::{Affine, Point};
-use crate::channel::state::Plane;
+use crate::channel::state::{Plane, plane};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
+use crate::machine::ident::codes;
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;
@@ -57,6 +58,28 @@ fn sides(map: &Affine, plane: Plane) -> Option<Sides> {
     let (one, other) = (product(first, first), product(second, second));
     let same = (one - other).abs() <= FLAT * one && product(first, second).abs() <= FLAT * one;
     same.then_some(Sides { first, second, scale: one.sqrt() })
+}
+
+/// A circle of the program on the part of polar interpolation, whose plane is that of X and Y; none if it is no circle
+/// there.
+pub(super) fn on_part(map: &Affine, made: geometry::Arc, level: f64) -> Option<geometry::Arc> {
+    if *map == Affine::SAME {
+        return Some(made);
+    }
+    let sides = plane(codes::PLANE_XY).and_then(|plane| sides(map, plane))?;
+    if roles(&sides) != Some([0, 1]) {
+        return None;
+    }
+    let [cx, cy] = made.center;
+    let [x, y, _] = map.point([cx, cy, level]);
+    let spoke = map.direction([libm::cos(made.start_angle), libm::sin(made.start_angle), 0.0]);
+    let ([a, b, _], [c, d, _]) = (sides.first, sides.second);
+    Some(geometry::Arc {
+        center: [x, y],
+        radius: made.radius * sides.scale,
+        start_angle: libm::atan2(spoke[1], spoke[0]),
+        sweep: if a * d - b * c < 0.0 { -made.sweep } else { made.sweep },
+    })
 }
 
 /// The roles of the two axes whose plane the circle lies in.

@@ -76,9 +76,7 @@ impl Kernel<'_> {
             self.initial_codes();
             (self.place.tool, self.place.selected) = (0, 0);
             (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
-            let machine = self.machine_point(&self.place.position);
-            (self.place.frames, self.place.clamped) = (None, 0);
-            self.place.position = self.point_of_machine(&machine);
+            action::frame::forget(self);
             if let Some(channel) = self.machine.channels.iter().find(|channel| channel.number == self.rank) {
                 *self.states = action::states::States::new(self.machine, channel);
             }
@@ -90,6 +88,9 @@ impl Kernel<'_> {
             }
         }
         self.block.clear();
+        if !reset {
+            self.switch_cutter();
+        }
         (self.file, self.line) = (file, 0);
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
             self.variables.leave();

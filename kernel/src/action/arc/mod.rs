@@ -265,6 +265,9 @@ impl Kernel<'_> {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
+        if let Some(polar) = self.polar() {
+            return self.circle_of_part(polar, circle);
+        }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
         let changes = self.changes(&from, &to);
         let rise = changes
@@ -279,7 +282,10 @@ impl Kernel<'_> {
         let scale = |axis: usize| self.place.axes.get(axis).map_or(1.0, |a| a.scale);
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
-        let seconds = self.feed_seconds(&path, feed, unit)?;
+        let mut seconds = self.feed_seconds(&path, feed, unit)?;
+        if self.place.frames.is_some() {
+            seconds = self.at_rates(seconds, &from, &to, None);
+        }
         let moving = self.moving(coded, &changes) | 1 << first | 1 << second;
         self.travel(
             seconds,

@@ -28,8 +28,17 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return kernel.feed_to(coded, target, feed, unit);
     }
+    if kernel.polar().is_some() {
+        let text = format!(
+            "an arc in space is none under polar interpolation in '{}', the end is reached straight",
+            kernel.block_text()
+        );
+        kernel.diagnose(&diag::ARC_PLANE, text);
+        return kernel.feed_to(coded, target, feed, unit);
+    }
     let via = kernel.work_point(&via);
-    let from = kernel.contour();
+    crate::action::cutter::to_contour(kernel, feed, unit)?;
+    let from = kernel.place.position;
     let info = kernel.info;
     let axes = info.channel(kernel.rank).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
@@ -53,6 +62,7 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     let path =
         Path { from: &from, to: &target, length: circle.length(), arc: (reach > 1e-9).then_some((&flat, Some(0))) };
     let seconds = kernel.feed_seconds(&path, feed, unit)?;
+    let seconds = kernel.at_rates(seconds, &from, &target, None);
     let swings = (0..3).filter(|&side| circle.swing(side).1 > 1e-9).filter_map(|side| seen.axis(side));
     let motion = Motion {
         kind: MotionKind::ArcSpace,

@@ -22,9 +22,7 @@ impl Kernel<'_> {
     /// Goes to the time and block of a waiting move.
     pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
         self.clock = waiting.clock.saturating_add(late);
-        if late > 0 {
-            self.micro = 0;
-        }
+        self.micro = if late > 0 { 0 } else { waiting.micro };
         (self.file, self.line) = (waiting.file, waiting.line);
         self.edited.clone_from(&waiting.text);
         self.block.exact_stop = waiting.exact;

@@ -110,12 +110,47 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
     Ok(())
 }
 
-/// The active plane and its axes.
+/// The active plane and its axes; under polar interpolation that of the part.
 fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
+    if let Some(polar) = kernel.polar() {
+        return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
+    }
     let code = kernel.modal.code(group::PLANE)?;
     let plane = plane(code)?;
     let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
+}
+
+/// Polar interpolation has been switched: another plane, in which compensation begins anew.
+pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
+    let number = kernel.diameter_in_force().unwrap_or(0);
+    let made = compensated_plane(kernel).map(|(code, axes)| (axes, kernel.nose_tip(number, code)));
+    let Some(cutter) = kernel.cutter() else { return };
+    if cutter.stage != Stage::Ending {
+        cutter.stage = Stage::Start;
+    }
+    let text = match made {
+        Some((axes, tip)) => {
+            (cutter.axes, cutter.tip) = (axes, tip.map(|part| part * cutter.radius));
+            format!("compensation is active where '{}' changes the plane, it begins anew", kernel.block_text())
+        }
+        None => {
+            kernel.forget_cutter();
+            format!("no plane with both axes is left for compensation in '{}', it ends", kernel.block_text())
+        }
+    };
+    kernel.diagnose(&diag::CUTTER_PLANE, text);
+}
+
+/// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
+pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
+    let to = kernel.contour();
+    if !kernel.is_compensated() || to == kernel.place.position {
+        return Ok(());
+    }
+    let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
+    let shape = if feed.0.is_some() { Shape::Linear } else { Shape::Rapid };
+    kernel.straight(&Step { shape, coded: 0, to, feed: feed.0, unit }, to)
 }
 
 /// What an action means for a move that waits.
@@ -261,8 +296,7 @@ impl Kernel<'_> {
 
     /// The piece of the contour that a move makes in the plane; none if it stays on its spot.
     fn element(&mut self, step: &Step, from: &Position, axes: [usize; 2]) -> Option<Element> {
-        let spot = |of: &Position| axes.map(|axis| self.radial(of, axis));
-        let (start, end) = (spot(from), spot(&step.to));
+        let [start, end] = [from, &step.to].map(|of| self.plane_spot(of, axes));
         match step.shape {
             Shape::Circle { made, axes: own, .. } if own == axes => {
                 Some(Element { from: start, to: end, arc: Some(made) })
@@ -373,7 +407,7 @@ impl Kernel<'_> {
 
     /// Keeps a move back, and from here on what happens after it.
     fn wait(&mut self, step: Step, element: Option<Element>) {
-        let (file, line, block, clock) = (self.file, self.line, self.blocks, self.clock);
+        let (file, line, block, clock, micro) = (self.file, self.line, self.blocks, self.clock, self.micro);
         let exact = self.block.exact_stop;
         let text = self.edited.clone();
         let tag = self.tag();
@@ -387,7 +421,7 @@ impl Kernel<'_> {
         if first {
             cutter.idle = 0;
         }
-        cutter.waiting.push(Waiting { step, element, file, line, block, clock, exact, text, events });
+        cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
         self.block.moved = true;
         self.flow.pass.effects = true;
     }

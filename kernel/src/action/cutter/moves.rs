@@ -22,19 +22,41 @@ impl Kernel<'_> {
         of.get(axis).copied().unwrap_or(0.0) * scale
     }
 
-    /// Where the tool's centre is in the plane.
-    fn spot_of(&self, cutter: &Cutter) -> Spot {
-        plus(cutter.axes.map(|axis| self.radial(&self.place.position, axis)), cutter.tip, 1.0)
+    /// A position in the plane of compensation: that of the part under polar interpolation.
+    pub(super) fn plane_spot(&self, of: &Position, axes: [usize; 2]) -> Spot {
+        match self.polar() {
+            Some(polar) => polar.part(&self.place, of),
+            None => axes.map(|axis| self.radial(of, axis)),
+        }
     }
 
-    /// The position that puts the tool's centre on a spot, the other axes where `to` has them.
+    /// Where the tool's centre is in the plane.
+    fn spot_of(&self, cutter: &Cutter) -> Spot {
+        plus(self.plane_spot(&self.place.position, cutter.axes), cutter.tip, 1.0)
+    }
+
+    /// The position that puts the tool's centre on a spot straight from where it is, the other axes where `to` has
+    /// them.
     fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
+        if let Some(polar) = self.polar() {
+            polar.reach_straight(&self.place, &mut position, spot);
+            return position;
+        }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
             let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = position.get_mut(axis) {
                 *slot = crate::channel::frames::clean(value / scale, *slot);
             }
+        }
+        position
+    }
+
+    /// The same along an arc of the tool's centre.
+    fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
+        let mut position = self.position_at(cutter, to, spot);
+        if let Some(polar) = self.polar() {
+            polar.reach(&self.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
     }
@@ -197,6 +219,7 @@ impl Kernel<'_> {
             return self.straight(step, to);
         }
         let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
+        let to = self.position_round(cutter, &step.to, end, &made);
         let Step { coded, feed, unit, .. } = *step;
         self.round(&Circle { made, coded, from: self.place.position, to, axes, turns, feed, unit })
     }
@@ -215,13 +238,13 @@ impl Kernel<'_> {
                     self.link(step, length, to, None)?;
                 }
                 Link::Round { to: spot, center, clockwise } => {
-                    let to = self.position_at(cutter, &level, spot);
                     let here = self.spot_of(cutter);
                     let turn = if clockwise { -1.0 } else { 1.0 };
                     let start_angle = angle(center, here);
                     let sweep = ((angle(center, spot) - start_angle) * turn).rem_euclid(TAU) * turn;
                     let center = plus(center, cutter.tip, -1.0);
                     let made = Arc { center, radius: cutter.radius, start_angle, sweep };
+                    let to = self.position_round(cutter, &level, spot, &made);
                     self.link(step, length, to, Some((made, cutter.axes)))?;
                 }
             }

@@ -37,6 +37,7 @@ pub(crate) struct Waiting {
     pub(super) block: u64,
     /// Held time when it came, ns.
     pub(super) clock: i64,
+    pub(super) micro: u32,
     pub(super) exact: bool,
     pub(super) text: Option<Arc<[u8]>>,
     /// Events that were held back before it.

@@ -7,6 +7,7 @@
 
 mod event;
 mod kind;
+mod level;
 mod path;
 mod state;
 mod webs;

@@ -60,6 +60,30 @@ impl Frames {
     fn is_idle(&self) -> bool {
         self.local.is_empty() && self.polar.is_none() && self.tip.is_none() && self.cutter.is_none()
     }
+
+    /// Axis that says the distance across while words are coordinates of the part.
+    fn across(&self, place: &Place) -> Option<usize> {
+        let x = place.cartesian.first().copied().flatten().map(usize::from);
+        self.polar.filter(|polar| polar.cartesian && Some(polar.linear) == x).map(|polar| polar.rotary)
+    }
+
+    /// A programmed point as the local frame sees it; the distance across counts as Y.
+    pub(crate) fn seen(&self, place: &Place, programmed: &Position) -> Point {
+        let mut point = place.geometry(programmed);
+        if let Some(across) = self.across(place).and_then(|axis| programmed.get(axis)) {
+            point[1] = *across;
+        }
+        point
+    }
+
+    /// Puts what the local frame makes of a point back.
+    fn put(&self, place: &Place, position: &mut Position, mut point: Point) {
+        if let Some(slot) = self.across(place).and_then(|axis| position.get_mut(axis)) {
+            *slot = clean(point[1], *slot);
+            point[1] = place.geometry(position)[1];
+        }
+        place.put(position, point);
+    }
 }
 
 impl Place {
@@ -132,9 +156,37 @@ impl Kernel<'_> {
         if let Some(polar) = frames.polar {
             polar.to_program(&self.place, &mut point);
         }
-        let work = &point.clone();
-        self.place.put(&mut point, frames.local.to_program(self.place.geometry(work)));
+        let seen = frames.seen(&self.place, &point);
+        frames.put(&self.place, &mut point, frames.local.to_program(seen));
         point
+    }
+
+    /// A programmed point as the local frame sees it.
+    pub(crate) fn seen(&self, programmed: &Position) -> Point {
+        let frames = self.place.frames.as_deref();
+        frames.map_or_else(|| self.place.geometry(programmed), |frames| frames.seen(&self.place, programmed))
+    }
+
+    /// A point of the work frame as the local frame sees it from outside.
+    pub(crate) fn seen_from_work(&self, work: &Position) -> Point {
+        let mut point = *work;
+        if let Some(polar) = self.polar() {
+            polar.to_program(&self.place, &mut point);
+        }
+        self.seen(&point)
+    }
+
+    /// Carries out what changes the way from the work frame to the axes: they stay where they are, and the contour too.
+    pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
+        let machine = self.machine_point(&self.place.position);
+        let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));
+        change(self);
+        self.place.position = self.point_of_machine(&machine);
+        let contour = contour.map(|contour| self.point_of_machine(&contour));
+        if let (Some(cutter), Some(contour)) = (self.cutter(), contour) {
+            cutter.contour = contour;
+        }
+        self.frames_changed();
     }
 
     /// Any point of the work frame as it would be programmed.
@@ -153,7 +205,7 @@ impl Kernel<'_> {
         let place = &self.place;
         let Some(frames) = place.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
-        place.put(&mut work, frames.local.to_work(place.geometry(programmed)));
+        frames.put(place, &mut work, frames.local.to_work(frames.seen(place, programmed)));
         for (slot, stands) in work.iter_mut().zip(self.contour()) {
             *slot = clean(*slot, stands);
         }

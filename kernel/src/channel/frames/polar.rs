@@ -42,7 +42,7 @@ fn fine(value: f64, old: f64) -> f64 {
 }
 
 /// Degrees from one direction to another, −180 to 180; 0 if one of them is none.
-fn between([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+pub(crate) fn between([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
     if ax.hypot(ay) < CENTRE || bx.hypot(by) < CENTRE {
         return 0.0;
     }
@@ -104,7 +104,7 @@ impl Polar {
     }
 
     /// Puts the axes to a point of the part, straight from where they stand.
-    fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
+    pub(crate) fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
         let from = self.part(place, &place.position);
         self.reach(place, real, to, between(from, to));
     }

@@ -121,23 +121,26 @@ impl Kernel<'_> {
         if !chain.is_possible() || self.place.has_axes().contains(&false) {
             return false;
         }
-        let machine = self.machine_point(&self.place.position);
         let tool = self.tool_shift();
-        self.frames().tip = Some(Box::new(Tip { chain, tool, with_length }));
-        self.place.position = self.point_of_machine(&machine);
-        self.frames_changed();
+        let levels = self.cycle_levels();
+        self.standing(|kernel| kernel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
+        self.keep_levels(levels);
         true
     }
 
     /// Switches it off; `false` if it was. The machine stands still.
     pub(crate) fn end_tip(&mut self) -> bool {
-        let machine = self.machine_point(&self.place.position);
-        let ended = self.place.frames.as_deref_mut().and_then(|frames| frames.tip.take()).is_some();
-        if ended {
-            self.place.position = self.point_of_machine(&machine);
-            self.frames_changed();
+        if self.tip().is_none() {
+            return false;
         }
-        ended
+        let levels = self.cycle_levels();
+        self.standing(|kernel| {
+            if let Some(frames) = kernel.place.frames.as_deref_mut() {
+                frames.tip = None;
+            }
+        });
+        self.keep_levels(levels);
+        true
     }
 
     /// Takes over new offsets of the tool, and new settings; the point of the program is found again by the caller.

@@ -1,0 +1,148 @@
+//! Rates of rotary axes that slow feed moves down: near the centre under polar interpolation, and under tool tip
+//! control.
+//!
+//! Facts: reference control-emulator.md 6.8 (both), channel-synchronisation.md 3 (rates); that the slower one counts is
+//! a decision: docs/emulation.md, "Polar interpolation" and "Tool tip control". Invariants: a time never becomes shorter;
+//! it is exact for lines and circles of the part, with the rotary axis at its rate where the feed would ask for more.
+
+use std::f64::consts::TAU;
+
+use counterpoint_motion::arc::Arc;
+
+use crate::channel::Kernel;
+use crate::channel::frames::polar::between;
+use crate::log::event::Position;
+
+/// Ways below this are none.
+const NONE: f64 = 1e-9;
+
+/// A piece of a way on the part: its length, and degrees that it goes round the centre.
+type Piece = (f64, f64);
+
+/// The pieces of a line between changes of what is slower, the rotary axis or the feed. `tight`: way that the feed makes
+/// while the axis turns a radian.
+fn of_line([ax, ay]: [f64; 2], [bx, by]: [f64; 2], tight: f64) -> Vec<Piece> {
+    let (dx, dy) = (bx - ax, by - ay);
+    let length = dx.hypot(dy);
+    if length < NONE {
+        return Vec::new();
+    }
+    // From the foot of the perpendicular along the way.
+    let start = (ax * dx + ay * dy) / length;
+    let across = (ax * dy - ay * dx).abs() / length;
+    let reach = (across * tight - across * across).max(0.0).sqrt();
+    let mut ends = [start, -reach, reach, start + length].map(|end| end.clamp(start, start + length));
+    ends.sort_by(f64::total_cmp);
+    let point = |along: f64| [across, along];
+    let pieces = ends.windows(2).map(|ends| match ends {
+        [from, to] => (to - from, between(point(*from), point(*to)).abs()),
+        _ => (0.0, 0.0),
+    });
+    pieces.collect()
+}
+
+/// The same for a circle.
+fn of_circle(made: &Arc, tight: f64) -> Vec<Piece> {
+    let Arc { center: [cx, cy], radius, start_angle, sweep } = *made;
+    let off = cx.hypot(cy);
+    let begin = start_angle - libm::atan2(cy, cx);
+    let turns = (sweep.abs() / TAU).floor();
+    let rest = sweep.abs() - turns * TAU;
+    // With u the cosine of the angle from the farthest point, one radian goes (r² + r c u) / (r² + c² + 2 r c u)
+    // radians round the centre.
+    let at = |share: f64| {
+        let top = share * (radius * radius + off * off) - radius * radius;
+        let cosine = top / (radius * off * (1.0 - 2.0 * share));
+        (cosine.abs() < 1.0).then(|| libm::acos(cosine))
+    };
+    let share = radius / tight;
+    let changes: Vec<f64> = [share, -share].into_iter().filter_map(at).flat_map(|angle| [angle, -angle]).collect();
+    let pieces = |whole: f64| {
+        let mut ends = vec![0.0, whole];
+        ends.extend(changes.iter().map(|angle| ((angle - begin) * sweep.signum()).rem_euclid(TAU)));
+        ends.retain(|end| *end <= whole);
+        ends.sort_by(f64::total_cmp);
+        let piece = |ends: &[f64]| match ends {
+            [from, to] if to > from => {
+                let arc = Arc { start_angle: start_angle + from * sweep.signum(), ..*made };
+                let round = super::polar::part_round(&arc, (to - from) * sweep.signum());
+                (radius * (to - from), round.abs())
+            }
+            _ => (0.0, 0.0),
+        };
+        ends.windows(2).map(piece).collect::<Vec<Piece>>()
+    };
+    let mut all = pieces(rest);
+    if turns > 0.0 {
+        all.extend(pieces(TAU).into_iter().map(|(way, round)| (way * turns, round * turns)));
+    }
+    all
+}
+
+impl Kernel<'_> {
+    /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
+    #[cold]
+    pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
+        if self.tip().is_some() {
+            let turns = self.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+            return turns
+                .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
+                .filter(|t| t.is_finite())
+                .fold(seconds, f64::max);
+        }
+        let Some(polar) = self.polar() else { return seconds };
+        let rate = self.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
+        let [start, end] = [from, to].map(|point| polar.part(&self.place, point));
+        let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
+        let turned = (to.get(polar.rotary).unwrap_or(&0.0) - from.get(polar.rotary).unwrap_or(&0.0)).abs();
+        if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {
+            return seconds;
+        }
+        let slowest = turned / rate;
+        if length < NONE || !length.is_finite() {
+            return seconds.max(slowest);
+        }
+        let speed = length / seconds;
+        let tight = speed / rate.to_radians();
+        let pieces = made.map_or_else(|| of_line(start, end, tight), |made| of_circle(made, tight));
+        let time = pieces.iter().map(|(way, round)| (way / speed).max(round / rate)).sum::<f64>();
+        // In the centre the axis turns while the tool stands.
+        let round = pieces.iter().map(|(_, round)| round).sum::<f64>();
+        let still = (turned - round).max(0.0) / rate;
+        let still = if still * rate < 1e-6 { 0.0 } else { still };
+        let slowed = time + still;
+        if slowed.is_finite() && slowed > seconds * (1.0 + 1e-12) { slowed } else { seconds }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sums(pieces: &[Piece]) -> Piece {
+        pieces.iter().fold((0.0, 0.0), |(way, round), piece| (way + piece.0, round + piece.1))
+    }
+
+    #[test]
+    fn pieces_of_a_line() {
+        // 3 past the centre, 5 per radian: slower within √(3 · 5 − 9) of the foot.
+        let pieces = of_line([3.0, -4.0], [3.0, 4.0], 5.0);
+        let inner = 2.0 * 6_f64.sqrt();
+        assert!((pieces[1].0 - inner).abs() < 1e-12 && (sums(&pieces).0 - 8.0).abs() < 1e-12, "{pieces:?}");
+        assert!((pieces[1].1 - 2.0 * (6_f64.sqrt() / 3.0).atan().to_degrees()).abs() < 1e-9, "{pieces:?}");
+        // Straight through the centre half a turn is made in no way at all.
+        let through = of_line([-5.0, 0.0], [5.0, 0.0], 1.0);
+        assert_eq!(sums(&through), (10.0, 0.0));
+        assert!(of_line([1.0, 1.0], [1.0, 1.0], 1.0).is_empty());
+    }
+
+    #[test]
+    fn pieces_of_a_circle() {
+        let around = |center, radius| Arc { center, radius, start_angle: 0.3, sweep: -3.0 * TAU };
+        let own = sums(&of_circle(&around([0.0, 0.0], 2.0), 10.0));
+        assert!((own.0 - 6.0 * TAU).abs() < 1e-9 && (own.1 - 1080.0).abs() < 1e-6, "{own:?}");
+        // A circle that does not go round the centre goes there and back.
+        let beside = sums(&of_circle(&around([5.0, 0.0], 2.0), 4.0));
+        assert!(beside.1 > 0.0 && (beside.0 - 6.0 * TAU).abs() < 1e-9, "{beside:?}");
+    }
+}

@@ -1,0 +1,178 @@
+//! Everything together: local frames, offsets, compensation of the cutter radius, polar interpolation, tool tip
+//! control, cycles, threads and circles in one program. The log keeps its order, the way of the axes has no gap, and neither
+//! scheduling nor the lack of a log changes anything.
+
+mod machines;
+mod programs;
+
+use counterpoint_kernel::log::event::{Event, Kind, Motion, Position};
+use counterpoint_kernel::machine::Machine;
+use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_tests::{Done, Work};
+use machines::{Macros, machine};
+use programs::program;
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Differences of axes that noise may make.
+const NEAR: f64 = 1e-6;
+
+fn options(threads: u16) -> Options {
+    let limits = Limits { blocks: 5_000, zero_time_blocks: 2_000, events: 50_000, ..Limits::default() };
+    Options { limits, threads, ..Options::default() }
+}
+
+/// What is known of a channel while its events go by.
+#[derive(Default)]
+struct Seen {
+    end: i64,
+    /// End of the last motion, in the work frame.
+    at: Option<Position>,
+    shift: Position,
+    /// Tool tip control is active: positions are those of the tip.
+    tip: bool,
+    /// What macros told of the axes since the last motion.
+    joints: Option<Vec<f64>>,
+}
+
+impl Seen {
+    fn event(&mut self, event: &Event) -> Result<(), String> {
+        let Event { t_ns, dur_ns, line, .. } = *event;
+        let fail = |what: String| Err(format!("{what} at line {line}"));
+        // A limit may stop a channel in the middle of a motion.
+        let stopped = matches!(event.kind, Kind::Lifecycle(_));
+        if t_ns < self.end && !stopped || dur_ns < 0 {
+            return fail(format!("time goes back from {} to {t_ns}", self.end));
+        }
+        self.end = self.end.max(t_ns);
+        match &event.kind {
+            Kind::Motion(motion) => {
+                self.end = t_ns + dur_ns;
+                self.joints = None;
+                return self.motion(motion).or_else(fail);
+            }
+            Kind::Frame { shift } => {
+                if self.tip {
+                    self.at = None;
+                } else if let Some(at) = &mut self.at {
+                    // The machine stands still.
+                    for ((slot, old), new) in at.iter_mut().zip(self.shift).zip(**shift) {
+                        *slot += old - new;
+                    }
+                }
+                self.shift = **shift;
+            }
+            Kind::Mode { text } if text.starts_with("rtcp on") || text.starts_with("rtcp off") => {
+                self.tip = text.starts_with("rtcp on");
+                self.at = None;
+            }
+            Kind::Mode { text } if text.starts_with("unwind") => (self.at, self.joints) = (None, None),
+            Kind::Message { text } => {
+                if let Some(values) = text.strip_prefix("J ") {
+                    let values: Vec<f64> = values.split(' ').map(|value| value.parse().unwrap_or(f64::NAN)).collect();
+                    if let Some(before) = &self.joints
+                        && before.iter().zip(&values).any(|(a, b)| (a - b).abs() > NEAR)
+                    {
+                        return fail(format!("the axes jump from {before:?} to {values:?}"));
+                    }
+                    self.joints = Some(values);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn motion(&mut self, motion: &Motion) -> Result<(), String> {
+        let numbers = motion.to.iter().chain(&motion.from).chain(&motion.center).chain([&motion.length, &motion.feed]);
+        if numbers.into_iter().any(|value| !value.is_finite()) {
+            return Err(format!("a number is not finite: {motion:?}"));
+        }
+        if let Some(at) = self.at
+            && at.iter().zip(&motion.from).any(|(a, b)| (a - b).abs() > NEAR)
+        {
+            return Err(format!("a gap between {at:?} and {:?}", motion.from));
+        }
+        self.at = Some(motion.to);
+        Ok(())
+    }
+}
+
+fn check(done: &Done) -> Result<(), String> {
+    let mut channels: std::collections::BTreeMap<u16, Seen> = std::collections::BTreeMap::new();
+    let mut last = (0, 0);
+    for event in &done.events {
+        if (event.t_ns, event.micro) < last {
+            return Err(format!("the log goes back at line {} of channel {}", event.line, event.channel));
+        }
+        last = (event.t_ns, event.micro);
+        if event.channel != 0 && !matches!(event.kind, Kind::Verdict(_)) {
+            let seen = channels.entry(event.channel).or_default();
+            seen.event(event).map_err(|error| format!("channel {}: {error}", event.channel))?;
+        }
+    }
+    Ok(())
+}
+
+fn run(machine: Arc<Machine>, texts: &[String]) -> Result<(), TestCaseError> {
+    let shown = || texts.join("\n--\n");
+    let one = Work::texts(machine.clone(), texts, options(1)).run(None).expect("the job can be prepared");
+    if let Err(error) = check(&one) {
+        return Err(TestCaseError::fail(format!("{error} of\n{}", shown())));
+    }
+    let many = Work::texts(machine.clone(), texts, options(0)).run(None).expect("the job can be prepared");
+    prop_assert!(one.events == many.events, "scheduling counts in\n{}", shown());
+    let (results, ..) = Work::texts(machine, texts, options(0)).results(None).expect("the job can be prepared");
+    prop_assert_eq!(&one.summary, &results.summary, "results without a log differ in\n{}", shown());
+    Ok(())
+}
+
+fn macros(cutter: bool) -> impl Strategy<Value = Macros> {
+    // What macros tell behind a move that waits is where the axes stood before it.
+    prop::sample::select(if cutter {
+        vec![Macros::None, Macros::Meddling, Macros::Rounds]
+    } else {
+        vec![Macros::Shown]
+    })
+}
+
+fn cases() -> u32 {
+    std::env::var("MIXED_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(100)
+}
+
+/// A meeting is one microstep after its last arrival, and so is the move behind it, however long that waits.
+#[test]
+fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
+    let upper = "G98 F500\nT101\nG42 G1 X20.\nM100\nG1 Z-5.\nG4 P100\nX30.\nG40 X40.\nM30\n";
+    for lower in ["G98 F500\nT101\nG4 P100\nM100\nM30\n", "G98 F500\nT101\nG4 X60.\nM100\nM30\n"] {
+        run(machine(false, Macros::None), &[upper.to_owned(), lower.to_owned()]).unwrap();
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_program_of_a_mill((text, macros) in (program(true, true), macros(true))) {
+        run(machine(true, macros), &[text])?;
+    }
+
+    #[test]
+    fn any_program_of_a_mill_shows_its_axes((text, macros) in (program(true, false), macros(false))) {
+        run(machine(true, macros), &[text])?;
+    }
+
+    #[test]
+    fn any_programs_of_a_lathe(
+        ((upper, lower), macros) in ((program(false, true), program(false, true)), macros(true))
+    ) {
+        run(machine(false, macros), &[upper, lower])?;
+    }
+
+    #[test]
+    fn any_programs_of_a_lathe_show_their_axes(
+        ((upper, lower), macros) in ((program(false, false), program(false, false)), macros(false))
+    ) {
+        run(machine(false, macros), &[upper, lower])?;
+    }
+}
