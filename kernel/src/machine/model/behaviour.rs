@@ -1,0 +1,211 @@
+//! How a control behaves: subprograms, meetings, times, cycles, compensation, variables, tools.
+
+/// Subprogram calls.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Subprograms {
+    /// Where they are looked for after the calling file.
+    pub placement: Placement,
+    /// Extension of subprogram files, without dot (`tps`).
+    pub extension: String,
+    /// How P of a call is read.
+    pub call: CallForm,
+    /// Repeat word counts executions (`true`) or extra passes (`false`).
+    pub repeat_is_executions: bool,
+    /// What a return in the main program does.
+    pub main_return: MainReturn,
+}
+
+/// Where subprograms are looked for besides the calling file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Placement {
+    /// In the main file, by definition word.
+    SameFile,
+    /// All in one file, the main file's stem with the extension.
+    OneFile,
+    /// One file each.
+    FileEach,
+}
+
+/// Form of the program number in a call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CallForm {
+    /// P is the number only.
+    Number,
+    /// P of more than four digits holds the repeat count before the last four (Fanuc).
+    RepeatAndNumber,
+}
+
+/// What a return code does in a main program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MainReturn {
+    /// One cycle ends the run of the channel.
+    End,
+    /// The program starts again at its top.
+    Restart,
+}
+
+/// Channel synchronisation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sync {
+    /// Dialect of the meeting codes.
+    pub dialect: SyncDialect,
+    /// How the list of channels is written.
+    pub paths: PathsForm,
+    /// What stops when one channel alarms.
+    pub alarm_scope: AlarmScope,
+    /// Release delay, ns.
+    pub release_ns: i64,
+    /// Tick of a polling loop, ns.
+    pub poll_ns: i64,
+}
+
+/// Dialect of the meeting codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SyncDialect {
+    /// No synchronisation.
+    None,
+    /// Fanuc waiting M codes.
+    Fanuc,
+}
+
+/// Form of the channel list of a Fanuc waiting M code (parameter 8103 bit 1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathsForm {
+    /// Sum of 2^(n−1).
+    Bits,
+    /// Path numbers side by side; 0 = path 10.
+    List,
+    /// Either form, where it is unambiguous (two channels only).
+    Either,
+}
+
+/// What stops when one channel alarms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AlarmScope {
+    /// That channel only.
+    Own,
+    /// All channels.
+    All,
+}
+
+/// Times of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Time {
+    /// Seconds of a tool change (constant part).
+    pub tool_change: f64,
+    /// Seconds per station step of a turret, the shorter way round.
+    pub tool_step: f64,
+    /// Stations of the turret, 0 = no stepping.
+    pub stations: u32,
+    /// Rapid moves: each axis at its own rate (slowest decides), or along a straight line.
+    pub rapid: RapidPath,
+    /// Seconds of an S word that changes speed.
+    pub spindle_speed: f64,
+}
+
+/// What canned cycles do on this machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cycles {
+    /// How the tool comes to the clearance height.
+    pub approach: Approach,
+    /// How clearance, return and bottom heights are read.
+    pub clearance: Heights,
+    /// How depths are read.
+    pub depth: Heights,
+    /// A cycle without its clearance height is diagnosed; otherwise it starts where it stands.
+    pub clearance_required: bool,
+    /// A deep or chip-breaking cycle without a step is a mistake, not a plain cycle.
+    pub step_required: bool,
+    /// Way back of a chip-breaking cycle, distance above the last depth of a deep one, in geometry units.
+    pub step_back: f64,
+    /// Smallest step, geometry units.
+    pub min_step: f64,
+    /// A cycle has to be cancelled before another one or a motion code.
+    pub cancel_required: bool,
+    /// A motion code of the program cancels the cycle.
+    pub motion_cancels: bool,
+}
+
+/// Pump of the coolant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pump {
+    /// Largest pressure, 0 = no limit.
+    pub max_pressure: f64,
+    /// Pressures of `CODE_COOLANT_PRESSURE_0` and the following ones; the number of the code beyond the list.
+    pub pressures: Vec<f64>,
+}
+
+/// How cutter and nose radius compensation begins, ends and goes around corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// A rapid move may switch it on and off.
+    pub rapid: bool,
+    /// A circle may switch it on and off.
+    pub arcs: bool,
+    /// Largest turn, degrees, that corners by angle make sharp.
+    pub corner_angle: f64,
+}
+
+/// Way of a cycle to its clearance height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Approach {
+    /// All axes in one move.
+    Direct,
+    /// First to the position, then along the axis of the cycle.
+    PositionFirst,
+}
+
+/// How heights of a cycle are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heights {
+    /// By absolute or incremental positioning.
+    Mode,
+    /// Always positions.
+    Absolute,
+    /// Always distances.
+    Incremental,
+}
+
+/// Path of a rapid move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RapidPath {
+    /// Every axis at its own rate; the slowest decides the time.
+    SlowestAxis,
+    /// Straight line: rates scaled by the axes' share of the path.
+    Linear,
+}
+
+/// Program variables of the pre-processor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variables {
+    /// Ranges of common variables that all channels share, inclusive.
+    pub shared: Vec<(u32, u32)>,
+    /// Ranges of common variables of each channel's own.
+    pub channel: Vec<(u32, u32)>,
+}
+
+/// Tool word and offsets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    /// Digits at the end of the tool word that are the offset number (Fanuc lathe T0101: 2); 0 = tool number only.
+    pub offset_digits: u8,
+    /// Offsets by number: per machine axis, axis units, and nose radius.
+    pub offsets: Vec<ToolOffset>,
+    /// Tool-change position in the machine frame, per machine axis, as programmed.
+    pub change_point: Vec<Option<f64>>,
+    /// The axes go there before a tool is loaded.
+    pub change_motion: bool,
+}
+
+/// One tool offset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToolOffset {
+    /// Number.
+    pub number: u32,
+    /// Value per machine axis (index into `axes`), as programmed (diameter on a diameter axis).
+    pub values: Vec<f64>,
+    /// Nose or cutter radius.
+    pub radius: f64,
+    /// Imaginary tip direction 0–9.
+    pub tip: u8,
+}
