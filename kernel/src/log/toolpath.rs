@@ -7,8 +7,8 @@
 //! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, truncated, segments}]}`. A segment is either
 //! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
 //! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
-//! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space is a polyline with the
-//! points where a coordinate turns back. Coordinates are rounded to 0.0001.
+//! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space, or
+//! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to 0.0001.
 
 mod json;
 pub mod store;
@@ -25,6 +25,9 @@ use store::{Curve, Move, Path, Stroke};
 
 /// Longest chord of a circle in space, radians.
 const CHORD: f64 = std::f64::consts::TAU / 120.0;
+
+/// Chords of a circle with many turns that is seen from its side.
+const MOST_CHORDS: f64 = 4000.0;
 
 /// How the path is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -162,7 +165,11 @@ impl Track {
             }
             MotionKind::ArcCw | MotionKind::ArcCcw => {
                 let sweep = Sweep::of(motion, &self.axes);
-                (Stroke::Feed, sweep.and_then(|sweep| self.eyes.curve(&sweep, motion)))
+                let curve = sweep.as_ref().and_then(|sweep| self.eyes.curve(sweep, motion));
+                if let (Some(sweep), None) = (&sweep, &curve) {
+                    self.aside(motion, sweep);
+                }
+                (Stroke::Feed, curve)
             }
         };
         self.begin(motion);
@@ -178,6 +185,28 @@ impl Track {
         if self.end != Some(motion.from) {
             self.path.begin(self.eyes.point(&motion.from));
             self.end = Some(motion.from);
+        }
+    }
+
+    /// A circle whose plane is not seen up to its end: chords, with the points where a coordinate turns back.
+    #[cold]
+    fn aside(&mut self, motion: &Motion, sweep: &Sweep) {
+        self.begin(motion);
+        let parts = (sweep.angle.abs() / CHORD).ceil().clamp(1.0, MOST_CHORDS);
+        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
+        shares.extend(sweep.turning_points());
+        shares.sort_by(f64::total_cmp);
+        for share in shares {
+            let mut position = motion.to;
+            for ((slot, to), from) in position.iter_mut().zip(motion.to).zip(motion.from) {
+                *slot = from + (to - from) * share;
+            }
+            for (axis, value) in sweep.axes.into_iter().zip(sweep.at(share)) {
+                if let (Some(slot), Some(own)) = (position.get_mut(axis), self.axes.get(axis)) {
+                    *slot = value / scale(own);
+                }
+            }
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position)), None);
         }
     }
 

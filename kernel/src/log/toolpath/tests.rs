@@ -63,6 +63,18 @@ fn a_mill_is_seen_in_three_coordinates() {
 }
 
 #[test]
+fn a_circle_out_of_sight_is_chords_with_its_extremes() {
+    // In a plane of Z and an axis that is not seen: half a turn about the origin, by way of Z10.
+    let side = arc(MotionKind::ArcCcw, &[40.0, 0.0, -10.0], &[40.0, 0.0, 10.0], [1, 2], [0.0, 0.0]);
+    let json = serde_json::to_value(toolpath(&lathe(&["x"]), &[side])).unwrap();
+    let points = json["channels"][0]["segments"][0]["points"].as_array().unwrap();
+    let along: Vec<f64> = points.iter().step_by(2).map(|z| z.as_f64().unwrap()).collect();
+    assert!(points.iter().skip(1).step_by(2).all(|x| x.as_f64() == Some(20.0)), "{points:?}");
+    assert!(along.len() > 60 && along.contains(&10.0), "{along:?}");
+    assert_eq!((along[0], along[along.len() - 1]), (0.0, 0.0));
+}
+
+#[test]
 fn a_circle_in_space_is_chords_with_its_extremes() {
     // From X10 to X-10 over the top: along the chord u is −Z, so the middle is at −10 u.
     let over = Motion { center: [-10.0, 0.0], ..motion(MotionKind::ArcSpace, &[10.0, 0.0, 0.0], &[-10.0, 0.0, 0.0]) };
