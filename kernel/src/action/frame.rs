@@ -167,32 +167,18 @@ impl Kernel<'_> {
         self.emit(0, Kind::Frame { shift: Box::new(wanted) });
     }
 
+    /// Presets, the work offset and the tool together.
     fn wanted_shift(&self) -> Position {
         let place = &self.place;
-        let work = self.offset_values(Table::Work, place.work_offset);
-        let tool = if place.tool_offset == BASE {
-            [0.0; MAX_AXES]
-        } else {
-            self.offset_values(Table::Length, place.tool_offset)
-        };
         let mut shift = place.preset;
-        for ((slot, work), tool) in shift.iter_mut().zip(work).zip(tool) {
-            *slot += work + tool;
-        }
-        let mut add = |values: Position, sign: f64| {
-            for (slot, value) in shift.iter_mut().zip(values) {
-                *slot += sign * value;
+        let mut add = |values: Position, more: Position| {
+            for ((slot, value), more) in shift.iter_mut().zip(values).zip(more) {
+                *slot += value + more;
             }
         };
+        add(self.offset_values(Table::Work, place.work_offset), self.tool_shift());
         if place.work_offset != BASE && place.offsets.is_some() {
-            add(self.offset_values(Table::Work, BASE), 1.0);
-        }
-        if place.length_sign != 0.0 && place.length_number != BASE {
-            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
-        }
-        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
-            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
-            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
+            add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
         }
         shift
     }
