@@ -237,3 +237,45 @@ fn offsets_are_joined_by_commas_and_tools_stand_in_load_order() {
     assert!(first.is_some() && first < second, "{listing}");
     assert!(listing.contains("       12         NA         NA       NA       NA  00:00:00"), "{listing}");
 }
+
+#[test]
+fn each_time_is_rounded_by_itself_and_the_total_from_the_sum() {
+    let part = |number: i64, kind| at(1, 1, number * S * 2 / 5, S * 2 / 5, kind);
+    let cut = Motion { feed: 100.0, ..motion(MotionKind::Linear, &[1.0], &[2.0]) };
+    let rapid = motion(MotionKind::Rapid, &[0.0], &[1.0]);
+    let events = [
+        part(0, Kind::Motion(rapid)),
+        part(1, Kind::Motion(cut)),
+        part(2, Kind::Dwell),
+        life(1, S * 6 / 5, Phase::ProgramEnd),
+    ];
+    let listing = listing(&lathe(&["x"]), 1, &events);
+    let table = "\
+TYPE       HH:MM:SS      PERCENT
+
+FEED       00:00:00       33.333
+RAPID      00:00:00       33.333
+MISC       00:00:00       33.333
+
+TOTAL      00:00:01
+";
+    assert!(listing.contains(table), "{listing}");
+}
+
+#[test]
+fn the_operation_stands_before_the_kernel() {
+    let mut event = diagnostic(2, 1, 0, 2_001_005, 4, "text");
+    if let Kind::Diagnostic(diagnostic) = &mut event.kind {
+        diagnostic.operation = "ROUGH".into();
+        diagnostic.kernel = "TURRET".into();
+    }
+    let listing = listing(&lathe(&["x", "y"]), 2, &[event]);
+    let line = "  SEVERITY(04) LINE(00001) ERRNUM(02001005) INPUT(p2.nc) OPER(ROUGH) KERNEL(TURRET)\n";
+    assert!(listing.contains(line), "{listing}");
+}
+
+#[test]
+fn marks_are_told_by_their_numbers() {
+    let marks = ["M101", "M101 P12", "101", "START1", "S205", "GATE"].map(blocks::mark);
+    assert_eq!(marks, ["101", "101", "101", "START1", "205", "GATE"]);
+}
