@@ -23,6 +23,7 @@ use std::io::{BufWriter, Result, Write};
 use crate::log::event::{Event, Kind};
 use crate::log::info::Info;
 use crate::log::summary::Summary;
+use crate::trace::LISTING;
 use blocks::Waits;
 use diagnostics::Counts;
 use tooling::Tooling;
@@ -75,12 +76,22 @@ pub fn render_trace(
     for (_, event) in events.filter(|(_, e)| e.channel == channel || e.channel == 0) {
         match &event.kind {
             Kind::Diagnostic(diagnostic) => diagnostics::write(info, &event, diagnostic, &mut out)?,
-            _ if event.channel != channel => {}
+            _ if event.channel != channel && !of_master(&event) => {}
             Kind::Block { .. } => tracer.block(info, &event, &mut out)?,
             _ => tracer.event(info, &event, &mut out)?,
         }
     }
     out.flush()
+}
+
+/// What the macros of the master kernel show, in every listing as its diagnostics; it switches none of them off.
+fn of_master(event: &Event) -> bool {
+    event.channel == 0
+        && match event.kind {
+            Kind::Trace { letter, .. } => letter != LISTING,
+            Kind::Message { .. } => true,
+            _ => false,
+        }
 }
 
 fn whole(
@@ -116,7 +127,7 @@ fn whole(
             Kind::Frame { shift } => travel.frame(shift),
             _ => tooling.event(&event),
         }
-        if !log_only && event.channel == channel {
+        if !log_only && (event.channel == channel || of_master(&event)) {
             tracer.event(info, &event, &mut out)?;
         }
     }

@@ -112,15 +112,15 @@ impl Hook {
             Hook::ProgramShutdown => "Program Shutdown Macro",
             Hook::SubprogramStartup => "Subprogram Startup Macro",
             Hook::SubprogramShutdown => "Subprogram Shutdown Macro",
-            Hook::PreprocessorStartup => "Pre-processor Startup Macro",
-            Hook::PreprocessorShutdown => "Pre-processor Shutdown Macro",
+            Hook::PreprocessorStartup => "Pre-Processor Startup Macro",
+            Hook::PreprocessorShutdown => "Pre-Processor Shutdown Macro",
             Hook::BlockStartup => "Block Startup Macro",
             Hook::BlockShutdown => "Block Shutdown Macro",
             Hook::Motion => "Motion Event Macro",
             Hook::Cycle => "Cycle Event Macro",
             Hook::Tool => "Load Tool Event Macro",
             Hook::Diagnostic => "Diagnostic Event Macro",
-            Hook::Identification => "Pre-processor Identification Macro",
+            Hook::Identification => "Pre-Processor Identification Macro",
         }
     }
 

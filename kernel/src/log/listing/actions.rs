@@ -5,6 +5,7 @@
 
 use counterpoint_lang::format::wildcard_text;
 
+use super::blocks::mark;
 use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, Stop, ToolAction};
 use crate::log::geometry::Loop;
 use crate::log::info::Axis;
@@ -43,8 +44,8 @@ impl Actions {
             .to_owned()),
             Kind::Call { program, .. } => one(format!("call id={program}")),
             Kind::Return { .. } => one("return".to_owned()),
-            Kind::Wait(wait) => one(format!("sync mark={} wait", wait.key)),
-            Kind::Release(release) => one(format!("sync mark={} go", release.key)),
+            Kind::Wait(wait) => one(format!("sync mark={} wait", mark(&wait.key))),
+            Kind::Release(release) => one(format!("sync mark={} go", mark(&release.key))),
             _ => Vec::new(),
         }
     }

@@ -53,9 +53,9 @@ impl Waits {
     }
 }
 
-/// The number of a mark (`M101 P12`: `101`), the whole key when it has none.
-fn mark(key: &str) -> &str {
+/// The number of a mark (`M101 P12`: `101`), the whole word when it has none behind a single letter (`START1`).
+pub(super) fn mark(key: &str) -> &str {
     let first = key.split_whitespace().next().unwrap_or(key);
-    let number = first.trim_start_matches(|c: char| c.is_ascii_alphabetic());
-    if number.is_empty() { key } else { number }
+    let number = first.strip_prefix(|c: char| c.is_ascii_alphabetic()).unwrap_or(first);
+    if number.starts_with(|c: char| c.is_ascii_digit()) { number } else { first }
 }

@@ -197,3 +197,85 @@ fn a_real_job_lists_every_block() {
     assert!(listing.contains("\n1! M101\nwait mark=101 until 000:02.000\n2! G4P3000\n3! M30\n\nTOOLING"), "{listing}");
     assert!(listing.contains("MISC       00:00:03       60.000\nIDLE       00:00:02       40.000\n"), "{listing}");
 }
+
+#[test]
+fn severities_have_their_words_and_are_counted_by_them() {
+    let severities = [0, 3, 4, 7, 8, 15, 16, 99];
+    let events: Vec<Event> = severities.iter().map(|s| diagnostic(1, 1, 0, 2_001_005, *s, "text")).collect();
+    let listing = listing(&lathe(&["x"]), 1, &events);
+    let words = ["Message", "Message", "Warning", "Warning", "Error", "Error", "Fatal", "Fatal"];
+    for (word, severity) in words.into_iter().zip(severities) {
+        let two = format!("\n{word}: text\n  SEVERITY({severity:02}) LINE(00001) ERRNUM(02001005) INPUT(p1.nc)\n");
+        assert!(listing.contains(&two), "{listing}");
+    }
+    let counts =
+        "\nTYPE      TOTAL\n\nMESSAGE       2\nWARNING       2\nERROR         2\nFATAL         2\n\nTOTAL         8\n";
+    assert!(listing.ends_with(counts), "{listing}");
+}
+
+#[test]
+fn the_log_file_has_diagnostics_and_summaries_but_no_trace() {
+    let info = lathe(&["%\nN10 G21 G90\n  N20 G1 X18. Z6.5 F.3 S950 M3 (FIRST CUT)"]);
+    let events = turning();
+    let summary = summary_of(&info, &events);
+    let mut out = Vec::new();
+    render_log(&info, 1, &summary, &mut (1..).zip(events.iter().cloned()), &mut out).unwrap();
+    let log = String::from_utf8(out).unwrap();
+    let whole = listing(&info, 1, &events);
+    let without: String = whole.split_inclusive('\n').filter(|l| l.get(1..3) != Some("! ")).collect();
+    assert_eq!(log, without);
+    assert!(log.contains("INPUT(p1.nc)\n\nTOOLING SUMMARY:\n"), "{log}");
+}
+
+#[test]
+fn offsets_are_joined_by_commas_and_tools_stand_in_load_order() {
+    let load =
+        |second: i64, tool, offset| at(1, 1, second * S, 0, Kind::Tool { action: ToolAction::Load, tool, offset });
+    let listing = listing(&lathe(&["x"]), 1, &[load(0, 12, 12), load(1, 3, 3), load(2, 12, 14)]);
+    let first = listing.find("       12  NA                      NA        NA           12,14            NA\n");
+    let second = listing.find("        3  NA                      NA        NA               3            NA\n");
+    assert!(first.is_some() && first < second, "{listing}");
+    assert!(listing.contains("       12         NA         NA       NA       NA  00:00:00"), "{listing}");
+}
+
+#[test]
+fn each_time_is_rounded_by_itself_and_the_total_from_the_sum() {
+    let part = |number: i64, kind| at(1, 1, number * S * 2 / 5, S * 2 / 5, kind);
+    let cut = Motion { feed: 100.0, ..motion(MotionKind::Linear, &[1.0], &[2.0]) };
+    let rapid = motion(MotionKind::Rapid, &[0.0], &[1.0]);
+    let events = [
+        part(0, Kind::Motion(rapid)),
+        part(1, Kind::Motion(cut)),
+        part(2, Kind::Dwell),
+        life(1, S * 6 / 5, Phase::ProgramEnd),
+    ];
+    let listing = listing(&lathe(&["x"]), 1, &events);
+    let table = "\
+TYPE       HH:MM:SS      PERCENT
+
+FEED       00:00:00       33.333
+RAPID      00:00:00       33.333
+MISC       00:00:00       33.333
+
+TOTAL      00:00:01
+";
+    assert!(listing.contains(table), "{listing}");
+}
+
+#[test]
+fn the_operation_stands_before_the_kernel() {
+    let mut event = diagnostic(2, 1, 0, 2_001_005, 4, "text");
+    if let Kind::Diagnostic(diagnostic) = &mut event.kind {
+        diagnostic.operation = "ROUGH".into();
+        diagnostic.kernel = "TURRET".into();
+    }
+    let listing = listing(&lathe(&["x", "y"]), 2, &[event]);
+    let line = "  SEVERITY(04) LINE(00001) ERRNUM(02001005) INPUT(p2.nc) OPER(ROUGH) KERNEL(TURRET)\n";
+    assert!(listing.contains(line), "{listing}");
+}
+
+#[test]
+fn marks_are_told_by_their_numbers() {
+    let marks = ["M101", "M101 P12", "101", "START1", "S205", "GATE"].map(blocks::mark);
+    assert_eq!(marks, ["101", "101", "101", "START1", "205", "GATE"]);
+}
