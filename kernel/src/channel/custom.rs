@@ -55,7 +55,7 @@ impl Kernel<'_> {
         let text = runtime.text.take();
         let left = runtime.left.take();
         let code = runtime.store.code.take();
-        let (issued, mark) = (runtime.issued, runtime.mark);
+        let kept = (runtime.issued, runtime.preprocessed, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let done = self.check_limits().and_then(|()| process(self));
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
@@ -63,7 +63,7 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
-            (runtime.issued, runtime.mark) = (issued, mark);
+            (runtime.issued, runtime.preprocessed, runtime.mark) = kept;
         }
         done
     }
@@ -124,6 +124,9 @@ impl Kernel<'_> {
         }
         let preprocess = self.plan.scanner.has_macros();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.preprocessed = preprocess;
+        }
         let (info, file, line) = (self.info, self.file, self.line);
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
         let edited = self.edited.clone();

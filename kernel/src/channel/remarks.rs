@@ -1,9 +1,9 @@
 //! Comments and operator messages as codes, on a kernel with macros.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.6: both act before everything else on their block (order 100). A
-//! pre-processor takes them off, unless `$FCEPP` says otherwise; a message is shown all the same. Decision: they need
-//! no row of the code table, the delimiters of the machine's format are enough. Invariant: `$TPRINT` or `$DISPLY`
-//! holds the text before a macro of the code runs.
+//! pre-processor that works on the block takes them off, unless `$FCEPP` says otherwise; a message is shown all the
+//! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
+//! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
 use std::sync::Arc;
 
@@ -19,18 +19,18 @@ use crate::macros::runtime::Task;
 impl Kernel<'_> {
     /// The block has messages, or comments and messages fire codes.
     pub(super) fn may_have_remarks(&self) -> bool {
-        let fire = |off: &bool| !(*off && self.plan.scanner.has_macros());
-        !self.block.messages.is_empty()
-            || self.macros.as_deref().is_some_and(|runtime| runtime.store.preprocessor.taken_off.iter().any(fire))
+        !self.block.messages.is_empty() || self.remarks_fire().contains(&true)
+    }
+
+    /// Whether comments, messages fire codes: where no pre-processor takes them off.
+    fn remarks_fire(&self) -> [bool; 2] {
+        let Some(runtime) = self.macros.as_deref() else { return [false; 2] };
+        runtime.store.preprocessor.taken_off.map(|off| !(off && runtime.preprocessed))
     }
 
     /// Comments and messages of a text, from left to right.
     pub(super) fn remarks(&mut self, text: &[u8]) -> Acted {
-        let kept = self.plan.scanner.has_macros();
-        let fires = self
-            .macros
-            .as_deref()
-            .map_or([false; 2], |runtime| runtime.store.preprocessor.taken_off.map(|off| !(off && kept)));
+        let fires = self.remarks_fire();
         self.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();

@@ -152,6 +152,8 @@ pub(crate) struct Runtime {
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// The block in process is a text that EXEC issued.
     pub(crate) issued: bool,
+    /// The pre-processor has worked on the block: what it takes off is gone.
+    pub(crate) preprocessed: bool,
     /// Level of its first mark of optional skip, if the machine has data for that.
     pub(crate) mark: Option<u8>,
     /// Compiled embedded code by text; none where it has errors.
@@ -232,6 +234,7 @@ impl Runtime {
             scanner: None,
             unmarked: None,
             issued: false,
+            preprocessed: false,
             mark: None,
             embedded: FxHashMap::default(),
             globals: Vec::new(),
