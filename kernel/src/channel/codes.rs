@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
 use super::block::Firing;
+use super::modal_call::END_CALLS;
 use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
@@ -17,7 +18,7 @@ impl Kernel<'_> {
             return self.made_block();
         }
         let calls_macro = self.categorise();
-        if calls_macro {
+        if calls_macro || self.calls_each_block() {
             return self.macro_call();
         }
         self.imply();
@@ -45,8 +46,8 @@ impl Kernel<'_> {
             let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
             match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
-                None if Some(word.register) == self.plan.g && word.value == 65.0 && self.plan.scanner.has_macros() => {
-                    call = true;
+                None if Some(word.register) == self.plan.g && self.calls_by(word.value) => {
+                    call |= word.value != END_CALLS;
                     self.use_word(position);
                 }
                 None => self.data_word(position),

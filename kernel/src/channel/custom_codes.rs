@@ -38,7 +38,7 @@ struct Taken {
 impl Kernel<'_> {
     /// Lets the codes of a block act.
     pub(crate) fn act_block_of(&mut self, origin: Origin) -> Acted {
-        if origin == Origin::Text && self.categorise() {
+        if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
             return self.macro_call();
         }
         self.head_sequence();

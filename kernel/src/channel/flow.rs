@@ -7,6 +7,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::custom_calls::{Called, Callee};
+use super::modal_call::ModalCall;
 use super::search::Labels;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
@@ -82,6 +83,8 @@ pub(crate) struct Pass {
 pub(crate) struct Flow {
     pub(crate) frames: Vec<Frame>,
     pub(crate) pending: Option<Pending>,
+    /// Macro that blocks call without saying so.
+    pub(crate) modal_call: Option<Box<ModalCall>>,
     pub(crate) pass: Pass,
     /// A line may run again, so compiled lines are worth keeping.
     pub(crate) caching: bool,
@@ -121,11 +124,14 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
-        if self.flow.pending.is_some() { self.follow_up() } else { Ok(()) }
+        if self.flow.pending.is_some() || self.flow.modal_call.is_some() { self.follow_up() } else { Ok(()) }
     }
 
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
+        if self.flow.pending.is_none() {
+            self.call_modally();
+        }
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),

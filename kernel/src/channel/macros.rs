@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::block::Word;
 use super::flow::Pending;
+use super::modal_call::ModalCall;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
@@ -266,7 +267,8 @@ impl Kernel<'_> {
         is
     }
 
-    /// `G65 P… L… arguments`: every letter is an argument here, also those that the machine has no register for.
+    /// `G65 P… L… arguments`, G66 and G66.1 that make it modal, and blocks of G66.1: every letter is an argument here,
+    /// also those that the machine has no register for.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let line = if self.macros.is_some() || self.edited.is_some() {
             let text = self.text_bytes().into_owned();
@@ -277,7 +279,7 @@ impl Kernel<'_> {
         };
         let Statement::Words(words) = &line.statement else { return Ok(()) };
         let mut arguments = Vec::new();
-        let (mut program, mut passes) = (None, 1.0);
+        let (mut program, mut passes, mut way) = (None, 1.0, None);
         let mut levels = [0_u8; 3];
         for word in words {
             let Name::Letter(letter) = word.name else { continue };
@@ -287,7 +289,8 @@ impl Kernel<'_> {
                 _ => self.eval(&word.value)?,
             };
             match letter {
-                b'G' | b'N' | b'O' => {}
+                b'G' => way = way.or(Self::way_of_call(number(value))),
+                b'N' | b'O' => {}
                 b'P' if program.is_none() => program = Some(number(value)),
                 b'L' => passes = number(value),
                 letter @ b'I'..=b'K' => {
@@ -299,12 +302,25 @@ impl Kernel<'_> {
                 letter => arguments.extend(argument(letter).map(|variable| (variable, value))),
             }
         }
+        let (modal, each) = way.unwrap_or((false, false));
+        if way.is_none() {
+            // A block that only gives the arguments: P and L are none of them either.
+            if let Some(call) = self.flow.modal_call.as_deref() {
+                program = Some(f64::from(call.number));
+                passes = f64::from(call.passes);
+            }
+        }
         let Some(program) = program.filter(|p| *p >= 1.0 && *p <= f64::from(u32::MAX)) else {
             let text = format!("macro call without a program number P in '{}'", self.block_text());
             return Err(self.alarm(&diag::MACRO_CALL, text));
         };
-        let passes = passes.clamp(1.0, 9999.0) as u32;
-        self.flow.pending = Some(Pending::Call { number: program as u32, passes, arguments: Some(arguments) });
+        let (number, passes) = (program as u32, passes.clamp(1.0, 9999.0) as u32);
+        if modal {
+            let level = self.call_level();
+            self.flow.modal_call = Some(Box::new(ModalCall { number, passes, arguments, each, level }));
+        } else {
+            self.flow.pending = Some(Pending::Call { number, passes, arguments: Some(arguments) });
+        }
         Ok(())
     }
 }

@@ -21,6 +21,7 @@ pub(crate) mod frames;
 pub(crate) mod leftover;
 pub(crate) mod life;
 pub(crate) mod macros;
+mod modal_call;
 pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod remarks;

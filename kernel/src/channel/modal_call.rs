@@ -1,0 +1,84 @@
+//! Modal macro calls: blocks call a macro until G67.
+//!
+//! Facts: reference control-emulator.md 5.4. Decisions: G66 calls behind every block that moves, with the arguments of
+//! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
+//! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
+
+use super::Kernel;
+use super::flow::Pending;
+
+/// Calls behind blocks that move.
+pub(super) const CALL: f64 = 65.0;
+const CALL_MOVES: f64 = 66.0;
+const CALL_EACH: f64 = 66.1;
+/// Ends modal calls.
+pub(super) const END_CALLS: f64 = 67.0;
+
+/// A macro that blocks call.
+#[derive(Debug)]
+pub(crate) struct ModalCall {
+    pub(super) number: u32,
+    pub(super) passes: u32,
+    pub(super) arguments: Vec<(u8, f64)>,
+    /// Every block calls, with its own words.
+    pub(super) each: bool,
+    /// Macro calls that were going on when it was said.
+    pub(super) level: usize,
+}
+
+impl Kernel<'_> {
+    /// A G word of the pre-processor that calls macros; the one that ends modal calls does so at once.
+    #[cold]
+    pub(super) fn calls_by(&mut self, value: f64) -> bool {
+        if !self.plan.scanner.has_macros() {
+            return false;
+        }
+        if value == END_CALLS {
+            self.flow.modal_call = None;
+        }
+        [CALL, CALL_MOVES, CALL_EACH, END_CALLS].contains(&value)
+    }
+
+    /// How a G word calls: `None` for none, else whether it is modal, and for each block.
+    pub(super) fn way_of_call(value: f64) -> Option<(bool, bool)> {
+        let modal = value == CALL_MOVES || value == CALL_EACH;
+        (modal || value == CALL).then_some((modal, value == CALL_EACH))
+    }
+
+    /// Macro calls that are going on.
+    pub(super) fn call_level(&self) -> usize {
+        self.flow.frames.iter().filter(|frame| frame.own_variables).count()
+    }
+
+    /// The words of this block are the arguments of a modal call.
+    #[inline(always)]
+    pub(crate) fn calls_each_block(&self) -> bool {
+        self.flow.modal_call.is_some() && self.is_argument_block()
+    }
+
+    #[cold]
+    fn is_argument_block(&self) -> bool {
+        let level = self.call_level();
+        self.flow.modal_call.as_deref().is_some_and(|call| call.each && call.level == level)
+            && !self.block.words.is_empty()
+    }
+
+    /// Calls behind a block that has moved.
+    #[cold]
+    pub(super) fn call_modally(&mut self) {
+        let level = self.call_level();
+        let Some(call) = self.flow.modal_call.as_deref() else { return };
+        if call.level > level {
+            // The macro that has said it is over.
+            self.flow.modal_call = None;
+            return;
+        }
+        if call.each || call.level != level || !self.block.moved {
+            return;
+        }
+        let ModalCall { number, passes, ref arguments, .. } = *call;
+        let arguments = Some(arguments.clone());
+        self.block.moved = false;
+        self.flow.pending = Some(Pending::Call { number, passes, arguments });
+    }
+}
