@@ -12,8 +12,7 @@ use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
 
 impl Kernel<'_> {
-    /// Runs the kernel's whole life.
-    /// With `again` it goes on with another file, as if that were the first one or not.
+    /// Runs the kernel's whole life. With `again` it goes on with another file, as if that were the first one or not.
     pub(crate) fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
         let (file, range, name) = start;
         self.coordinator.begin(self.rank);

@@ -7,9 +7,11 @@
 use super::Kernel;
 use super::flow::Pending;
 
+/// Calls once.
+const CALL: f64 = 65.0;
 /// Calls behind blocks that move.
-pub(super) const CALL: f64 = 65.0;
 const CALL_MOVES: f64 = 66.0;
+/// Calls with the words of every block.
 const CALL_EACH: f64 = 66.1;
 /// Ends modal calls.
 pub(super) const END_CALLS: f64 = 67.0;
