@@ -20,6 +20,7 @@ pub(crate) mod flow;
 pub(crate) mod frames;
 pub(crate) mod leftover;
 pub(crate) mod life;
+mod macro_call;
 pub(crate) mod macros;
 mod modal_call;
 pub(crate) mod plan;
@@ -32,6 +33,7 @@ pub(crate) mod state;
 pub(crate) mod tape;
 mod text;
 pub(crate) mod variables;
+mod word_calls;
 
 use std::sync::Arc;
 
