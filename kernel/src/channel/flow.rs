@@ -101,6 +101,8 @@ pub(crate) struct Flow {
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Definitions run into and texts of no program that have been told of, by file and line.
+    pub(crate) told: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
 }
@@ -174,6 +176,7 @@ impl Kernel<'_> {
             let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
+        self.tell_heading(file, range);
         if let Some(by) = &by {
             self.hand_over(by)?;
         }

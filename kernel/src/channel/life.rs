@@ -41,6 +41,7 @@ impl Kernel<'_> {
         self.initial_codes();
         self.initial_frame();
         self.load(file)?;
+        self.tell_leader(file, range);
         self.begin_macros()
     }
 

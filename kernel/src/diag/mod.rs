@@ -109,6 +109,8 @@ diagnostics! {
     TIP_UNREACHABLE 2900164 8 false "direction of the tool that the rotary axes cannot reach";
     NO_TIP_AXES 2900165 8 false "tool tip control without its axes";
     SECOND_CALL 2900170 8 false "word that would call a program on a block with another call or return";
+    TEXT_OF_NO_PROGRAM 2900171 4 false "text of a file that belongs to no program";
+    RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
 }
 
 #[cfg(test)]

@@ -142,8 +142,8 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
             continue;
         }
         let ranges = match wish.number {
-            Some(number) => match source.programs().iter().find(|r| r.number == Some(number)) {
-                Some(&range) => vec![range],
+            Some(number) => match named(number, source, &callers) {
+                Some(range) => vec![range],
                 None => {
                     findings.push(missing_number(wish, number, source));
                     continue;
@@ -204,13 +204,21 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
     }
 }
 
+/// The program of a number, with the text before it that it begins with.
+fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
+    let is = |range: &&Range| range.number == Some(number);
+    mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
+}
+
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
 }
 
-/// Main programs of a file: those that no other program of the file calls; the first one if all are called.
+/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
+/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
+/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
 fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     let ranges = source.programs();
     if ranges.len() < 2 {
@@ -218,12 +226,27 @@ fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     }
     let mut called = Called::default();
     ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let mut mains = ranges.to_vec();
-    mains.retain(|&range| !called.has(source, range) && !callers.by_word(range));
+    let is_main = |range: Range| !called.has(source, range) && !callers.by_word(range);
+    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
+    if let [heading, next, ..] = ranges
+        && source.is_plain(*heading)
+        && is_main(*next)
+        && !callers.ends_in(source, *heading)
+    {
+        mains.retain(|range| range != heading);
+        if let Some(first) = mains.first_mut() {
+            first.first = heading.first;
+        }
+    }
     if mains.is_empty() {
         mains.extend(ranges.first());
     }
     mains
+}
+
+/// The first main program of a file.
+pub(crate) fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
+    mains(source, &Callers::of(machine)).first().copied()
 }
 
 /// Main programs of a file from a line on, left to right; none in place of one that ends before it.
@@ -233,23 +256,24 @@ pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Op
     opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
 }
 
-/// The first program of a file begins at the rewind-stop before it, so that the listing shows that line. Where a
-/// rewind-stop is expected before the program, one that stands only at the end leaves nothing to do (reference
-/// control-emulator.md 5.1).
+/// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing
+/// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves nothing
+/// to do (reference control-emulator.md 5.1).
 pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
     let rws = format.rws.as_bytes();
     let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
+    let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
     let expected = format.rws_at == RewindStop::Start;
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
-    let stop = if source.is_plain(range) {
+    let first = if source.is_plain(range) && source.programs().len() < 2 {
         // A text without definition word begins at its first rewind-stop, if that is not its end.
         (range.first..=range.last)
             .find(is_stop)
-            .filter(|line| expected || (line + 1..=range.last).any(|n| !source.line(n).trim_ascii().is_empty()))
+            .filter(|line| expected || (line + 1..=range.last).any(|n| !is_blank(n)))
     } else if first_program {
-        (1..range.first).rev().find(is_stop)
+        (1..range.first).rev().find(is_stop).or_else(|| (1..range.first).find(|&n| !is_blank(n)))
     } else {
         None
     };
-    stop.map_or(range, |line| Range { first: line, ..range })
+    first.map_or(range, |line| Range { first: line, ..range })
 }
