@@ -14,7 +14,7 @@ use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
-use crate::log::event::{FileId, Kind};
+use crate::log::event::{FileId, Kind, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
 
@@ -64,6 +64,8 @@ pub(crate) enum Pending {
     },
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
+    /// End of the program.
+    End(Stop),
 }
 
 /// A loop as seen by the last backward jump.
@@ -147,14 +149,24 @@ impl Kernel<'_> {
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::Return(target)) => self.give_back(target),
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+        }?;
+        match self.flow.pending {
+            // Said by a macro around the call.
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+            _ => Ok(()),
         }
     }
 
-    /// Lets the block call or return at its end; a word that was to call before it does not.
+    /// What the block does at its end: the last call or return counts, an end code in any case.
     pub(crate) fn ask(&mut self, pending: Pending) {
-        if let Some(Pending::Call { what, by: Some(_), .. }) = &self.flow.pending {
-            let text = format!("{what} is not called: '{}' has another call or return", self.block_text());
-            self.diagnose(&diag::SECOND_CALL, text);
+        match &self.flow.pending {
+            Some(Pending::End(_)) => return,
+            Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => {
+                let text = format!("{what} is not called: '{}' has another call, return or end", self.block_text());
+                self.diagnose(&diag::SECOND_CALL, text);
+            }
+            _ => {}
         }
         self.flow.pending = Some(pending);
     }

@@ -405,14 +405,14 @@ impl Kernel<'_> {
     pub(crate) fn keep_halt(&mut self, halt: Halt) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.halt = Some(halt);
-            runtime.ending = !runtime.calls.is_empty() && !matches!(halt, Halt::End(_));
+            runtime.ending = !runtime.calls.is_empty();
         }
     }
 
     /// Lets the kernel work while a macro is running: its state lies here meanwhile.
     ///
     /// # Errors
-    /// The work made the kernel leave its program: all running macros end, except at an end code.
+    /// The work made the kernel leave its program: all running macros end.
     pub(crate) fn meanwhile(
         &mut self,
         state: &mut State,
@@ -433,11 +433,6 @@ impl Kernel<'_> {
         }
         match done {
             Ok(()) => Ok(()),
-            // The rest of the macros still runs after an end code; then the program ends.
-            Err(Halt::End(stop)) => {
-                runtime.halt = Some(Halt::End(stop));
-                Ok(())
-            }
             Err(halt) => {
                 runtime.halt = Some(halt);
                 runtime.ending = true;
