@@ -98,15 +98,16 @@ pub(crate) fn table(rows: &[Vec<String>], left: usize) -> String {
 }
 
 /// The report.
-pub(crate) fn report(summary: &Summary) -> String {
+pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
+    let most = |shown: usize| if verbose { usize::MAX } else { shown };
     let style = if summary.state == "SUCCEEDED" { GOOD } else { BAD };
     let mut out = format!("{}  {}\n\n", styled(style, &summary.state), time(summary.makespan_ns));
     out.push_str(&channels(summary));
-    out.push_str(&waits(summary));
+    out.push_str(&waits(summary, most(WAITS)));
     if let Some(verdict) = &summary.verdict {
         let _ = writeln!(out, "\n{} {}", styled(BAD, &verdict.kind), verdict.text);
     }
-    out.push_str(&diagnostics(summary));
+    out.push_str(&diagnostics(summary, most(DIAGNOSTICS)));
     out
 }
 
@@ -122,18 +123,18 @@ fn channels(summary: &Summary) -> String {
     table(&rows, 3)
 }
 
-fn waits(summary: &Summary) -> String {
+fn waits(summary: &Summary, most: usize) -> String {
     if summary.waits.is_empty() {
         return String::new();
     }
     let mut rows = vec![["meeting", "released", "arrivals"].map(str::to_owned).to_vec()];
-    for wait in summary.waits.iter().take(WAITS) {
+    for wait in summary.waits.iter().take(most) {
         let arrivals = wait.arrivals.iter().map(|a| format!("{}: {} line {}", a.channel, time(a.t_ns), a.line));
         let released = wait.release_ns.map_or_else(|| "never".to_owned(), time);
         rows.push(vec![wait.key.clone(), released, arrivals.collect::<Vec<_>>().join(", ")]);
     }
     let mut out = format!("\n{}", table(&rows, 3));
-    more(&mut out, summary.waits.len(), WAITS, "meetings");
+    more(&mut out, summary.waits.len(), most, "meetings");
     out
 }
 
@@ -144,7 +145,7 @@ fn more(out: &mut String, count: usize, shown: usize, what: &str) {
 }
 
 /// Diagnostics, worst first; the same one of many places once with a count.
-fn diagnostics(summary: &Summary) -> String {
+fn diagnostics(summary: &Summary, most: usize) -> String {
     let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
     for diagnostic in &summary.diagnostics {
         let same = |g: &&mut (&Diagnostic, usize)| {
@@ -157,10 +158,10 @@ fn diagnostics(summary: &Summary) -> String {
     }
     groups.sort_by_key(|(diagnostic, _)| std::cmp::Reverse(diagnostic.severity));
     let mut out = String::new();
-    for (diagnostic, count) in groups.iter().take(DIAGNOSTICS) {
+    for (diagnostic, count) in groups.iter().take(most) {
         out.push_str(&one(diagnostic, *count));
     }
-    more(&mut out, groups.len(), DIAGNOSTICS, "kinds of diagnostics");
+    more(&mut out, groups.len(), most, "kinds of diagnostics");
     if out.is_empty() { out } else { format!("\n{out}") }
 }
 
@@ -193,7 +194,7 @@ mod tests {
             "verdict":{"kind":"CYCLE","text":"all wait"},
             "diagnostics":[{"number":7,"severity":2,"channel":1,"text":"a"},{"number":9,"severity":9,"channel":1,
             "file":"p.nc","line":4,"block":"G99","text":"b"},{"number":7,"severity":2,"channel":1,"text":"a"}]}"#;
-        let report = report(&serde_json::from_str(text).unwrap());
+        let report = report(&serde_json::from_str(text).unwrap(), false);
         assert!(report.contains("M101") && report.contains("never") && report.contains("CYCLE"), "{report}");
         assert!(report.contains("p.nc:4: b") && report.contains("a (2 times)"), "{report}");
         assert!(report.find("p.nc:4").unwrap() < report.find("(2 times)").unwrap(), "worst first");

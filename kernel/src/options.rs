@@ -8,7 +8,7 @@ use crate::dialog::answers::Answer;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Optional-skip levels (1–9) that are switched on.
+    /// Optional-skip levels (1–9) that are switched on; 0 = that of a mark without a digit.
     pub opskip: Vec<u8>,
     /// Optional stop (M1) acts as a stop.
     pub opstop: bool,
@@ -26,6 +26,9 @@ pub struct Options {
     /// Somebody attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
+    /// Parameters of the user, `$UPARAM`: one line of text.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub parameters: String,
     /// Limits.
     pub limits: Limits,
 }

@@ -32,6 +32,7 @@ mod time;
 pub(crate) mod tip;
 mod tool;
 mod turned;
+pub(crate) mod turning;
 
 use crate::channel::block::Firing;
 use crate::channel::frames::local::Part;

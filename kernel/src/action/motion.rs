@@ -157,9 +157,13 @@ impl Kernel<'_> {
                 );
                 self.diagnose(&diag::POSITION_MODE_UNKNOWN, text);
             }
+            let angle = self.place.angles & 1 << index != 0;
             let Some(slot) = target.get_mut(index) else { break };
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
+            } else if angle {
+                let away = if self.block.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
+                self.turned_to(index, *slot, datum.value, away)
             } else if self.block.machine_frame {
                 datum.value - shift(self, index).unwrap_or(0.0)
             } else {

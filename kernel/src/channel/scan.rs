@@ -87,7 +87,7 @@ impl Scanner {
                 .collect(),
             reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
-            levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
+            levels: levels(machine, opskip),
             sequence,
             letters,
             early: Early::new(machine),
@@ -328,6 +328,14 @@ impl Scanner {
             }
             let (words, sequence) = (block.words.len(), block.sequence);
             let from = at + special.before.len();
+            if special.names
+                && let Some((tool, end)) = early.tool(special, line, from)
+            {
+                let (register, incremental, value) = (special.register, special.incremental, f64::from(tool));
+                let (start, end) = (at as u32, end as u32);
+                block.push(Word { register, incremental, used: false, value, start, end });
+                return Some(end as usize);
+            }
             let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
                 continue;
             };
@@ -384,6 +392,12 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// Active optional-skip levels; 0 stands for that of a mark without a digit (reference control-emulator.md 5.5).
+fn levels(machine: &Machine, opskip: &[u8]) -> u16 {
+    let level = |&level: &u8| if level == 0 { machine.format.opskip_default } else { level };
+    opskip.iter().map(level).filter(|&level| level < 16).fold(0, |bits, level| bits | 1 << level)
 }
 
 fn starts_word(line: &[u8], at: usize) -> bool {

@@ -26,6 +26,8 @@ pub struct Info {
     pub unit: Unit,
     /// Letters of the trace that the job asks for.
     pub trace: Letters,
+    /// Parameters of the user, for the listing header.
+    pub parameters: String,
     /// Channels in ascending number, master not included.
     pub channels: Vec<Channel>,
     /// All files the job may read: programs first, in order, then the others by name.

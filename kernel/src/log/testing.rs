@@ -42,6 +42,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         machine_number: 2,
         machine_revision: 1,
         trace: crate::trace::Letters::default(),
+        parameters: String::new(),
         unit: Unit::Mm,
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
         files: texts.iter().enumerate().map(file).collect(),

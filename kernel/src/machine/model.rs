@@ -66,6 +66,8 @@ pub struct Machine {
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.
     pub pump: Pump,
+    /// What its words leave open.
+    pub habits: super::habits::Habits,
     /// Cutter and nose radius compensation.
     pub compensation: Compensation,
     /// Program variables of the pre-processor.
@@ -215,6 +217,19 @@ pub struct Axis {
     pub vector: [f64; 3],
     /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
     pub center: [f64; 3],
+    /// How absolute words turn a rotary axis.
+    pub turn: Turn,
+}
+
+/// How an absolute word turns a rotary axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// It is the position, whole turns counted.
+    Position,
+    /// It is the angle, reached the shorter way.
+    Shortest,
+    /// It is the angle, its sign the direction.
+    Sign,
 }
 
 /// Geometry role of an axis.

@@ -320,6 +320,7 @@ impl Kernel<'_> {
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
             runtime.store.set(names().extension, Value::text(extension));
+            runtime.store.set(names().parameters, Value::text(self.options.parameters.as_str()));
             Box::new(runtime)
         });
         self

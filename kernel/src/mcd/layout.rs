@@ -2,11 +2,12 @@
 //!
 //! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
 //! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
-//! programs from left to right. Invariant: files are numbered programs first, then the rest by name, so the same job
-//! has the same numbers.
+//! programs from left to right; codes of heads may divide a file instead (`heads`). Invariant: files are numbered
+//! programs first, then the rest by name, so the same job has the same numbers.
 
 use std::sync::{Arc, OnceLock};
 
+use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
 use crate::files::Files;
@@ -16,6 +17,9 @@ use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
 use crate::trace::{Letters, letters};
+
+/// Bytes of the parameters of the user.
+const MOST_PARAMETERS: usize = 4000;
 
 /// Assigns the programs of a job.
 pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
@@ -39,6 +43,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding
         machine_revision: spec.machine.revision,
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
+        parameters: spec.options.parameters.clone(),
         channels,
         files: table,
     })
@@ -68,9 +73,12 @@ fn channels(machine: &Machine) -> Vec<Channel> {
 fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
     for level in &spec.options.opskip {
-        if !(1..=9).contains(level) {
-            wrong(format!("optional-skip level {level} is not between 1 and 9"));
+        if *level > 9 {
+            wrong(format!("optional-skip level {level} is not between 1 and 9, nor 0 for the machine's own"));
         }
+    }
+    if spec.options.parameters.chars().any(char::is_control) || spec.options.parameters.len() > MOST_PARAMETERS {
+        wrong(format!("the parameters of the user must be one line of {MOST_PARAMETERS} bytes at most"));
     }
     if let Err(letter) = Letters::parse(&spec.options.trace) {
         wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
@@ -121,6 +129,8 @@ struct Candidate<'a> {
     wish: &'a Program,
     file: u16,
     range: Range,
+    /// Channel that the file itself says.
+    channel: Option<u16>,
 }
 
 impl Candidate<'_> {
@@ -158,20 +168,40 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        candidates.extend(ranges.into_iter().map(|range| Candidate {
-            wish,
-            file,
-            range: opening(source, range, &spec.machine.format),
-        }));
+        let alone = spec.programs.len() == 1 && wish.number.is_none();
+        for (range, channel) in by_head(spec, source, ranges, alone, findings) {
+            candidates.push(Candidate { wish, file, range: opening(source, range, &spec.machine.format), channel });
+        }
     }
     candidates
+}
+
+/// Programs with the channels that the heads in the text give them, where codes of heads divide files.
+fn by_head(
+    spec: &Spec,
+    source: &Source,
+    ranges: Vec<Range>,
+    alone: bool,
+    findings: &mut Vec<Finding>,
+) -> Vec<(Range, Option<u16>)> {
+    let first = ranges.first().copied().filter(|_| alone && spec.machine.habits.heads_in_file);
+    match first.map(|range| heads::divide(&spec.machine, source, range)) {
+        Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
+        Some(Err((head, line))) => {
+            let text =
+                format!("the program of head {head} goes on after that of another head; it must be in one piece");
+            findings.push(Finding::error(source.name.clone(), line, 0, text));
+            Vec::new()
+        }
+        _ => ranges.into_iter().map(|range| (range, None)).collect(),
+    }
 }
 
 fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], findings: &mut Vec<Finding>) {
     let machine = &spec.machine.name;
     let count = channels.len();
     for candidate in candidates {
-        let slot = match candidate.wish.channel {
+        let slot = match candidate.wish.channel.or(candidate.channel) {
             Some(number) => match channels.iter_mut().find(|c| c.number == number) {
                 Some(channel) if channel.program.is_empty() => Some(channel),
                 Some(_) => {
@@ -249,10 +279,18 @@ pub(crate) fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
     mains(source, &Callers::of(machine)).first().copied()
 }
 
-/// Main programs of a file from a line on, left to right; none in place of one that ends before it.
+/// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
 pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
-    let mains = mains(source, &Callers::of(machine));
-    let opened = mains.into_iter().map(|range| opening(source, range, &machine.format));
+    let mut ranges = mains(source, &Callers::of(machine));
+    let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
+    if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
+        && found.len() > 1
+    {
+        let of = |number| found.iter().find(|(head, _)| *head == number).map(|(_, range)| *range);
+        let nothing = Range { number: None, first: 1, last: 0 };
+        ranges = machine.channels.iter().map(|channel| of(channel.number).unwrap_or(nothing)).collect();
+    }
+    let opened = ranges.into_iter().map(|range| opening(source, range, &machine.format));
     opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
 }
 

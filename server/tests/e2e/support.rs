@@ -69,6 +69,7 @@ impl Runner for Script {
             machine_number: 1,
             machine_revision: 1,
             trace: Default::default(),
+            parameters: String::new(),
             unit: Unit::Mm,
             channels: vec![channel(1), channel(2)],
             files: vec![file],

@@ -16,6 +16,10 @@ pub(super) fn write(info: &Info, out: &mut dyn Write) -> Result<()> {
     }
     let (number, revision) = (info.machine_number, info.machine_revision);
     label(out, "CE:", &format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine))?;
+    if !info.parameters.is_empty() {
+        writeln!(out)?;
+        label(out, "UPARAM:", &info.parameters)?;
+    }
     writeln!(out)
 }
 

@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, kinematics,
-    macros, overlap, paths, pump, registers,
+    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, initial,
+    kinematics, macros, overlap, paths, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -38,6 +38,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let arcs = paths::arcs(&mut top, head.unit);
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
+    let habits = habits::read(&mut top);
     let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
@@ -87,6 +88,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         threads,
         tool_direction,
         pump,
+        habits,
         compensation,
         variables,
         tool,

@@ -110,7 +110,9 @@ fn heritage(mut parent: Table) -> Table {
 /// By what a child's row finds the parent's row it replaces.
 pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     match path {
-        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" => row.text("name").map(str::to_owned),
+        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" => {
+            row.text("name").map(str::to_owned)
+        }
         "codes" => {
             let form = row.text("word").map(|word| format!("word {word}"));
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));

@@ -1,4 +1,4 @@
-//! `[tool]`, `[[tool.offsets]]` and `[[work_offsets]]`.
+//! `[tool]`, `[[tool.offsets]]`, `[[tool.names]]` and `[[work_offsets]]`.
 //!
 //! Invariant: every offset has one value per axis of the machine; tool offsets stand in ascending number.
 
@@ -15,7 +15,13 @@ const STANDARD: usize = 6;
 
 /// Reads `[tool]`.
 pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool {
-    let mut tool = Tool { offset_digits: 0, offsets: Vec::new(), change_point: Vec::new(), change_motion: false };
+    let mut tool = Tool {
+        offset_digits: 0,
+        offsets: Vec::new(),
+        change_point: Vec::new(),
+        change_motion: false,
+        names: Vec::new(),
+    };
     let Some(mut section) = top.table("tool", "[tool]") else { return tool };
     tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
     tool.change_point = some_by_axis(&mut section, "change_position", axes, check);
@@ -33,6 +39,19 @@ pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool 
         row.finish();
     }
     tool.offsets.sort_by_key(|offset| offset.number);
+    for mut row in section.rows("names", "[[tool.names]]", MOST) {
+        row.require("name", "1 to 32 characters");
+        row.require("number", "the number of the tool");
+        let name = row.name("name", 32).map(str::to_ascii_uppercase);
+        let number = row.integer("number", 1..=99_999_999);
+        if let Some((name, number)) = name.zip(number) {
+            if tool.names.iter().any(|(other, _)| *other == name) {
+                row.error("name", format!("there is already a tool with the name \"{name}\""));
+            }
+            tool.names.push((name, number as u32));
+        }
+        row.finish();
+    }
     section.finish();
     tool
 }

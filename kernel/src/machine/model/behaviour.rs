@@ -264,6 +264,8 @@ pub struct Tool {
     pub change_point: Vec<Option<f64>>,
     /// The axes go there before a tool is loaded.
     pub change_motion: bool,
+    /// Tools by name, in capital letters.
+    pub names: Vec<(String, u32)>,
 }
 
 /// One tool offset.

@@ -99,6 +99,7 @@ pub(crate) struct Names {
     pub(crate) operation_merge: u32,
     pub(crate) operation_name: u32,
     pub(crate) extension: u32,
+    pub(crate) parameters: u32,
 }
 
 /// Those indices, found once.
@@ -128,6 +129,7 @@ pub(crate) fn names() -> &'static Names {
             operation_merge: index("$OPMERGE"),
             operation_name: index("$OPNAME"),
             extension: index("$SUBEXT"),
+            parameters: index("$UPARAM"),
         }
     })
 }
