@@ -182,6 +182,10 @@ pub(crate) struct Runtime {
     pub(crate) slots: [Option<usize>; 6],
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
     pub(crate) tools: Vec<u32>,
+    /// The rows of the tool tables as macros see them, by place in `tools`; empty while that is their order.
+    pub(crate) tool_order: Vec<u16>,
+    /// Macros have written facts of a tool that are not told yet.
+    pub(crate) tools_changed: bool,
     /// Start of the last motion.
     pub(crate) before: crate::log::event::Position,
     /// What the identification macro gave is being evaluated; it is not asked again.
@@ -249,6 +253,8 @@ impl Runtime {
             flags: Reused::default(),
             slots: [None; 6],
             tools: Vec::new(),
+            tool_order: Vec::new(),
+            tools_changed: false,
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
             restart: None,
@@ -392,13 +398,12 @@ impl Kernel<'_> {
             }
             return Err(Halt::Alarm);
         }
-        match runtime.halt {
-            Some(halt) if runtime.calls.is_empty() => {
-                runtime.halt = None;
-                Err(halt)
-            }
-            _ => Ok(outputs),
+        let halt = if runtime.calls.is_empty() { runtime.halt.take() } else { None };
+        if runtime.tools_changed && runtime.calls.is_empty() {
+            runtime.tools_changed = false;
+            self.tell_tools();
         }
+        halt.map_or(Ok(outputs), Err)
     }
 
     /// Keeps a reason to leave the program until whoever runs the block can act on it.

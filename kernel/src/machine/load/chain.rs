@@ -117,10 +117,12 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
         }
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
-        "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" => match &row.get("number")?.value {
-            Value::Integer(number) => Some(number.to_string()),
-            _ => None,
-        },
+        "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" | "tool.data" => {
+            match &row.get("number")?.value {
+                Value::Integer(number) => Some(number.to_string()),
+                _ => None,
+            }
+        }
         _ => None,
     }
 }
