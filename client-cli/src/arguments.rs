@@ -74,6 +74,9 @@ pub(crate) struct Inputs {
     /// macros, other macros, messages, MDI and EXEC, files stored with the machine
     #[arg(long, value_name = "LETTERS", default_value = "", hide_default_value = true)]
     pub(crate) trace: String,
+    /// Parameters for the macros of the machine ($UPARAM), one line
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
+    pub(crate) param: String,
     /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,

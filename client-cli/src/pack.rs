@@ -296,6 +296,7 @@ mod tests {
             opstop: false,
             ignore_waits: vec![],
             trace: String::new(),
+            param: String::new(),
             answers: None,
             attend: false,
             threads: 0,

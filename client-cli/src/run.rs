@@ -146,6 +146,7 @@ async fn submit_pack(
             opskip: inputs.opskip.clone(),
             opstop: inputs.opstop,
             trace: inputs.trace.clone(),
+            parameters: inputs.param.clone(),
             answers,
             attended,
             ignore_waits: inputs.ignore_waits.clone(),

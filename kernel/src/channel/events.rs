@@ -220,6 +220,8 @@ impl Kernel<'_> {
             store.set_element(names.tool_table, (column::NAME, row), name);
         }
         store.set(names.tool_name, Value::text(""));
+        let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
+        store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
         self.sort_tools();
     }
 

@@ -25,6 +25,7 @@ use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{FileId, MAX_AXES, Motion, ToolAction};
+use crate::log::info::Info;
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -317,6 +318,17 @@ pub(crate) fn unwinding(state: &mut State) -> Fault {
     Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
 }
 
+/// Programs and parameters of a job as a command line names them.
+fn command_line(info: &Info) -> String {
+    let programs = info.channels.iter().filter(|channel| !channel.program.is_empty());
+    let mut line = programs.map(|channel| channel.program.as_str()).collect::<Vec<_>>().join(";");
+    if !info.parameters.is_empty() {
+        line.push_str(" /u ");
+        line.push_str(&info.parameters);
+    }
+    line
+}
+
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
@@ -326,6 +338,8 @@ impl Kernel<'_> {
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
             runtime.store.set(names().extension, Value::text(extension));
+            runtime.store.set(names().parameters, Value::text(self.info.parameters.as_str()));
+            runtime.store.set(names().command_line, Value::text(command_line(self.info)));
             Box::new(runtime)
         });
         self

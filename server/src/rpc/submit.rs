@@ -123,6 +123,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         opstop: options.opstop,
         ignore_waits: ignore.collect::<Result<_, _>>()?,
         trace: options.trace,
+        parameters: options.parameters,
         answers: options.answers.into_iter().map(answer).collect(),
         attended: options.attended,
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,

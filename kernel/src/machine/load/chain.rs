@@ -103,6 +103,7 @@ fn heritage(mut parent: Table) -> Table {
     if let Some(ce) = parent.table_mut("ce") {
         ce.remove("name");
         ce.remove("description");
+        ce.remove("created");
     }
     parent
 }
