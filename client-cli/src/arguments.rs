@@ -81,6 +81,9 @@ pub(crate) struct Inputs {
         hide_default_value = true
     )]
     pub(crate) trace: String,
+    /// Parameters for the macros of the machine ($UPARAM), one line
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
+    pub(crate) param: String,
     /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
@@ -88,9 +91,6 @@ pub(crate) struct Inputs {
     /// `counterpoint attend` for `submit`. Without it they fail
     #[arg(long)]
     pub(crate) attend: bool,
-    /// Parameters for macros: $UPARAM, and the header of listings
-    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
-    pub(crate) user: String,
     /// Simulated seconds after which the run is stopped
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,

@@ -179,7 +179,7 @@ fn qualifiers_of_a_run() {
         let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
         (summary["makespan_ns"].clone(), read("part.lce"), read("part.log"), read("1.trace"))
     };
-    let (time, listing, log, trace) = run(&["--user", "SHIFT=2", "--trace", "S"]);
+    let (time, listing, log, trace) = run(&["--param", "SHIFT=2", "--trace", "S"]);
     assert_eq!(time, 300_000_000);
     assert!(listing.contains("\n\nUPARAM:       SHIFT=2\n\n") && trace.contains("user SHIFT=2"), "{listing}{trace}");
     assert_eq!(log, "");

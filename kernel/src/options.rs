@@ -20,15 +20,15 @@ pub struct Options {
     /// Letters of the trace (`IEWCAMHSXZ` or `all`), empty = none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub trace: String,
+    /// Parameters for the macros of the machine (`$UPARAM`), one line; empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub parameters: String,
     /// Answers to the dialogs of the machine; without one a dialog fails.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub answers: Vec<Answer>,
     /// Somebody attends the job: dialogs without an answer are put to the operator.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub attended: bool,
-    /// Parameters of the user, `$UPARAM`: one line of text.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub parameters: String,
     /// Limits.
     pub limits: Limits,
 }

@@ -31,6 +31,7 @@ pub(crate) mod thread;
 mod time;
 pub(crate) mod tip;
 mod tool;
+pub(crate) mod tool_data;
 mod turned;
 pub(crate) mod turning;
 

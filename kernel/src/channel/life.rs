@@ -53,6 +53,9 @@ impl Kernel<'_> {
             Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.tell_order();
+        }
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }

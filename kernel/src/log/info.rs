@@ -22,12 +22,16 @@ pub struct Info {
     pub machine_number: u32,
     /// Revision.
     pub machine_revision: u32,
+    /// When the definition was made, as it says itself; empty when it does not.
+    pub machine_created: String,
+    /// File of the definition: folder and name.
+    pub machine_file: String,
+    /// The user's parameters of the job, empty without any.
+    pub parameters: String,
     /// `mm` or `inch`: the unit of lengths in events.
     pub unit: Unit,
     /// Letters of the trace that the job asks for.
     pub trace: Letters,
-    /// Parameters of the user, for the listing header.
-    pub parameters: String,
     /// Channels in ascending number, master not included.
     pub channels: Vec<Channel>,
     /// All files the job may read: programs first, in order, then the others by name.

@@ -20,6 +20,10 @@ pub struct Machine {
     pub number: u32,
     /// Revision.
     pub revision: u32,
+    /// When it was made, as the file says; empty when it does not.
+    pub created: String,
+    /// File it was loaded from: folder and name.
+    pub file: String,
     /// Author, free text.
     pub author: String,
     /// One line on what the machine is.

@@ -18,8 +18,8 @@ use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
 use crate::trace::{Letters, letters};
 
-/// Bytes of the parameters of the user.
-const MOST_PARAMETERS: usize = 4000;
+/// Characters that the user's parameters of a job may have.
+const MOST_PARAMETERS: usize = 1000;
 
 /// Assigns the programs of a job.
 pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
@@ -41,9 +41,11 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding
         machine: spec.machine.name.clone(),
         machine_number: spec.machine.number,
         machine_revision: spec.machine.revision,
+        machine_created: spec.machine.created.clone(),
+        machine_file: spec.machine.file.clone(),
+        parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        parameters: spec.options.parameters.clone(),
         channels,
         files: table,
     })
@@ -77,8 +79,9 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
             wrong(format!("optional-skip level {level} is not between 1 and 9, nor 0 for the machine's own"));
         }
     }
-    if spec.options.parameters.chars().any(char::is_control) || spec.options.parameters.len() > MOST_PARAMETERS {
-        wrong(format!("the parameters of the user must be one line of {MOST_PARAMETERS} bytes at most"));
+    let parameters = &spec.options.parameters;
+    if parameters.chars().count() > MOST_PARAMETERS || parameters.chars().any(char::is_control) {
+        wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
     }
     if let Err(letter) = Letters::parse(&spec.options.trace) {
         wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));

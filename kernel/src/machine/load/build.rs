@@ -65,6 +65,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         name: head.name,
         number: head.number,
         revision: head.revision,
+        created: head.created,
+        file: merged.start.file.to_string(),
         author: head.author,
         description: head.description,
         unit: head.unit,

@@ -174,6 +174,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$MACHIN" => (|k, _| Value::text(k.machine.name.as_str()), None),
         "$MCHNUM" => (|k, _| number(k.machine.number), None),
         "$MCHDSC" => (machine_text, None),
+        "$CEDATE" => (|k, _| Value::text(k.machine.created.as_str()), None),
+        "$DBFILE" => (|k, _| Value::text(k.machine.file.as_str()), None),
         // A job knows no clock.
         "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
         "$PREPROC" => (
