@@ -5,7 +5,7 @@
 
 mod marks;
 
-use super::block::{Block, Word};
+use super::block::{Block, Word, odd};
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
@@ -210,7 +210,7 @@ impl Scanner {
             if message {
                 block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
             }
-            block.open_comment |= close.is_none();
+            block.odd |= u8::from(close.is_none()) * odd::OPEN_COMMENT;
             return Some(close.map_or(line.len(), |close| close + end.len()));
         }
         if Some(byte) == self.opskip {
@@ -264,14 +264,14 @@ impl Scanner {
         }
         if byte == b'<'
             && self.macros
-            && block.name.is_none()
+            && block.name().is_none()
             && let Some(end) = program_name(line, at)
         {
-            block.name = Some((at as u32, end as u32));
+            block.set_name(Some((at as u32, end as u32)));
             return end;
         }
         if byte < 32 || byte == 127 {
-            block.bad_bytes = true;
+            block.odd |= odd::BYTES;
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
@@ -384,7 +384,7 @@ impl Scanner {
         }
         let (number, end) = parse_number(line, cursor)?;
         let (value, too_long) = self.reading(register, number, secondary)?;
-        block.too_many_digits |= too_long;
+        block.odd |= u8::from(too_long) * odd::DIGITS;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
