@@ -33,12 +33,14 @@ pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
             None => parser.at = start,
         }
     }
+    parser.blanks();
+    let place = (parser.at as u32, text.trim_ascii_end().len() as u32);
     let statement = parser.statement()?;
     parser.blanks();
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement, name: parser.name, messages: Box::default() })
+    Ok(Line { sequence, statement, place, name: parser.name, messages: Box::default() })
 }
 
 pub(super) struct Parser<'a> {
