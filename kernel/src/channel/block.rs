@@ -32,6 +32,8 @@ pub(crate) struct Firing {
     pub(crate) value: f64,
     /// Fired by words of its group, not written on the block.
     pub(crate) implied: bool,
+    /// It acts only if something of what fires it is left by then.
+    pub(crate) fragile: bool,
 }
 
 /// Largest number of registers.
