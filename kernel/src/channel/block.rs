@@ -62,7 +62,7 @@ pub(crate) struct Block {
     pub(crate) added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub(crate) next: usize,
-    /// Span of a program name in angle brackets.
+    /// Span of a program name in angle brackets; one of the unknown ones until a call takes it.
     pub(crate) name: Option<(u32, u32)>,
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
@@ -127,6 +127,19 @@ impl Block {
         self.moved = false;
     }
 
+    /// Notes a program name.
+    pub(crate) fn set_name(&mut self, span: (u32, u32)) {
+        self.name = Some(span);
+        self.unknown.push(span);
+    }
+
+    /// Takes the program name off the block.
+    pub(crate) fn take_name(&mut self) -> Option<(u32, u32)> {
+        let name = self.name.take()?;
+        self.unknown.retain(|span| *span != name);
+        Some(name)
+    }
+
     /// Adds a word; a block takes 255 at most, the rest is unknown text.
     #[inline(always)]
     pub(crate) fn push(&mut self, word: Word) {
@@ -181,6 +194,6 @@ impl Block {
 
     /// Something about the text of the block is worth a message.
     pub(crate) fn has_oddities(&self) -> bool {
-        !self.unknown.is_empty() || self.name.is_some() || self.open_comment || self.too_many_digits || self.bad_bytes
+        !self.unknown.is_empty() || self.open_comment || self.too_many_digits || self.bad_bytes
     }
 }

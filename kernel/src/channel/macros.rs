@@ -34,7 +34,7 @@ impl Kernel<'_> {
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
-        self.block.name = line.name;
+        line.name.into_iter().for_each(|span| self.block.set_name(span));
         match self.statement(&line.statement) {
             Ok(()) => Ok(()),
             Err(Left::Halt(halt)) => Err(halt),
