@@ -11,7 +11,7 @@ use counterpoint_lang::source::Source;
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
-use crate::machine::model::CodeRow;
+use crate::machine::model::{CodeRow, StoredFile};
 use crate::machine::toml::node::Place;
 use crate::machine::toml::section::Section;
 use crate::macros::condition::{self, Condition, Item, Step};
@@ -27,13 +27,14 @@ pub(super) fn read(
     names: &Names<'_>,
     codes: &[CodeRow],
     files: &dyn Files,
+    stored: &[StoredFile],
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
     let strong = section.choice("strong", &words).unwrap_or_default();
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
-    let mut compiler = Compiler { names, codes, files, program: &mut program, strong };
+    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library);
@@ -53,6 +54,7 @@ struct Compiler<'a, 'n> {
     names: &'a Names<'n>,
     codes: &'a [CodeRow],
     files: &'a dyn Files,
+    stored: &'a [StoredFile],
     program: &'a mut Program,
     strong: Strong,
 }
@@ -90,8 +92,12 @@ impl Compiler<'_, '_> {
                 return None;
             }
         };
-        let mut surroundings =
-            Surroundings { codes: &self.names.custom_codes, data: &self.names.custom_data, files: Some(self.files) };
+        let mut surroundings = Surroundings {
+            codes: &self.names.custom_codes,
+            data: &self.names.custom_data,
+            files: Some(self.files),
+            stored: self.stored,
+        };
         let options = Options { strong: self.strong, place: kind, ..Options::default() };
         let added = compile::add(self.program, &mut surroundings, Source::from_bytes(path, &bytes), options);
         for diagnostic in &added.diagnostics {
