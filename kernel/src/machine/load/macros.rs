@@ -32,9 +32,10 @@ pub(super) fn read(
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
     let strong = section.choice("strong", &words).unwrap_or_default();
+    let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
-    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong };
+    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong, uninitialised };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library);
@@ -57,6 +58,8 @@ struct Compiler<'a, 'n> {
     stored: &'a [StoredFile],
     program: &'a mut Program,
     strong: Strong,
+    /// Variables that are read and never assigned are findings.
+    uninitialised: bool,
 }
 
 /// Kind of the macro of a hook, which decides what it may contain.
@@ -98,7 +101,8 @@ impl Compiler<'_, '_> {
             files: Some(self.files),
             stored: self.stored,
         };
-        let options = Options { strong: self.strong, place: kind, ..Options::default() };
+        let options =
+            Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
         let added = compile::add(self.program, &mut surroundings, Source::from_bytes(path, &bytes), options);
         for diagnostic in &added.diagnostics {
             let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
