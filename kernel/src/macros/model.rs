@@ -184,7 +184,12 @@ impl Macros {
         if !letters.has('M') && !letters.has('H') {
             return Arc::clone(&self.program);
         }
-        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
+        let mut surroundings = Surroundings {
+            codes: &machine.custom_codes,
+            data: &machine.custom_data,
+            files: None,
+            stored: &machine.storage,
+        };
         Arc::new(compile::traced(&self.program, &mut surroundings))
     }
 }
