@@ -110,7 +110,10 @@ async fn watch_once(
 /// An event as a line, when it is for people.
 fn line(event: &v1::Event) -> Option<String> {
     let text = match event.kind.as_ref()? {
-        Kind::Diagnostic(d) => format!("{} {} {}", d.number, d.severity, d.text),
+        Kind::Diagnostic(d) => {
+            let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
+            format!("{} {} {}{origin}", d.number, d.severity, d.text)
+        }
         Kind::Verdict(v) => format!("verdict {}", v.text),
         Kind::Message(m) => format!("message {}", m.text),
         Kind::Wait(w) => format!("waits for {}", w.key),

@@ -4,7 +4,7 @@
 //! machine's folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job,
 //! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
 //! (with the channel in front on machines with several), `timed` the same with the second of their end in front,
-//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace` the whole trace of channel
+//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, each with the line of the macro that raised it, `trace` the whole trace of channel
 //! 1, `listing` its whole listing and `shows` lines of it one behind the other (`listing N`, `shows N` of another
 //! channel, `log` the log file of channel 1, `merged` the listing of all; VERSION stands for that of this project), `ran`
 //! the program of each channel in the summary, `written NAME` a file that macros have written, `findings` what
@@ -221,6 +221,9 @@ fn the_guide_is_true() {
                 if let Kind::Diagnostic(diagnostic) = &one.kind {
                     let _ = writeln!(diagnostics, "{:08} {}", diagnostic.number, one.line);
                     let _ = writeln!(texts, "{}", diagnostic.text);
+                    if let Some(origin) = &diagnostic.origin {
+                        let _ = writeln!(texts, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement);
+                    }
                 }
             }
             compare("diagnostics", &diagnostics, &example.diagnostics);

@@ -10,7 +10,7 @@ use crate::log::info::Info;
 /// Characters of a line before the text wraps.
 const WIDTH: usize = 110;
 
-/// The two lines of a diagnostic; more when its text is long.
+/// The two lines of a diagnostic; more when its text is long, and one for the macro that raised it.
 pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &mut dyn Write) -> Result<()> {
     let word = ["Message", "Warning", "Error", "Fatal"].get(rank(diagnostic.severity)).copied().unwrap_or("Fatal");
     let indent = word.len() + 2;
@@ -20,6 +20,9 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
         } else {
             writeln!(out, "{:indent$}{line}", "")?;
         }
+    }
+    if let Some(origin) = &diagnostic.origin {
+        writeln!(out, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement)?;
     }
     let path = if event.line == 0 { "-" } else { info.file_name(event.file) };
     let file = path.rsplit('/').next().unwrap_or(path);
