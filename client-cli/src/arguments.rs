@@ -102,6 +102,9 @@ pub(crate) struct Run {
     /// Which of them; all without it
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
     pub(crate) write: Vec<What>,
+    /// Lines of listings, logs and consoles end with CR and LF
+    #[arg(long, requires = "out")]
+    pub(crate) crlf: bool,
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
@@ -124,7 +127,8 @@ impl Run {
     pub(crate) fn needs_log(&self) -> bool {
         let asked = |what| self.write.is_empty() || self.write.contains(&what);
         let trace = asked(What::Trace) && !self.inputs.trace.is_empty();
-        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || trace || self.write.contains(&What::Log))
+        let named = [What::Log, What::Console].iter().any(|what| self.write.contains(what));
+        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || trace || named)
     }
 }
 
@@ -187,9 +191,12 @@ pub(crate) struct ResultOf {
     /// Which result
     #[arg(value_enum)]
     pub(crate) what: What,
-    /// Channel of the listing
+    /// Channel of the listing; 0: the merged listing of all, the console of all
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
+    /// Lines of a listing, log or console end with CR and LF
+    #[arg(long)]
+    pub(crate) crlf: bool,
     /// Form of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
@@ -207,6 +214,8 @@ pub(crate) enum What {
     Listing,
     Trace,
     Log,
+    /// Messages and diagnostics, a line each
+    Console,
     Timeline,
     Toolpath,
     Events,

@@ -222,10 +222,11 @@ async fn delete(arguments: OneJob) -> Result<u8, Error> {
 
 async fn result(arguments: ResultOf) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    let ResultOf { job, what, channel, format, .. } = &arguments;
+    let ResultOf { job, what, channel, format, crlf, .. } = &arguments;
+    let form = results::Form { format: *format, crlf: *crlf };
     match &arguments.output {
-        Some(path) => results::file(&client, job, *what, *channel, *format, path).await?,
-        None => results::each(&client, job, *what, *channel, *format, &mut say::data).await?,
+        Some(path) => results::file(&client, job, *what, *channel, form, path).await?,
+        None => results::each(&client, job, *what, *channel, form, &mut say::data).await?,
     }
     Ok(0)
 }

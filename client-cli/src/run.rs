@@ -33,12 +33,17 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
     if let Some(code) = not_run(&status) {
         return Ok(code);
     }
-    let text = results::whole(&client, &job, What::Summary, 0, Format::Json).await?;
+    let text = results::whole(&client, &job, What::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        let target =
-            Target { folder, program: &first, wanted: &arguments.write, traced: !arguments.inputs.trace.is_empty() };
+        let target = Target {
+            folder,
+            program: &first,
+            wanted: &arguments.write,
+            traced: !arguments.inputs.trace.is_empty(),
+            crlf: arguments.crlf,
+        };
         target.write(&client, &job, &summary, &text).await?;
     }
     if arguments.json {
@@ -47,7 +52,7 @@ pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
         let mut out = report(&summary);
         files_report(&mut out, &results::written(&client, &job).await?, arguments.out.is_some());
         if draws {
-            let json = results::whole(&client, &job, What::Timeline, 0, Format::Json).await?;
+            let json = results::whole(&client, &job, What::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
             out.push_str(&draw(&timeline, width()));
         }
@@ -252,6 +257,8 @@ struct Target<'a> {
     wanted: &'a [What],
     /// The job has a trace.
     traced: bool,
+    /// Lines of listings end with CR and LF.
+    crlf: bool,
 }
 
 impl Target<'_> {
@@ -266,16 +273,23 @@ impl Target<'_> {
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
         let log = self.wanted.contains(&What::Log);
+        let form = results::Form { format: Format::Svg, crlf: self.crlf };
         for (what, extension, wanted) in [(What::Listing, "lce", wanted(What::Listing)), (What::Log, "log", log)] {
             for &channel in channels.iter().filter(|_| wanted) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
-                results::file(client, job, what, channel, Format::Svg, &path).await?;
+                results::file(client, job, what, channel, form, &path).await?;
             }
+        }
+        if channels.len() > 1 && wanted(What::Listing) {
+            results::file(client, job, What::Listing, 0, form, &folder.join(format!("{stem}.lce"))).await?;
+        }
+        if self.wanted.contains(&What::Console) {
+            results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
         }
         for &channel in channels.iter().filter(|_| self.traced && wanted(What::Trace)) {
             let path = folder.join(format!("{channel}.trace"));
-            results::file(client, job, What::Trace, channel, Format::Svg, &path).await?;
+            results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
             (What::Events, Format::Json, "events.jsonl"),
@@ -286,7 +300,7 @@ impl Target<'_> {
         ];
         for (what, format, name) in files {
             if wanted(what) {
-                results::file(client, job, what, 0, format, &folder.join(name)).await?;
+                results::file(client, job, what, 0, format.into(), &folder.join(name)).await?;
             }
         }
         if wanted(What::Files) {

@@ -12,7 +12,7 @@ const WIDTH: usize = 110;
 
 /// The two lines of a diagnostic; more when its text is long, and one for the macro that raised it.
 pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &mut dyn Write) -> Result<()> {
-    let word = ["Message", "Warning", "Error", "Fatal"].get(rank(diagnostic.severity)).copied().unwrap_or("Fatal");
+    let word = word(diagnostic.severity);
     let indent = word.len() + 2;
     for (index, line) in wrap(&diagnostic.text, WIDTH - indent).into_iter().enumerate() {
         if index == 0 {
@@ -56,6 +56,11 @@ fn wrap(text: &str, width: usize) -> Vec<&str> {
         lines.push(rest);
     }
     lines
+}
+
+/// Type word of a severity.
+pub(super) fn word(severity: u8) -> &'static str {
+    ["Message", "Warning", "Error", "Fatal"].get(rank(severity)).copied().unwrap_or("Fatal")
 }
 
 fn rank(severity: u8) -> usize {
