@@ -71,7 +71,7 @@ fn read_word(row: &mut Section<'_>, registers: &[Register]) -> Option<Word> {
     let text = row.text("word")?;
     let alone = (0u8..).zip(registers).find(|(_, register)| register.name == text);
     let parsed = match alone {
-        Some((register, _)) => Ok(Word { register, min: 0.0, max: f64::from(LARGEST) }),
+        Some((register, _)) => Ok(Word { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
         None => word::parse(text, registers),
     };
     match parsed {
