@@ -1,8 +1,8 @@
 //! `[[subprograms.calls]]`: words that call programs.
 //!
 //! Invariant: no word calls twice, none that calls, returns or waits by itself calls, and a variable that gets a value
-//! is a common one of the machine. Facts: reference control-emulator.md 5.4 (calls by G M T S B); that a word calls is a
-//! parameter of the control, so the machine says it.
+//! is a common one of the machine. Facts: reference control-emulator.md 5.4 (calls by G M T S B); that a word calls is
+//! a parameter of the control, so the machine says it.
 
 use super::word::{self, Word, Wrong};
 use crate::machine::ident::codes;
