@@ -5,6 +5,8 @@
 //! `$P10` counts lines before the program, so that 0 is the top of the file; a startup macro can send a call to any
 //! file of the job.
 
+use std::sync::Arc;
+
 use counterpoint_lang::value::Value;
 
 use super::{Acted, Halt, Kernel};
@@ -20,17 +22,19 @@ use crate::mcd::program::Range;
 type Found = Option<(FileId, Range)>;
 
 /// What is called, and its passes in all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Called {
     pub(crate) what: Callee,
     pub(crate) passes: u32,
 }
 
 /// What is called.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Callee {
     /// A program by its number, 0 for the main program.
     Program(u32),
+    /// A text by its name.
+    Named(Arc<str>),
     /// Blocks from one sequence number to another.
     Blocks(u32, u32),
     /// Blocks from one label to another.
@@ -41,6 +45,7 @@ impl std::fmt::Display for Callee {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Callee::Program(number) => write!(f, "subprogram {number}"),
+            Callee::Named(name) => write!(f, "subprogram {name}"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
             Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }
@@ -51,7 +56,7 @@ impl Kernel<'_> {
     /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
-        called: Called,
+        called: &Called,
         pass: u32,
         found: Found,
         level: usize,
@@ -76,7 +81,7 @@ impl Kernel<'_> {
     }
 
     /// Runs the shutdown macro of a pass.
-    pub(crate) fn subprogram_shutdown(&mut self, called: Called, pass: u32, level: usize) -> Acted {
+    pub(crate) fn subprogram_shutdown(&mut self, called: &Called, pass: u32, level: usize) -> Acted {
         let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
         let mut arguments = self.call_arguments(called, pass, None, level);
         self.run_macro(code, Task::None, &mut arguments).map(|_| ())
@@ -85,11 +90,11 @@ impl Kernel<'_> {
     /// Between two passes of a subprogram.
     pub(crate) fn next_pass(&mut self) -> Acted {
         let Some(frame) = self.flow.frames.last() else { return Ok(()) };
-        let (called, here) = (frame.called, (frame.file, frame.range));
+        let (called, here) = (frame.called.clone(), (frame.file, frame.range));
         let pass = called.passes.saturating_sub(frame.repeats + 1);
         let level = self.flow.frames.len() - 1;
-        self.subprogram_shutdown(called, pass.saturating_sub(1), level)?;
-        match self.subprogram_startup(called, pass, Some(here), level)? {
+        self.subprogram_shutdown(&called, pass.saturating_sub(1), level)?;
+        match self.subprogram_startup(&called, pass, Some(here), level)? {
             Some(Some((file, range))) => {
                 if let Some(frame) = self.flow.frames.last_mut() {
                     (frame.file, frame.range, frame.next) = (file, range, range.first);
@@ -110,14 +115,15 @@ impl Kernel<'_> {
         }
     }
 
-    fn call_arguments(&self, called: Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
+    fn call_arguments(&self, called: &Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
         let (file, offset) = match found {
             Some((file, range)) => (self.info.file_name(file), f64::from(range.first.saturating_sub(1))),
             None => ("", -1.0),
         };
-        let (kind, number, (first, last)) = match called.what {
+        let (kind, number, (first, last)) = match &called.what {
             Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
-            Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (first, last)),
+            Callee::Named(name) => (2.0, name.to_string(), (0, 0)),
+            Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (*first, *last)),
         };
         [
             Value::Real(kind),

@@ -11,6 +11,7 @@ use super::modal_call::ModalCall;
 use super::search::Labels;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::log::event::{FileId, Kind};
@@ -57,6 +58,8 @@ pub(crate) enum Pending {
         /// Passes, at least 1.
         passes: u32,
     },
+    /// Call a text that the pre-processor has found.
+    CallText(Box<dialect::Call>),
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
 }
@@ -136,6 +139,7 @@ impl Kernel<'_> {
             None => Ok(()),
             Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
+            Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.give_back(target),
         }
     }
@@ -145,7 +149,7 @@ impl Kernel<'_> {
         let mut found = self.find_program(number)?;
         let called = Called { what: Callee::Program(number), passes };
         if self.macros.is_some() {
-            match self.subprogram_startup(called, 0, found, self.flow.frames.len())? {
+            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -170,11 +174,11 @@ impl Kernel<'_> {
     /// current file (reference control-emulator.md 5.7).
     fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
         self.check_nesting(|| what.to_string())?;
-        let range = self.find_range(what);
+        let range = self.find_range(&what);
         let mut found = range.map(|range| (self.file, range));
-        let called = Called { what, passes };
+        let called = Called { what: what.clone(), passes };
         if self.macros.is_some() {
-            match self.subprogram_startup(called, 0, found, self.flow.frames.len())? {
+            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -187,6 +191,7 @@ impl Kernel<'_> {
             Callee::Labels(first, last) => format!("label {first}-{last}").into(),
             Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
             Callee::Program(number) => format!("O{number:04}").into(),
+            Callee::Named(name) => (*name).into(),
         };
         let repeats = passes.saturating_sub(1);
         let frame = Frame {
@@ -204,7 +209,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
+    pub(super) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
         let limit = usize::from(self.options.limits.nesting);
         if self.flow.frames.len() <= limit {
             return Ok(());
@@ -214,12 +219,13 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::NESTING, text))
     }
 
-    fn enter(&mut self, frame: Frame) {
+    pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call { program: frame.name.clone(), level });
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
+        self.interpreter_entered();
     }
 
     /// Return of a subprogram, or of the main program.
@@ -232,16 +238,18 @@ impl Kernel<'_> {
         {
             frame.repeats -= 1;
             (frame.next, frame.offset) = (frame.range.first, 0);
+            self.interpreter_again();
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
                 self.variables.leave();
             }
+            self.interpreter_left();
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
+                self.subprogram_shutdown(&frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
             }
         }
         match target {

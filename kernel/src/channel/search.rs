@@ -80,14 +80,14 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a range in the current file.
-    pub(super) fn find_range(&mut self, what: Callee) -> Option<Range> {
+    pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
         let info = self.info;
         let source = info.source(self.file)?;
         let labels;
         let (from, to) = match what {
-            Callee::Program(_) => return None,
-            Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
-            Callee::Labels(first, last) => {
+            Callee::Program(_) | Callee::Named(_) => return None,
+            &Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
+            &Callee::Labels(first, last) => {
                 labels = self.labels();
                 let lines = |label| labels.get(&label).map_or(&[][..], Vec::as_slice);
                 (lines(first), lines(last))
@@ -109,7 +109,7 @@ impl Kernel<'_> {
         let mut block = Block::default();
         if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
             for line in 1..=source.lines() {
-                let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_macros());
+                let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
                     continue;
                 }
