@@ -14,7 +14,7 @@ use crate::job::{Program, Spec};
 use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
-use crate::machine::model::{Format, RewindStop, StoredFile};
+use crate::machine::model::{Format, Preprocessor, RewindStop, StoredFile};
 use crate::trace::{Letters, letters};
 
 /// Assigns the programs of a job.
@@ -147,10 +147,10 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
                     continue;
                 }
             },
-            None if spec.programs.len() == 1 => mains(source),
+            None if spec.programs.len() == 1 => mains(source, spec.machine.preprocessor),
             None => {
                 let free = |r: &&Range| !candidates.iter().any(|t| t.file == file && t.range.number == r.number);
-                let mains = mains(source);
+                let mains = mains(source, spec.machine.preprocessor);
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
@@ -207,7 +207,10 @@ fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
 }
 
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called.
-fn mains(source: &Source) -> Vec<Range> {
+fn mains(source: &Source, preprocessor: Preprocessor) -> Vec<Range> {
+    if preprocessor == Preprocessor::Okuma {
+        return crate::dialect::okuma::mains(source);
+    }
     let ranges = source.programs();
     if ranges.len() < 2 {
         return ranges.to_vec();
@@ -222,8 +225,8 @@ fn mains(source: &Source) -> Vec<Range> {
 }
 
 /// Main programs of a file from a line on, left to right; none in place of one that ends before it.
-pub(crate) fn from_line(source: &Source, line: u32, format: &Format) -> Vec<Option<Range>> {
-    let opened = mains(source).into_iter().map(|range| opening(source, range, format));
+pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+    let opened = mains(source, machine.preprocessor).into_iter().map(|range| opening(source, range, &machine.format));
     opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
 }
 

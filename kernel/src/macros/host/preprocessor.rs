@@ -31,7 +31,7 @@ impl Default for Settings {
     }
 }
 
-/// Settings of pre-processors that no machine here has.
+/// Settings that belong to other pre-processors than custom macro.
 const FOREIGN: &[(&str, &str)] = &[
     ("PROCESS,SUBPROGRAMS", "Okuma and Siemens"),
     ("PROCESS,SEQNAME", "Okuma"),
