@@ -12,6 +12,7 @@ use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::log::event::{FileId, Kind};
@@ -62,6 +63,8 @@ pub(crate) enum Pending {
         /// Passes, at least 1.
         passes: u32,
     },
+    /// Call a text that the pre-processor has found.
+    CallText(Box<dialect::Call>),
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
 }
@@ -144,6 +147,7 @@ impl Kernel<'_> {
             None => Ok(()),
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
+            Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.give_back(target),
         }
     }
@@ -234,7 +238,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
+    pub(super) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
         let limit = usize::from(self.options.limits.nesting);
         if self.flow.frames.len() <= limit {
             return Ok(());
@@ -244,12 +248,13 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::NESTING, text))
     }
 
-    fn enter(&mut self, frame: Frame) {
+    pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call { program: frame.name.clone(), level });
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
+        self.interpreter_entered();
     }
 
     /// Return of a subprogram, or of the main program.
@@ -262,12 +267,14 @@ impl Kernel<'_> {
         {
             frame.repeats -= 1;
             (frame.next, frame.offset) = (frame.range.first, 0);
+            self.interpreter_again();
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
                 self.variables.leave();
             }
+            self.interpreter_left();
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {

@@ -87,6 +87,7 @@ diagnostics! {
     MACRO_FILES 2900086 8 false "too many or too large files written by macros";
     TOOL_TABLE 2900087 8 false "more tools than the tool table has rows";
     NO_RESTART 2900120 8 false "machine that Machine Shutdown cannot start again";
+    PREPROCESSOR_ASKS 2900121 8 false "block for the pre-processor while it asks a macro";
     CYCLE_NOT_CANCELLED 2900090 4 false "cycle that should have been cancelled before";
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
