@@ -22,7 +22,7 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 pub(crate) use concerns::concerns;
-pub(crate) use programs::mains;
+pub(crate) use programs::{called, program_name, returns};
 
 use super::{Host, Interpreter, Setting};
 use crate::channel::Halt;

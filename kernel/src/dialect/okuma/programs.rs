@@ -104,27 +104,21 @@ fn cut(text: &[u8]) -> &[u8] {
     text.get(..(from + length + 1).min(text.len())).unwrap_or_default()
 }
 
-/// Main programs of a file: those that no other one calls and that do not return; the first one if there is none.
-pub(crate) fn mains(source: &Source) -> Vec<Range> {
-    let index = Index::of(source);
-    let Some(first) = index.definitions.first() else {
-        let last = source.lines();
-        return if last == 0 { Vec::new() } else { vec![Range { number: None, first: 1, last }] };
-    };
-    let called: Vec<String> = (1..=source.lines()).filter_map(|line| called(source.line(line))).collect();
-    let returns = |definition: &Definition| {
-        (definition.first..=definition.last).any(|line| prepare(source.line(line)).upper.trim_ascii().ends_with(b"RTS"))
-    };
-    let is_main = |definition: &&Definition| !called.contains(&definition.name) && !returns(definition);
-    let mut mains: Vec<&Definition> = index.definitions.iter().filter(is_main).collect();
-    if mains.is_empty() {
-        mains.push(first);
-    }
-    mains.into_iter().map(|main| Range { number: main.name.parse().ok(), first: main.first, last: main.last }).collect()
+/// The name of letters and digits by which a line defines a program, without O; one of digits alone is none.
+pub(crate) fn program_name(text: &[u8]) -> Option<&[u8]> {
+    let Some(Head::Program(name)) = head(text) else { return None };
+    let start = memchr::memchr2(b'O', b'o', text)? + 1;
+    let name = text.get(start..start + name.len() - 1)?;
+    name.iter().any(u8::is_ascii_alphabetic).then_some(name)
+}
+
+/// A line returns from a subprogram.
+pub(crate) fn returns(text: &[u8]) -> bool {
+    prepare(text).upper.trim_ascii().ends_with(b"RTS")
 }
 
 /// The name that a line calls, seen textually.
-fn called(text: &[u8]) -> Option<String> {
+pub(crate) fn called(text: &[u8]) -> Option<String> {
     let upper = prepare(text).upper;
     let behind = ["CALL", "MODIN"].into_iter().find_map(|word| {
         let at = memchr::memmem::find(&upper, word.as_bytes())?;
@@ -182,14 +176,18 @@ mod tests {
         assert_eq!(index.label("1", 5, all), Some(3));
         assert_eq!(index.label("1", 8, all), Some(9));
         assert_eq!(index.label("A1", 9, all), None);
-        let mains = mains(&source);
-        assert_eq!(mains.iter().map(|range| (range.first, range.last)).collect::<Vec<_>>(), [(2, 6)]);
     }
 
     #[test]
-    fn a_file_of_subprograms_begins_with_the_first() {
-        let source = source("O1\nCALL O2\nRTS\nO2\nRTS\n");
-        assert_eq!(mains(&source), [Range { number: Some(1), first: 1, last: 3 }]);
+    fn what_lines_say_of_programs() {
+        assert_eq!(program_name(b" /2 oab (X)"), Some(b"ab".as_slice()));
+        assert_eq!(program_name(b"O1000"), None);
+        assert_eq!(program_name(b"OA=5"), None);
+        assert_eq!(program_name(b"OFF5X"), Some(b"FF5X".as_slice()));
+        assert_eq!(called(b"N1 CALL O0012 Q2").as_deref(), Some("12"));
+        assert_eq!(called(b"MODIN OAB").as_deref(), Some("AB"));
+        assert_eq!(called(b"(CALL OAB)"), None);
+        assert!(returns(b"NEND RTS (BACK)") && !returns(b"(RTS)"));
     }
 
     #[test]
