@@ -41,6 +41,7 @@ impl Kernel<'_> {
         self.initial_codes();
         self.initial_frame();
         self.load(file)?;
+        self.tell_leader(file, range);
         self.begin_macros()
     }
 
@@ -52,6 +53,9 @@ impl Kernel<'_> {
             Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.tell_order();
+        }
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }

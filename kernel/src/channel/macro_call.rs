@@ -33,7 +33,7 @@ impl Kernel<'_> {
             let info = self.info;
             self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
         };
-        self.block.name = line.name;
+        self.block.set_name(line.name);
         let Some(words) = words_of(&line.statement) else { return Ok(()) };
         let mut words = self.call_words(words, own.as_deref().map(|call| (call.register, call.by.value)))?;
         let mut by = None;

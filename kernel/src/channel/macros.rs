@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::block::Word;
+use super::block::{Word, odd};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
@@ -22,7 +22,7 @@ impl Kernel<'_> {
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
-        self.block.name = line.name;
+        self.block.set_name(line.name);
         self.statement(&line.statement)
     }
 
@@ -256,7 +256,7 @@ impl Kernel<'_> {
     pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.secondary);
         let (value, too_long) = reading.unwrap_or((number.value, false));
-        self.block.too_many_digits |= too_long;
+        self.block.odd |= u8::from(too_long) * odd::DIGITS;
         value
     }
 

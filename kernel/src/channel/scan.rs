@@ -5,7 +5,7 @@
 
 mod marks;
 
-use super::block::{Block, Word};
+use super::block::{Block, Word, odd};
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
@@ -91,7 +91,7 @@ impl Scanner {
             reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
             foreign: crate::dialect::concerns(machine.preprocessor),
-            levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
+            levels: levels(machine, opskip),
             sequence,
             letters,
             early: Early::new(machine),
@@ -230,7 +230,7 @@ impl Scanner {
             if message {
                 block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
             }
-            block.open_comment |= close.is_none();
+            block.odd |= u8::from(close.is_none()) * odd::OPEN_COMMENT;
             return Some(close.map_or(line.len(), |close| close + end.len()));
         }
         if Some(byte) == self.opskip {
@@ -284,14 +284,14 @@ impl Scanner {
         }
         if byte == b'<'
             && self.macros
-            && block.name.is_none()
+            && block.name().is_none()
             && let Some(end) = program_name(line, at)
         {
-            block.name = Some((at as u32, end as u32));
+            block.set_name(Some((at as u32, end as u32)));
             return end;
         }
         if byte < 32 || byte == 127 {
-            block.bad_bytes = true;
+            block.odd |= odd::BYTES;
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
@@ -348,6 +348,14 @@ impl Scanner {
             }
             let (words, sequence) = (block.words.len(), block.sequence);
             let from = at + special.before.len();
+            if special.names
+                && let Some((tool, end)) = early.tool(special, line, from)
+            {
+                let (register, incremental, value) = (special.register, special.incremental, f64::from(tool));
+                let (start, end) = (at as u32, end as u32);
+                block.push(Word { register, incremental, used: false, value, start, end });
+                return Some(end as usize);
+            }
             let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
                 continue;
             };
@@ -396,7 +404,7 @@ impl Scanner {
         }
         let (number, end) = parse_number(line, cursor)?;
         let (value, too_long) = self.reading(register, number, secondary)?;
-        block.too_many_digits |= too_long;
+        block.odd |= u8::from(too_long) * odd::DIGITS;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -404,6 +412,12 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// Active optional-skip levels; 0 stands for that of a mark without a digit (reference control-emulator.md 5.5).
+fn levels(machine: &Machine, opskip: &[u8]) -> u16 {
+    let level = |&level: &u8| if level == 0 { machine.format.opskip_default } else { level };
+    opskip.iter().map(level).filter(|&level| level < 16).fold(0, |bits, level| bits | 1 << level)
 }
 
 fn starts_word(line: &[u8], at: usize) -> bool {

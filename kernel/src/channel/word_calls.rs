@@ -128,7 +128,7 @@ impl Kernel<'_> {
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
-        let (start, end) = self.block.name.take()?;
+        let (start, end) = self.block.take_name()?;
         let line = self.text_bytes();
         let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
         Some(String::from_utf8_lossy(name).into())

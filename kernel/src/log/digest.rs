@@ -339,6 +339,7 @@ fn number(kind: &Kind) -> u8 {
         Kind::Diagnostic(_) => 16,
         Kind::Verdict(_) => 17,
         Kind::Trace { .. } => 18,
+        Kind::ToolData(_) => 19,
     }
 }
 
@@ -354,6 +355,15 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             });
             out.extend_from_slice(&tool.to_le_bytes());
             out.extend_from_slice(&offset.to_le_bytes());
+        }
+        Kind::ToolData(data) => {
+            out.extend_from_slice(&data.tool.to_le_bytes());
+            text(out, &data.name);
+            for value in [data.diameter, data.radius, data.length] {
+                out.push(u8::from(value.is_some()));
+                value.into_iter().for_each(|value| float(out, value));
+            }
+            out.extend_from_slice(&data.place.to_le_bytes());
         }
         Kind::Spindle(spindle) => {
             out.extend_from_slice(&spindle.spindle.to_le_bytes());

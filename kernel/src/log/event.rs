@@ -60,6 +60,8 @@ pub enum Kind {
         /// Offset number, 0 = none or cancelled.
         offset: u32,
     },
+    /// What is known about a tool has changed.
+    ToolData(Box<ToolData>),
     /// Spindle state after a spindle code; `dur_ns` is run-up time if the machine has any.
     Spindle(Spindle),
     /// Coolant switched.
@@ -223,6 +225,23 @@ pub enum ToolAction {
     Load,
     /// Only the offset of the loaded tool changed.
     Offset,
+}
+
+/// What is known about a tool: the whole of it, whenever something changes.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ToolData {
+    /// Tool number as programmed.
+    pub tool: u32,
+    /// Name, empty without one.
+    pub name: Box<str>,
+    /// Diameter in machine units.
+    pub diameter: Option<f64>,
+    /// Corner radius in machine units.
+    pub radius: Option<f64>,
+    /// Length in machine units.
+    pub length: Option<f64>,
+    /// Its place among the tools of the channel, from 1; 0 = by its first load.
+    pub place: u16,
 }
 
 /// State of a spindle after a spindle code.

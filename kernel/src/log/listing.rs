@@ -103,7 +103,8 @@ fn whole(
 ) -> Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, out);
     let own = info.channel(channel);
-    let end_ns = summary.channels.iter().find(|c| c.channel == channel).map_or(0, |c| c.end_ns);
+    let ended = summary.channels.iter().find(|c| c.channel == channel);
+    let end_ns = ended.map_or(0, |c| c.end_ns);
     let axes = own.map_or(&[][..], |c| &c.axes);
     let mut waits = Waits::new(summary);
     let mut counts = Counts::default();
@@ -131,7 +132,7 @@ fn whole(
             tracer.event(info, &event, &mut out)?;
         }
     }
-    tooling.write(&mut out)?;
+    tooling.write(ended.map_or(&[][..], |c| &c.tools), &mut out)?;
     travel.write(&mut out)?;
     time::write(info, summary, channel, &mut out)?;
     counts.write(&mut out)?;

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use crate::log::meetings::{Arrival, Meeting, Waits};
+pub use crate::log::tools::Tool;
 
 use crate::log::event::{FileId, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
@@ -94,6 +95,9 @@ pub struct Channel {
     pub misc_ns: i64,
     /// Standing at meeting points, ns.
     pub wait_ns: i64,
+    /// Its tools, in the order of the tooling tables; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tools: Vec<Tool>,
 }
 
 /// The verdict in the summary.
@@ -174,6 +178,7 @@ impl Channel {
             rapid_ns: tally.rapid_ns,
             misc_ns: tally.misc_ns,
             wait_ns: tally.wait_ns,
+            tools: Vec::new(),
         }
     }
 }

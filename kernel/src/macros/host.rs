@@ -16,6 +16,7 @@ mod rotary;
 mod search;
 pub(crate) mod sums;
 mod system;
+pub(crate) mod tools;
 mod trace;
 pub(crate) mod travel;
 pub(crate) mod variables;

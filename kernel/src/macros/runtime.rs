@@ -25,6 +25,7 @@ use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{FileId, MAX_AXES, Motion, ToolAction};
+use crate::log::info::Info;
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -182,6 +183,10 @@ pub(crate) struct Runtime {
     pub(crate) slots: [Option<usize>; 6],
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
     pub(crate) tools: Vec<u32>,
+    /// The rows of the tool tables as macros see them, by place in `tools`; empty while that is their order.
+    pub(crate) tool_order: Vec<u16>,
+    /// Macros have written facts of a tool that are not told yet.
+    pub(crate) tools_changed: bool,
     /// Start of the last motion.
     pub(crate) before: crate::log::event::Position,
     /// What the identification macro gave is being evaluated; it is not asked again.
@@ -249,6 +254,8 @@ impl Runtime {
             flags: Reused::default(),
             slots: [None; 6],
             tools: Vec::new(),
+            tool_order: Vec::new(),
+            tools_changed: false,
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
             restart: None,
@@ -311,6 +318,17 @@ pub(crate) fn unwinding(state: &mut State) -> Fault {
     Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
 }
 
+/// Programs and parameters of a job as a command line names them.
+fn command_line(info: &Info) -> String {
+    let programs = info.channels.iter().filter(|channel| !channel.program.is_empty());
+    let mut line = programs.map(|channel| channel.program.as_str()).collect::<Vec<_>>().join(";");
+    if !info.parameters.is_empty() {
+        line.push_str(" /u ");
+        line.push_str(&info.parameters);
+    }
+    line
+}
+
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
@@ -320,6 +338,8 @@ impl Kernel<'_> {
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
             runtime.store.set(names().extension, Value::text(extension));
+            runtime.store.set(names().parameters, Value::text(self.info.parameters.as_str()));
+            runtime.store.set(names().command_line, Value::text(command_line(self.info)));
             Box::new(runtime)
         });
         self
@@ -392,27 +412,26 @@ impl Kernel<'_> {
             }
             return Err(Halt::Alarm);
         }
-        match runtime.halt {
-            Some(halt) if runtime.calls.is_empty() => {
-                runtime.halt = None;
-                Err(halt)
-            }
-            _ => Ok(outputs),
+        let halt = if runtime.calls.is_empty() { runtime.halt.take() } else { None };
+        if runtime.tools_changed && runtime.calls.is_empty() {
+            runtime.tools_changed = false;
+            self.tell_tools();
         }
+        halt.map_or(Ok(outputs), Err)
     }
 
     /// Keeps a reason to leave the program until whoever runs the block can act on it.
     pub(crate) fn keep_halt(&mut self, halt: Halt) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.halt = Some(halt);
-            runtime.ending = !runtime.calls.is_empty() && !matches!(halt, Halt::End(_));
+            runtime.ending = !runtime.calls.is_empty();
         }
     }
 
     /// Lets the kernel work while a macro is running: its state lies here meanwhile.
     ///
     /// # Errors
-    /// The work made the kernel leave its program: all running macros end, except at an end code.
+    /// The work made the kernel leave its program: all running macros end.
     pub(crate) fn meanwhile(
         &mut self,
         state: &mut State,
@@ -433,11 +452,6 @@ impl Kernel<'_> {
         }
         match done {
             Ok(()) => Ok(()),
-            // The rest of the macros still runs after an end code; then the program ends.
-            Err(Halt::End(stop)) => {
-                runtime.halt = Some(Halt::End(stop));
-                Ok(())
-            }
             Err(halt) => {
                 runtime.halt = Some(halt);
                 runtime.ending = true;

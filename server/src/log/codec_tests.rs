@@ -73,6 +73,14 @@ fn kinds() -> Vec<Kind> {
         })),
         Kind::Trace { letter: 'C', text: "  code_rapid".into() },
         Kind::Motion(Motion { kind: MotionKind::ArcSpace, center: [-3.5, 0.25], ..plain }),
+        Kind::ToolData(Box::new(ToolData {
+            tool: 3,
+            name: "ROUGH 80".into(),
+            diameter: Some(0.0),
+            radius: Some(0.8),
+            length: None,
+            place: 2,
+        })),
     ]
 }
 

@@ -50,6 +50,17 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 2, u64::from(*tool));
             varint_field(out, 3, u64::from(*offset));
         }),
+        Kind::ToolData(data) => nested(out, 29, |out| {
+            varint_field(out, 1, u64::from(data.tool));
+            text_field(out, 2, &data.name);
+            for (field, value) in (3..).zip([data.diameter, data.radius, data.length]) {
+                if let Some(value) = value {
+                    key(out, field, FIXED64);
+                    out.extend_from_slice(&value.to_le_bytes());
+                }
+            }
+            varint_field(out, 6, u64::from(data.place));
+        }),
         Kind::Spindle(spindle) => nested(out, 15, |out| {
             varint_field(out, 1, u64::from(spindle.spindle));
             varint_field(out, 2, direction(spindle.direction));

@@ -1,9 +1,9 @@
 //! Values of expressions, and where values go.
 //!
-//! Facts: reference control-emulator.md 4.3, 5.4. Order for what the program does not own: the identification macro, then
-//! what the control knows, then a diagnostic and 0. Decisions: a local variable without a value is unknown, but for a
-//! comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position as the program counts, VPBR1 to
-//! VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
+//! Facts: reference control-emulator.md 4.3, 5.4. Order for what the program does not own: the identification macro,
+//! then what the control knows, then a diagnostic and 0. Decisions: a local variable without a value is unknown, but
+//! for a comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position as the program counts, VPBR1
+//! to VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
 
 use counterpoint_lang::value::Value;
 

@@ -1,7 +1,8 @@
 //! A block of the pre-processor, read.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5. Decisions: marks of optional skip stand at the begin of the block and
-//! directly behind its sequence number or name, the last of them decides over what follows; everywhere else `/` divides.
+//! directly behind its sequence number or name, the last of them decides over what follows; everywhere else `/`
+//! divides.
 
 use super::cursor::{Cursor, Mistake};
 use super::expr::{Expr, Reader, Variable, name_text, number_text};
@@ -365,7 +366,7 @@ fn is_statement(word: &[u8]) -> bool {
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.
-pub(super) fn is_header(line: &[u8]) -> bool {
+pub(crate) fn is_header(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     line.first() == Some(&b'$') && line.last() == Some(&b'%')
 }

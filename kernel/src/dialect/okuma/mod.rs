@@ -1,8 +1,8 @@
 //! Okuma user task.
 //!
-//! Facts: reference control-emulator.md 4.3, 5.4, 5.7. A block is made ready (`text`), read (`line`, `expr`) and carried
-//! out (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence names
-//! are. Invariant: a line that runs again is not read again.
+//! Facts: reference control-emulator.md 4.3, 5.4, 5.7. A block is made ready (`text`), read (`line`, `expr`) and
+//! carried out (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
+//! names are. Invariant: a line that runs again is not read again.
 
 mod concerns;
 mod cursor;
@@ -22,6 +22,7 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 pub(crate) use concerns::concerns;
+pub(crate) use line::is_header;
 pub(crate) use programs::{called, program_name, returns};
 
 use super::{Host, Interpreter, Setting};

@@ -1,8 +1,8 @@
 //! What a block of the pre-processor does.
 //!
-//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times; a
-//! modal call calls behind every block that moves in the program that said it, with the values its arguments had then,
-//! and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
+//! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
+//! a modal call calls behind every block that moves in the program that said it, with the values its arguments had
+//! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use std::sync::Arc;
 
@@ -200,6 +200,10 @@ impl Okuma {
             let word = eval.host.word(name, number, spelled.as_deref());
             match (word, variable) {
                 (Some(word), _) => {
+                    if assigned.is_none() {
+                        let text = format!("EMPTY is no value for {name}, it counts as 0 in '{raw}'");
+                        eval.host.diagnose(&diag::OKUMA_UNKNOWN, text);
+                    }
                     push(left, &word);
                     Ok(())
                 }

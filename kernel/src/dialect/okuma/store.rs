@@ -1,8 +1,8 @@
 //! The variables of one kernel.
 //!
-//! Decisions: every run of a subprogram has local variables of its own, which begin with the arguments of its call, also
-//! those of a further pass; common variables that the machine gives to each channel stay here, the others lie with the
-//! kernel's host. A common variable without a value counts as 0. Facts: reference control-emulator.md 5.4.
+//! Decisions: every run of a subprogram has local variables of its own, which begin with the arguments of its call,
+//! also those of a further pass; common variables that the machine gives to each channel stay here, the others lie with
+//! the kernel's host. A common variable without a value counts as 0. Facts: reference control-emulator.md 5.4.
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Coolant, Diagnostic, Member, Release, Spindle, Wait};
+use crate::log::event::{Coolant, Diagnostic, Member, Release, Spindle, ToolData, Wait};
 
 fn event(kind: Kind) -> Event {
     Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }
@@ -129,6 +129,9 @@ fn every_field_counts() {
         Kind::Tool { action: ToolAction::Select, tool: 1, offset: 1 },
         Kind::Tool { action: ToolAction::Load, tool: 2, offset: 1 },
         Kind::Tool { action: ToolAction::Load, tool: 1, offset: 2 },
+        Kind::ToolData(Box::new(ToolData { tool: 1, radius: Some(0.0), ..ToolData::default() })),
+        Kind::ToolData(Box::new(ToolData { tool: 1, diameter: Some(0.0), ..ToolData::default() })),
+        Kind::ToolData(Box::new(ToolData { tool: 1, place: 1, ..ToolData::default() })),
         Kind::Spindle(spindle),
         Kind::Spindle(Spindle { spindle: 2, ..spindle }),
         Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),

@@ -1,6 +1,7 @@
 //! The identification header.
 //!
-//! Layout: reference listing-and-trace.md 2. Invariant: nothing in it depends on when or where the job ran.
+//! Layout: reference listing-and-trace.md 2; what a job does not have leaves its line out. Invariant: nothing in it
+//! depends on when or where the job ran.
 
 use std::io::{Result, Write};
 
@@ -15,8 +16,19 @@ pub(super) fn write(info: &Info, out: &mut dyn Write) -> Result<()> {
         label(out, "Input:", &channel.program)?;
     }
     let (number, revision) = (info.machine_number, info.machine_revision);
-    label(out, "CE:", &format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine))?;
-    writeln!(out)
+    let mut name = format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine);
+    if !info.machine_created.is_empty() {
+        name.push_str(", Created ");
+        name.push_str(&info.machine_created);
+    }
+    label(out, "CE:", &name)?;
+    label(out, "Database:", &info.machine_file)?;
+    writeln!(out)?;
+    if !info.parameters.is_empty() {
+        label(out, "UPARAM:", &info.parameters)?;
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 /// A label of 14 characters and its value.

@@ -57,6 +57,7 @@ Control Emulator Counterpoint Version 0.1.0
 
 Input:        jobs/p1.nc
 CE:           lathe2,2.260;1
+Database:     lathe2/machine.toml
 
 1! %
 2! N10 G21 G90

@@ -42,7 +42,7 @@ pub fn json(machine: &Machine) -> Value {
         },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
             "own_common": machine.variables.own_common },
-        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
+        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })
 }
@@ -275,6 +275,20 @@ fn tool_offsets(machine: &Machine) -> Vec<Value> {
         })
     };
     machine.tool.offsets.iter().map(offset).collect()
+}
+
+fn tool_data(machine: &Machine) -> Vec<Value> {
+    let facts = |facts: &crate::machine::model::ToolFacts| {
+        json!({
+            "number": facts.number,
+            "name": facts.name,
+            "diameter": facts.diameter,
+            "radius": facts.radius,
+            "length": facts.length,
+            "offset": facts.offset,
+        })
+    };
+    machine.tool.data.iter().map(facts).collect()
 }
 
 /// Values with the names of their axes.

@@ -124,6 +124,7 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("per channel", ranges(&machine.variables.channel));
     line("offset digits", machine.tool.offset_digits.to_string());
     line("tool offsets", machine.tool.offsets.len().to_string());
+    line("tools with data", machine.tool.data.len().to_string());
     line("initial", initial.join(", "));
     grid.text()
 }
