@@ -115,6 +115,9 @@ pub(crate) struct Run {
     /// The log file besides the other results
     #[arg(long, requires = "out")]
     pub(crate) ef: bool,
+    /// Lines of listings, logs and consoles end with CR and LF
+    #[arg(long, requires = "out")]
+    pub(crate) crlf: bool,
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
@@ -145,6 +148,7 @@ impl Run {
         match what {
             What::Listing if self.nolist => false,
             What::Log => self.ef || self.nolist || self.write.contains(&what),
+            What::Console => self.write.contains(&what),
             _ => self.write.is_empty() || self.write.contains(&what),
         }
     }
@@ -152,7 +156,7 @@ impl Run {
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
         let trace = self.wants(What::Trace) && !self.inputs.trace.is_empty();
-        let read = [What::Listing, What::Events, What::Log].into_iter().any(|what| self.wants(what));
+        let read = [What::Listing, What::Events, What::Log, What::Console].into_iter().any(|what| self.wants(what));
         self.out.is_some() && (read || trace)
     }
 }
@@ -238,9 +242,12 @@ pub(crate) struct ResultOf {
     /// Which result
     #[arg(value_enum)]
     pub(crate) what: What,
-    /// Channel of the listing
+    /// Channel of the listing; 0: the merged listing of all, the console of all
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
+    /// Lines of a listing, log or console end with CR and LF
+    #[arg(long)]
+    pub(crate) crlf: bool,
     /// Form of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
@@ -258,6 +265,8 @@ pub(crate) enum What {
     Listing,
     Trace,
     Log,
+    /// Messages and diagnostics, a line each
+    Console,
     Timeline,
     Toolpath,
     Events,

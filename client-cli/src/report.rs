@@ -86,6 +86,15 @@ struct Diagnostic {
     line: u32,
     block: String,
     text: String,
+    origin: Option<Origin>,
+}
+
+/// The statement of a macro that raised a diagnostic.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Origin {
+    file: String,
+    line: u32,
 }
 
 /// Simulated time as minutes, seconds and milliseconds.
@@ -187,7 +196,8 @@ fn diagnostics(summary: &Summary, most: usize) -> String {
     let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
     for diagnostic in &summary.diagnostics {
         let same = |g: &&mut (&Diagnostic, usize)| {
-            (g.0.number, g.0.channel, &g.0.text) == (diagnostic.number, diagnostic.channel, &diagnostic.text)
+            let what = |d: &'_ Diagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
+            what(g.0) == what(diagnostic) && g.0.text == diagnostic.text
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.1 += 1,
@@ -213,7 +223,8 @@ fn one(d: &Diagnostic, count: usize) -> String {
     let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
     let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
     let head = styled(style, format_args!("{word} {}", d.number));
-    let mut out = format!("  {head} channel {} {place}{}{times}\n", d.channel, d.text);
+    let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
+    let mut out = format!("  {head} channel {} {place}{}{origin}{times}\n", d.channel, d.text);
     if !d.block.is_empty() {
         let _ = writeln!(out, "      {}", styled(DIM, &d.block));
     }

@@ -58,7 +58,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
 
 /// Results of a job that has ended: into the folder, and the report.
 async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
-    let text = results::whole(client, job, What::Summary, 0, Format::Json).await?;
+    let text = results::whole(client, job, What::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
@@ -70,7 +70,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         let mut out = report(&summary, arguments.verbose);
         files_report(&mut out, &results::written(client, job).await?, arguments.out.is_some());
         if draws {
-            let json = results::whole(client, job, What::Timeline, 0, Format::Json).await?;
+            let json = results::whole(client, job, What::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
             out.push_str(&draw(&timeline, width()));
         }
@@ -286,16 +286,23 @@ impl Target<'_> {
         }
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
+        let form = results::Form { format: Format::Svg, crlf: self.arguments.crlf };
         for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
             for &channel in channels.iter().filter(|_| wanted(what)) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
-                results::file(client, job, what, channel, Format::Svg, &path).await?;
+                results::file(client, job, what, channel, form, &path).await?;
             }
+        }
+        if channels.len() > 1 && wanted(What::Listing) {
+            results::file(client, job, What::Listing, 0, form, &folder.join(format!("{stem}.lce"))).await?;
+        }
+        if wanted(What::Console) {
+            results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
         }
         for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(What::Trace)) {
             let path = folder.join(format!("{channel}.trace"));
-            results::file(client, job, What::Trace, channel, Format::Svg, &path).await?;
+            results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
             (What::Events, Format::Json, "events.jsonl"),
@@ -306,7 +313,7 @@ impl Target<'_> {
         ];
         for (what, format, name) in files {
             if wanted(what) {
-                results::file(client, job, what, 0, format, &folder.join(name)).await?;
+                results::file(client, job, what, 0, format.into(), &folder.join(name)).await?;
             }
         }
         if wanted(What::Files) {

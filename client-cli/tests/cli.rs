@@ -46,8 +46,10 @@ fn all_results_are_written() {
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     let expected = "events.jsonl summary.json timeline.json timeline.svg toolpath.json toolpath.svg";
-    let expected: Vec<_> = expected.split(' ').chain(["upper.1.lce", "upper.2.lce"]).collect();
+    let expected: Vec<_> = expected.split(' ').chain(["upper.1.lce", "upper.2.lce", "upper.lce"]).collect();
     assert_eq!(names, expected);
+    let merged = std::fs::read_to_string(out.join("upper.lce")).unwrap();
+    assert!(merged.contains("\nK2 t=000:00.000 1! O2\n") && merged.contains("\nKERNEL 2 LOWER\n"), "{merged}");
 }
 
 #[test]
@@ -67,6 +69,31 @@ fn a_trace_and_a_log_file() {
     let log = read("part.log");
     assert!(log.starts_with("Counterpoint\n") && log.contains("Q7 is not used") && !log.contains("1! "), "{log}");
     assert_eq!(code(&counterpoint(&["run", "-q", &path, "--trace", "K"])), 2);
+}
+
+#[test]
+fn parameters_a_console_and_other_line_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "G0 X1. NOISE\nM30\n");
+    let machine = folder.path().join("told");
+    std::fs::create_dir(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"told\"\n[macros]\nprogram_startup = \"start.mac\"\n";
+    program(&machine, "machine.toml", text);
+    program(&machine, "start.mac", "PPRINT/'got !(*)',$UPARAM\nERROR/4,'mind it'\n");
+    let (machine, out) = (machine.display().to_string(), folder.path().join("out").display().to_string());
+    let with = ["--machine", &machine, "--param", "-SHIFT=2 a", "--crlf", "--write", "console,listing"];
+    let output = counterpoint(&[&["run", "-q", &path, "--out", &out][..], &with].concat());
+    assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let console = "Display : got -SHIFT=2 a\r\nWarning: mind it (told/start.mac:2)\r\n\
+                   Warning: 'NOISE' not recognized in 'G0 X1. NOISE' at line 1\r\n";
+    assert_eq!(read("console.txt"), console);
+    let listing = read("part.lce");
+    assert!(
+        listing.contains("Database:     told/machine.toml\r\n\r\nUPARAM:       -SHIFT=2 a\r\n\r\nWarning: "),
+        "{listing}"
+    );
+    assert_eq!(listing.matches('\n').count(), listing.matches("\r\n").count());
 }
 
 #[test]

@@ -4,9 +4,9 @@
 //! machine's folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job,
 //! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
 //! (with the channel in front on machines with several), `timed` the same with the second of their end in front,
-//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace` the whole trace of channel
+//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, each with the line of the macro that raised it, `trace` the whole trace of channel
 //! 1, `listing` its whole listing and `shows` lines of it one behind the other (`listing N`, `shows N` of another
-//! channel, `log` the log file of channel 1, `merged` the listing of all; VERSION stands for that of this project), `ran`
+//! channel, `log` the log file of channel 1, `merged` the listing and `console` the console of all; VERSION stands for that of this project), `ran`
 //! the program of each channel in the summary, `written NAME` a file that macros have written, `findings` what
 //! loading the machine finds. `events`, `timed`, `texts`, `trace` and written files are only compared where they are given; no diagnostics and no findings are expected where none
 //! are given. Every example is run with one thread, with results only, and with shared operations out of step; all
@@ -67,7 +67,7 @@ fn examples(page: &str) -> Vec<Example> {
             ("timed", _) => example.timed = Some(text),
             ("texts", _) => example.texts = Some(text),
             ("trace", _) => example.trace = Some(text),
-            ("listing" | "shows" | "log" | "merged", channel) => {
+            ("listing" | "shows" | "log" | "merged" | "console", channel) => {
                 example.listings.push((
                     kind.split(' ').next().unwrap_or_default().to_owned(),
                     channel.parse().unwrap_or(1),
@@ -181,6 +181,7 @@ fn listing_of(kind: &str, channel: u16, info: &Info, done: &Done) -> String {
     let summary = &done.summary;
     match kind {
         "log" => listing::render_log(info, channel, summary, &mut events, &mut out),
+        "console" => listing::render_console(0, &mut events, &mut out),
         "merged" => listing::render_merged(info, summary, &mut events, &mut out),
         _ => listing::render(info, channel, summary, &mut events, &mut out),
     }
@@ -221,6 +222,9 @@ fn the_guide_is_true() {
                 if let Kind::Diagnostic(diagnostic) = &one.kind {
                     let _ = writeln!(diagnostics, "{:08} {}", diagnostic.number, one.line);
                     let _ = writeln!(texts, "{}", diagnostic.text);
+                    if let Some(origin) = &diagnostic.origin {
+                        let _ = writeln!(texts, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement);
+                    }
                 }
             }
             compare("diagnostics", &diagnostics, &example.diagnostics);

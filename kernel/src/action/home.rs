@@ -7,6 +7,7 @@ use crate::diag;
 use crate::log::event::Position;
 use crate::machine::habits::Home;
 use crate::machine::ident::data;
+use crate::trace::{self, ACTION};
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
@@ -17,6 +18,7 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
     if coded == 0 {
         return Ok(());
     }
+    kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
     kernel.place.home_via = Some(via);
     kernel.rapid_to(coded, via)?;
     to_reference(kernel, coded, number)
@@ -63,6 +65,16 @@ fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
         kernel.diagnose(&diag::NO_REFERENCE, text);
     }
     kernel.rapid_to(coded, target)
+}
+
+/// `home x, z`, the axes that move; `n=2` for a further reference point.
+fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
+    let axes = (0..kernel.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let mut items: Vec<String> = axes.map(|axis| kernel.axis_name(axis)).collect();
+    if number > 1 {
+        items.push(format!("n={number}"));
+    }
+    format!("home {}", items.join(", "))
 }
 
 /// To the second, third or fourth reference point; 2 without a number.

@@ -45,6 +45,9 @@ impl Kernel<'_> {
 
     /// The program is over: the order of its tools, if `$TLSORT` asks for one.
     pub(crate) fn tell_order(&mut self) {
+        if self.macros.as_deref_mut().is_some_and(|runtime| std::mem::take(&mut runtime.tools_changed)) {
+            self.tell_tools();
+        }
         let column = self.tool_sort().abs();
         if column == 0 {
             return;

@@ -32,6 +32,8 @@ pub(crate) struct Firing {
     pub(crate) value: f64,
     /// Fired by words of its group, not written on the block.
     pub(crate) implied: bool,
+    /// It acts only if something of what fires it is left by then.
+    pub(crate) fragile: bool,
 }
 
 /// Largest number of registers.
@@ -72,7 +74,7 @@ pub(crate) struct Block {
     pub(crate) added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub(crate) next: usize,
-    /// Span of a program name in angle brackets, if one is told to be odd.
+    /// Span of the program name in angle brackets that `odd` tells of; one of the unknown ones until a call takes it.
     name: (u32, u32),
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
@@ -144,19 +146,18 @@ impl Block {
     }
 
     /// Notes a program name.
-    pub(crate) fn set_name(&mut self, span: Option<(u32, u32)>) {
-        self.odd &= !odd::NAME;
-        if let Some(span) = span {
-            self.odd |= odd::NAME;
-            self.name = span;
-        }
+    pub(crate) fn set_name(&mut self, span: (u32, u32)) {
+        self.odd |= odd::NAME;
+        self.name = span;
+        self.unknown.push(span);
     }
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<(u32, u32)> {
-        let name = self.name();
+        let name = self.name()?;
         self.odd &= !odd::NAME;
-        name
+        self.unknown.retain(|span| *span != name);
+        Some(name)
     }
 
     /// Makes a word findable as data; of several words of one register the last one counts.

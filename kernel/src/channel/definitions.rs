@@ -1,15 +1,15 @@
 //! Definitions of programs that the flow meets, and text that belongs to no program.
 //!
 //! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
-//! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that another
-//! channel runs, where the text ends as at the end of the file. Invariant: text that nothing owns is told once for each
-//! file and channel.
+//! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that
+//! another channel runs, where the text ends as at the end of the file. Invariant: text that nothing owns is told once
+//! for each file and channel.
 
 use super::Kernel;
 use crate::diag;
 use crate::log::event::FileId;
 use crate::machine::model::{Placement, RewindStop};
-use crate::mcd::program::Range;
+use crate::mcd::program::{Callers, Range};
 use crate::mcd::source::Source;
 
 impl Kernel<'_> {
@@ -56,12 +56,15 @@ impl Kernel<'_> {
         let info = self.info;
         let Some(source) = info.source(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
-        if !source.is_plain(*heading) {
+        if !source.is_plain(*heading) || !self.first_time(file, heading.first) {
             return;
         }
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
-        let is_run = info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && runs(c.lines));
-        if !is_run && !runs((called.first, called.last)) && self.first_time(file, heading.first) {
+        let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
+        // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
+        let is_main = channels.peek().is_some() && Callers::of(self.machine).ends_in(source, *heading);
+        let is_run = is_main || channels.any(|c| runs(c.lines));
+        if !is_run && !runs((called.first, called.last)) {
             self.tell_unowned(file, source, (heading.first, heading.last));
         }
     }

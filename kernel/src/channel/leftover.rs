@@ -114,13 +114,13 @@ impl Kernel<'_> {
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
     }
 
-    /// A program name that no call took: at the begin of its block it defines the program, elsewhere it is unknown text.
+    /// A program name at the begin of its block defines the program; elsewhere it is unknown text.
     pub(crate) fn left_name(&mut self) {
-        let Some(span) = self.block.take_name() else { return };
+        let Some((start, _)) = self.block.name() else { return };
         let line = self.text_bytes();
-        let before = line.get(..span.0 as usize).unwrap_or_default();
-        if !before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
-            self.block.unknown.push(span);
+        let before = line.get(..start as usize).unwrap_or_default();
+        if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
+            self.block.take_name();
         }
     }
 

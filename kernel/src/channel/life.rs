@@ -99,8 +99,7 @@ impl Kernel<'_> {
         let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
         let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
         let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
-        let diagnostic =
-            Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into(), kernel: "".into() };
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
         for kind in [
             (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
             Some(Kind::Verdict(Box::new(verdict))),

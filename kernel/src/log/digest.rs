@@ -423,11 +423,18 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&diagnostic.number.to_le_bytes());
             out.push(diagnostic.severity);
             text(out, &diagnostic.text);
-            if !diagnostic.operation.is_empty() || !diagnostic.kernel.is_empty() {
+            let origin = diagnostic.origin.as_deref();
+            if !diagnostic.operation.is_empty() || !diagnostic.kernel.is_empty() || origin.is_some() {
                 text(out, &diagnostic.operation);
             }
-            if !diagnostic.kernel.is_empty() {
+            if !diagnostic.kernel.is_empty() || origin.is_some() {
                 text(out, &diagnostic.kernel);
+            }
+            if let Some(origin) = origin {
+                text(out, &origin.name);
+                text(out, &origin.file);
+                out.extend_from_slice(&origin.line.to_le_bytes());
+                text(out, &origin.statement);
             }
         }
         Kind::Trace { letter, text: line } => {

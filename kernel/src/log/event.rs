@@ -382,7 +382,7 @@ pub struct Release {
 }
 
 /// One diagnostic.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Diagnostic {
     /// Stable number with a page in `docs/diagnostics/`.
     pub number: u32,
@@ -394,6 +394,23 @@ pub struct Diagnostic {
     pub operation: Box<str>,
     /// Name of the kernel as macros have set it (`$MCENAM`), empty while it is that of the channel.
     pub kernel: Box<str>,
+    /// The statement of a macro that raised it, none if no macro did.
+    pub origin: Option<Box<Origin>>,
+}
+
+/// A statement of a macro that raised a diagnostic.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Origin {
+    /// Name of the macro as the trace shows it.
+    #[serde(rename = "macro")]
+    pub name: Box<str>,
+    /// Its file.
+    pub file: Box<str>,
+    /// Line in that file, from 1.
+    pub line: u32,
+    /// The statement as the trace shows it.
+    pub statement: Box<str>,
 }
 
 /// Why channels can never go on.

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::log::meetings::{Arrival, Meeting, Waits};
 pub use crate::log::tools::Tool;
 
-use crate::log::event::{FileId, VerdictKind};
+use crate::log::event::{FileId, Origin, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
 use crate::log::told::{Told, What};
 use tally::Tally;
@@ -151,6 +151,9 @@ pub struct Diagnostic {
     /// Name of the kernel as macros have set it, left out while it is that of the channel.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kernel: String,
+    /// The statement of a macro that raised it, left out if no macro did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Box<Origin>>,
     /// When, ns.
     pub t_ns: i64,
 }
@@ -235,6 +238,7 @@ impl Findings {
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
             kernel: diagnostic.kernel.to_string(),
+            origin: diagnostic.origin.clone(),
             t_ns: told.t_ns,
         });
     }

@@ -90,13 +90,7 @@ pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severi
         line,
         t_ns,
         0,
-        Kind::Diagnostic(Box::new(Diagnostic {
-            number,
-            severity,
-            text: text.into(),
-            operation: "".into(),
-            kernel: "".into(),
-        })),
+        Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), ..Diagnostic::default() })),
     )
 }
 

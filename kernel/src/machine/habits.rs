@@ -12,6 +12,8 @@ pub struct Habits {
     pub home: Home,
     /// What three angles of a rotation turn about.
     pub rotations: Rotations,
+    /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
+    pub least_feed: Option<f64>,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
@@ -64,6 +66,7 @@ impl Default for Habits {
             speed_word: true,
             home: Home::Workpiece,
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
+            least_feed: None,
             heads_in_file: false,
             texts: Vec::new(),
             integers: Vec::new(),

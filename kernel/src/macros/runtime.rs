@@ -24,7 +24,7 @@ use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
-use crate::log::event::{FileId, MAX_AXES, Motion, ToolAction};
+use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::log::info::Info;
 use crate::machine::ident::{CodeId, DataId};
 
@@ -56,6 +56,17 @@ pub(crate) enum Task {
     Cycle(Box<Hole>),
     /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
     Diagnostic(Arc<[Value; 3]>),
+}
+
+impl Task {
+    /// A tool or a head is only selected.
+    pub(crate) fn selects(&self) -> bool {
+        match self {
+            Self::Tool(action, ..) => *action == ToolAction::Select,
+            Self::Head(kind, _) => *kind == 1.0,
+            _ => false,
+        }
+    }
 }
 
 /// A running macro.
@@ -169,6 +180,8 @@ pub(crate) struct Runtime {
     pub(crate) severities: FxHashMap<u32, (u8, bool)>,
     /// How often each diagnostic came.
     pub(crate) counts: FxHashMap<u32, u32>,
+    /// The statement that raised the diagnostic which the diagnostic macro sees.
+    pub(crate) origin: Option<Box<Origin>>,
     /// Current folder, temporary files and open stores of values.
     pub(crate) folder: Folder,
     /// The kernel comes to its end: what it writes is what it had open.
@@ -247,6 +260,7 @@ impl Runtime {
             store: Store::new(),
             severities: FxHashMap::default(),
             counts: FxHashMap::default(),
+            origin: None,
             folder: Folder::default(),
             leaving: false,
             texts: Reused::default(),
@@ -359,8 +373,9 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
+        let selects = task.selects();
         if self.trace.is_some() {
-            self.trace_entering(code);
+            self.trace_entering(code, selects);
         }
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
@@ -369,7 +384,7 @@ impl Kernel<'_> {
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         let outputs = self.macro_ended(state, code, matching, end);
         if self.trace.is_some() {
-            self.trace_leaving(code);
+            self.trace_leaving(code, selects);
         }
         outputs
     }

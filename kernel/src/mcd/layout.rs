@@ -299,8 +299,8 @@ pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Op
 }
 
 /// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing
-/// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves nothing
-/// to do (reference control-emulator.md 5.1).
+/// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves
+/// nothing to do (reference control-emulator.md 5.1).
 pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
     let rws = format.rws.as_bytes();
     let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;

@@ -223,7 +223,7 @@ impl Callers {
     }
 
     /// A line of a range ends a program or returns.
-    pub(super) fn ends_in(&self, source: &Source, range: Range) -> bool {
+    pub(crate) fn ends_in(&self, source: &Source, range: Range) -> bool {
         (range.first..=range.last).any(|line| {
             let text = source.words(line);
             let ends = |&(letter, number): &(u8, u32)| {

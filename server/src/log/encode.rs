@@ -108,6 +108,14 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             text_field(out, 3, &diagnostic.text);
             text_field(out, 4, &diagnostic.operation);
             text_field(out, 5, &diagnostic.kernel);
+            if let Some(origin) = &diagnostic.origin {
+                nested(out, 6, |out| {
+                    text_field(out, 1, &origin.name);
+                    text_field(out, 2, &origin.file);
+                    varint_field(out, 3, u64::from(origin.line));
+                    text_field(out, 4, &origin.statement);
+                });
+            }
         }),
         Kind::Trace { letter, text } => nested(out, 28, |out| {
             text_field(out, 1, letter.encode_utf8(&mut [0; 4]));

@@ -84,6 +84,9 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             if !diagnostic.kernel.is_empty() {
                 text(out, "kernel", &diagnostic.kernel);
             }
+            if let Some(origin) = &diagnostic.origin {
+                serial(out, "origin", origin);
+            }
         }
         Kind::Trace { letter, text: line } => {
             text(out, "letter", letter.encode_utf8(&mut [0; 4]));

@@ -10,8 +10,11 @@ use crate::log::info::Info;
 /// Version of the emulated system's definitions, the middle part of a definition's full name.
 const DEFINITION_VERSION: u32 = 260;
 
+/// Line of the project below its name.
+const LICENCE: &str = "(c) the Counterpoint project, MIT or Apache-2.0";
+
 pub(super) fn write(info: &Info, out: &mut dyn Write) -> Result<()> {
-    write!(out, "Counterpoint\n\nControl Emulator Counterpoint Version {}\n\n", env!("CARGO_PKG_VERSION"))?;
+    write!(out, "Counterpoint\n{LICENCE}\n\nControl Emulator Counterpoint Version {}\n\n", env!("CARGO_PKG_VERSION"))?;
     for channel in info.channels.iter().filter(|c| !c.program.is_empty()) {
         label(out, "Input:", &channel.program)?;
     }

@@ -18,6 +18,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Habits {
     habits.home = section.choice("home", &homes).unwrap_or(habits.home);
     let orders = Rotations::ALL.map(|order| (order.name, order));
     habits.rotations = section.choice("rotations", &orders).unwrap_or(habits.rotations);
+    habits.least_feed = section.above_zero("least_feed");
     let files = [("numbers", false), ("heads", true)];
     habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {

@@ -24,7 +24,7 @@ pub struct Subprograms {
 pub struct WordCall {
     /// Register of the word.
     pub register: u8,
-    /// Smallest value.
+    /// Smallest value, minus infinity for a letter alone.
     pub min: f64,
     /// Largest value.
     pub max: f64,
@@ -47,7 +47,7 @@ impl WordCall {
     #[must_use]
     pub fn program_of(&self, register: u8, value: f64) -> Option<u32> {
         let within = self.register == register && self.min <= value && value <= self.max;
-        if !within || self.min != self.max && value.fract() != 0.0 {
+        if !within || self.min != self.max && self.max.is_finite() && value.fract() != 0.0 {
             return None;
         }
         let step = if self.consecutive { (value - self.min) as u32 } else { 0 };
