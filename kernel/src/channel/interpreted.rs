@@ -51,13 +51,16 @@ impl Kernel<'_> {
         if text.trim().is_empty() {
             return Ok(());
         }
-        self.edited = Some(Arc::from(text.as_bytes()));
+        let read = self.edited.replace(Arc::from(text.as_bytes()));
         let plan = self.plan;
         plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         if self.trace.is_some() {
             self.trace_words();
         }
-        self.act_block()
+        let acted = self.act_block();
+        // The next block has a text of its own.
+        self.edited = read;
+        acted
     }
 
     /// Lets the interpreter work; it cannot be asked from within.
