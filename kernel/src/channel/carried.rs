@@ -8,6 +8,7 @@ use super::flow::Flow;
 use super::state::{Modal, Place, SpindleState};
 use super::variables::ChannelVariables;
 use super::{Acted, Halt, Kernel, tape};
+use crate::dialect::Interpreter;
 use crate::log::event::FileId;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Runtime;
@@ -54,6 +55,7 @@ carried! {
         spindle: SpindleState,
         flow: Flow,
         variables: ChannelVariables,
+        interpreter: Option<Box<dyn Interpreter>>,
         secondary: bool,
         blocks: u64,
         idle_blocks: u64,

@@ -122,7 +122,7 @@ impl Kernel<'_> {
         if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
-        let preprocess = self.plan.scanner.has_macros();
+        let preprocess = self.plan.scanner.has_preprocessor();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.preprocessed = preprocess;
@@ -199,6 +199,17 @@ impl Kernel<'_> {
             self.block_macro(Hook::PreprocessorShutdown)?;
             self.scan_again();
         }
+        self.words_block()
+    }
+
+    /// A text that the pre-processor left, on a kernel with macros.
+    pub(crate) fn text_block(&mut self, text: &str) -> Acted {
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.made = true;
+            runtime.text = Some(Arc::new(text.to_owned()));
+        }
+        self.block_macro(Hook::PreprocessorShutdown)?;
+        self.scan_again();
         self.words_block()
     }
 

@@ -97,6 +97,9 @@ impl Kernel<'_> {
         }
         self.flow = Flow::default();
         self.flow.frames.push(Frame::main(file, range, name));
+        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+            interpreter.begin(reset);
+        }
         self.plain_macro(Hook::ProgramStartup)?;
         self.follow()
     }
@@ -132,13 +135,13 @@ impl Kernel<'_> {
 
     fn identify(&mut self, code: u16, index: u32, assigned: Value) -> Result<Answer, Fault> {
         let asked = format!("#{index}");
-        let mut arguments = [Value::Real(0.0), Value::text(asked.as_str()), assigned];
-        if let Err(halt) = self.run_macro(code, Task::None, &mut arguments) {
-            self.keep_halt(halt);
-            return Err(Fault::Stopped);
-        }
-        let [flag, text, _] = &arguments;
-        let flag = flag.as_real().unwrap_or(0.0);
+        let (flag, text) = match self.ask_identification(code, &asked, assigned) {
+            Ok(answer) => answer,
+            Err(halt) => {
+                self.keep_halt(halt);
+                return Err(Fault::Stopped);
+            }
+        };
         Ok(match text.as_text().filter(|text| text.trim() != asked) {
             Some(text) if flag == 1.0 => Answer::Text(text.to_owned()),
             // Evaluating the same text again would ask for ever.
@@ -147,6 +150,14 @@ impl Kernel<'_> {
             _ if flag == 2.0 => Answer::Keep,
             _ => Answer::Own,
         })
+    }
+
+    /// Runs the identification macro: what it left in `$P1` and `$P2`.
+    pub(super) fn ask_identification(&mut self, code: u16, asked: &str, assigned: Value) -> Result<(f64, Value), Halt> {
+        let mut arguments = [Value::Real(0.0), Value::text(asked), assigned];
+        self.run_macro(code, Task::None, &mut arguments)?;
+        let [flag, text, _] = arguments;
+        Ok((flag.as_real().unwrap_or(0.0), text))
     }
 
     fn set_identifying(&mut self, on: bool) {

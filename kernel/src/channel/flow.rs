@@ -12,6 +12,7 @@ use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::log::event::{FileId, Kind, Stop};
@@ -62,6 +63,8 @@ pub(crate) enum Pending {
         /// Passes, at least 1.
         passes: u32,
     },
+    /// Call a text that the pre-processor has found.
+    CallText(Box<dialect::Call>),
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
     /// End of the program.
@@ -94,6 +97,8 @@ pub(crate) struct Flow {
     pub(crate) word_call: Option<Box<WordMacro>>,
     /// Macro that blocks call without saying so.
     pub(crate) modal_call: Option<Box<ModalCall>>,
+    /// The pre-processor of another control calls behind blocks that move.
+    pub(crate) modal_text: bool,
     pub(crate) pass: Pass,
     /// A line may run again, so compiled lines are worth keeping.
     pub(crate) caching: bool,
@@ -136,18 +141,23 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
-        if self.flow.pending.is_some() || self.flow.modal_call.is_some() { self.follow_up() } else { Ok(()) }
+        let flow = &self.flow;
+        if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }
 
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
+            if self.flow.modal_text && std::mem::take(&mut self.block.moved) {
+                self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
+            }
             self.call_modally();
         }
         match self.flow.pending.take() {
             None => Ok(()),
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
+            Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.give_back(target),
             Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
         }?;
@@ -249,7 +259,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
+    pub(super) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
         let limit = usize::from(self.options.limits.nesting);
         if self.flow.frames.len() <= limit {
             return Ok(());
@@ -259,12 +269,13 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::NESTING, text))
     }
 
-    fn enter(&mut self, frame: Frame) {
+    pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call { program: frame.name.clone(), level });
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
+        self.interpreter_entered();
     }
 
     /// Return of a subprogram, or of the main program.
@@ -277,12 +288,14 @@ impl Kernel<'_> {
         {
             frame.repeats -= 1;
             (frame.next, frame.offset) = (frame.range.first, 0);
+            self.interpreter_again();
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
                 self.variables.leave();
             }
+            self.interpreter_left();
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {

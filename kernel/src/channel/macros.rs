@@ -27,6 +27,9 @@ impl From<Halt> for Left {
 impl Kernel<'_> {
     /// A line with variables or statements.
     pub(crate) fn macro_line(&mut self, text: &[u8]) -> Acted {
+        if !self.plan.scanner.has_macros() {
+            return self.interpreted_line(text);
+        }
         if self.trace.is_some() {
             self.trace_deleted(text);
         }

@@ -19,6 +19,7 @@ pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
 pub(crate) mod frames;
+mod interpreted;
 pub(crate) mod leftover;
 pub(crate) mod life;
 mod macro_call;
@@ -47,6 +48,7 @@ use variables::ChannelVariables;
 
 use crate::action::sync::Known;
 use crate::control::{Control, Progress};
+use crate::dialect::Interpreter;
 use crate::files::Files;
 use crate::log::event::{FileId, Kind, Stop};
 use crate::log::info::Info;
@@ -103,6 +105,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) spindle: SpindleState,
     pub(crate) flow: Flow,
     pub(crate) variables: ChannelVariables,
+    /// Pre-processor of another control than the one whose variables are above.
+    pub(crate) interpreter: Option<Box<dyn Interpreter>>,
     /// Secondary units are active.
     pub(crate) secondary: bool,
     /// Blocks read.

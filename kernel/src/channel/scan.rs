@@ -35,7 +35,10 @@ pub(crate) struct Scanner {
     texts: Vec<(Vec<u8>, u16)>,
     /// How numbers of each register are read, in primary and in secondary units.
     reads: Vec<[Read; 2]>,
+    /// Custom macro: variables and statements stand among the words.
     macros: bool,
+    /// Which blocks are not plain words, for the pre-processor of another control.
+    foreign: Option<fn(&[u8]) -> bool>,
     /// Active optional-skip levels, bit n.
     levels: u16,
     sequence: Option<u8>,
@@ -89,6 +92,7 @@ impl Scanner {
                 .collect(),
             reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
+            foreign: crate::dialect::concerns(machine.preprocessor),
             levels: levels(machine, opskip),
             sequence,
             letters,
@@ -96,9 +100,19 @@ impl Scanner {
         }
     }
 
-    /// Variables and statements are understood.
+    /// The machine has a pre-processor.
+    pub(crate) fn has_preprocessor(&self) -> bool {
+        self.macros || self.foreign.is_some()
+    }
+
+    /// The pre-processor is that of custom macro.
     pub(crate) fn has_macros(&self) -> bool {
         self.macros
+    }
+
+    /// The levels of optional skip that are on include this one; `None` is the one that a mark without number means.
+    pub(crate) fn skips(&self, level: Option<u8>) -> bool {
+        self.levels & 1 << level.unwrap_or(self.opskip_default).min(15) != 0
     }
 
     /// The machine has operator messages.
@@ -134,13 +148,19 @@ impl Scanner {
     /// Splits `line` into `block` (which is cleared first).
     #[inline(always)]
     pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
+        if self.foreign.is_some_and(|concerns| concerns(line)) {
+            return Kind::Macro;
+        }
         self.split(line, secondary, block, self.macros)
     }
 
     /// The same, with or without the pre-processor.
     #[inline(never)]
-    pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
-        self.split(line, secondary, block, macros)
+    pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, preprocess: bool) -> Kind {
+        if preprocess && self.foreign.is_some_and(|concerns| concerns(line)) {
+            return Kind::Macro;
+        }
+        self.split(line, secondary, block, preprocess && self.macros)
     }
 
     #[inline(always)]

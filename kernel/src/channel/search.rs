@@ -109,7 +109,7 @@ impl Kernel<'_> {
         let mut block = Block::default();
         if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
             for line in 1..=source.lines() {
-                let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_macros());
+                let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
                     continue;
                 }

@@ -87,6 +87,7 @@ diagnostics! {
     MACRO_FILES 2900086 8 false "too many or too large files written by macros";
     TOOL_TABLE 2900087 8 false "more tools than the tool table has rows";
     NO_RESTART 2900120 8 false "machine that Machine Shutdown cannot start again";
+    PREPROCESSOR_ASKS 2900121 8 false "block for the pre-processor while it asks a macro";
     CYCLE_NOT_CANCELLED 2900090 4 false "cycle that should have been cancelled before";
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";
@@ -111,6 +112,9 @@ diagnostics! {
     SECOND_CALL 2900170 8 false "call on a block with another call, a return or an end code";
     TEXT_OF_NO_PROGRAM 2900171 4 false "text of a file that belongs to no program";
     RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
+    OKUMA_UNKNOWN 2900180 8 false "variable or function that nobody knows (Okuma)";
+    OKUMA_CONTINUED 2900181 8 false "line that goes on with the block above it (Okuma)";
+    OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
 }
 
 #[cfg(test)]

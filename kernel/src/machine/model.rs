@@ -162,6 +162,12 @@ pub enum Preprocessor {
     None,
     /// Fanuc custom macro B.
     Fanuc,
+    /// Okuma user task.
+    Okuma,
+    /// Siemens 840D.
+    Siemens,
+    /// Heidenhain, conversational and ISO.
+    Heidenhain,
 }
 
 /// Shape of program text.

@@ -11,6 +11,8 @@ use crate::log::event::Direction;
 pub(crate) struct Shared {
     /// Common variables that have a value.
     pub(crate) variables: FxHashMap<u32, f64>,
+    /// Variables with names that the pre-processors of all channels reach, those that have a value.
+    pub(crate) named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
     /// Global variables of macros, by index.
     pub(crate) globals: Vec<counterpoint_lang::value::Value>,
     /// Files that macros have written.

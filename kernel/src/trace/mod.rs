@@ -127,6 +127,12 @@ impl Kernel<'_> {
         });
     }
 
+    /// The text that the pre-processor of another control left.
+    #[cold]
+    pub(crate) fn trace_left(&mut self, text: &str) {
+        self.trace('E', |_| edited(Stage::PreProcessor, text.trim()));
+    }
+
     /// A code begins to act.
     #[inline(always)]
     pub(crate) fn trace_code(&mut self, id: CodeId) {

@@ -58,7 +58,13 @@ fn read_ce(mut section: Section<'_>, head: &mut Head) {
         }
     }
     head.unit = section.choice("units", &[("mm", Unit::Mm), ("inch", Unit::Inch)]).unwrap_or(Unit::Mm);
-    let preprocessors = [("none", Preprocessor::None), ("fanuc", Preprocessor::Fanuc)];
+    let preprocessors = [
+        ("none", Preprocessor::None),
+        ("fanuc", Preprocessor::Fanuc),
+        ("okuma", Preprocessor::Okuma),
+        ("siemens", Preprocessor::Siemens),
+        ("heidenhain", Preprocessor::Heidenhain),
+    ];
     head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or(Preprocessor::None);
     section.finish();
 }

@@ -211,6 +211,9 @@ impl Kernel<'_> {
     /// `$FCEGNCV`
     fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
         use crate::dialect::fanuc::is_vacant;
+        if self.interpreter.is_some() {
+            return Ok(self.interpreted_variable(arguments));
+        }
         let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
         if !self.plan.scanner.has_macros() {
             return Ok(Value::Null);
@@ -227,6 +230,9 @@ impl Kernel<'_> {
 
     /// `$FCESNCV`
     fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        if self.interpreter.is_some() {
+            return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
+        }
         let value = arguments.get(1).and_then(Value::as_real);
         let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_macros()) else {
             return Ok(Value::Logical(false));
@@ -240,10 +246,45 @@ impl Kernel<'_> {
         }
     }
 
+    /// A variable of a pre-processor that has names for them.
+    fn interpreted_variable(&mut self, arguments: &[Value]) -> Value {
+        let name = text(arguments, 0).trim().to_owned();
+        let indices = indices(arguments, 1);
+        let found = self.with_interpreter(|interpreter, kernel| interpreter.variable(kernel, &name, &indices));
+        match found {
+            Some(Ok(value)) => value.unwrap_or(Value::Null),
+            Some(Err(halt)) => {
+                self.keep_halt(halt);
+                Value::Null
+            }
+            None => Value::Null,
+        }
+    }
+
+    fn set_interpreted_variable(&mut self, arguments: &[Value]) -> bool {
+        let name = text(arguments, 0).trim().to_owned();
+        let indices = indices(arguments, 2);
+        let Some(value) = arguments.get(1) else { return false };
+        let set = self.with_interpreter(|interpreter, kernel| interpreter.set_variable(kernel, &name, &indices, value));
+        match set {
+            Some(Ok(set)) => set,
+            Some(Err(halt)) => {
+                self.keep_halt(halt);
+                false
+            }
+            None => false,
+        }
+    }
+
     /// Text of the last message to the operator.
     pub(crate) fn show_display(&mut self, text: &str) {
         self.store(names().display, || Value::text(text));
     }
+}
+
+/// Indices behind the name of a variable.
+fn indices(arguments: &[Value], from: usize) -> Vec<f64> {
+    arguments.get(from..).unwrap_or_default().iter().filter_map(Value::as_real).collect()
 }
 
 /// Number of a variable of the pre-processor: `#100`, or `#` with an index apart.

@@ -10,6 +10,7 @@ use counterpoint_lang::vm::State;
 use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
+use crate::dialect::Setting;
 
 /// What macros have set.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ impl Default for Settings {
     }
 }
 
-/// Settings of pre-processors that no machine here has.
+/// Settings that belong to other pre-processors than custom macro.
 const FOREIGN: &[(&str, &str)] = &[
     ("PROCESS,SUBPROGRAMS", "Okuma and Siemens"),
     ("PROCESS,SEQNAME", "Okuma"),
@@ -53,8 +54,26 @@ impl Kernel<'_> {
             Some(second) => (format!("{first},{second}"), 2),
             None => (first, 1),
         };
+        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+            let common = matches!(name.as_str(), "PROCESS,COMMENTS" | "PROCESS,MESSAGES");
+            let made = interpreter.setting(&name, arguments.get(at..).unwrap_or_default());
+            match made {
+                Setting::Made => return Value::Logical(true),
+                Setting::Wrong => {
+                    let text = format!("the setting {name} of the pre-processor cannot have this value");
+                    state.warn(Fault::new(Number::NO_SETTING, text));
+                    return Value::Logical(false);
+                }
+                Setting::Unknown if !common => {
+                    let text = format!("the pre-processor of this machine has no setting {name}");
+                    state.warn(Fault::new(Number::NO_SETTING, text));
+                    return Value::Logical(false);
+                }
+                Setting::Unknown => {}
+            }
+        }
         let on = arguments.get(at).and_then(Value::as_logical).filter(|_| arguments.len() == at + 1);
-        let has = self.plan.scanner.has_macros();
+        let has = self.plan.scanner.has_preprocessor();
         let settings = self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor).filter(|_| has);
         let slot = settings.and_then(|settings| match name.as_str() {
             "PROCESS,COMMENTS" => settings.taken_off.get_mut(0),

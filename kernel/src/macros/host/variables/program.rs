@@ -183,6 +183,9 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Value::text(match k.machine.preprocessor {
                     Preprocessor::None => "",
                     Preprocessor::Fanuc => "FANUC",
+                    Preprocessor::Okuma => "OKUMA",
+                    Preprocessor::Siemens => "SIEMENS",
+                    Preprocessor::Heidenhain => "HEIDENHAIN",
                 })
             },
             None,

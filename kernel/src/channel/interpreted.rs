@@ -1,0 +1,287 @@
+//! Pre-processors of other controls on a kernel: what they see of it and how they move it.
+//!
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. Invariant: what such a pre-processor leaves is a text, which
+//! is split into words as any block is; on a kernel with macros it goes on to Pre-Processor Shutdown.
+
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+
+use super::custom_calls::{Called, Callee};
+use super::flow::{Frame, Pending};
+use super::{Acted, Halt, Kernel};
+use crate::diag::{self, Facts};
+use crate::dialect::{Answer, Call, Host, Interpreter, Place};
+use crate::log::event::FileId;
+use crate::log::info::Unit;
+use crate::machine::number::written;
+use crate::macros::model::Hook;
+use crate::mcd::program::Range;
+use crate::mcd::source::Source;
+
+impl Kernel<'_> {
+    /// A block that is not plain words.
+    pub(super) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
+        if self.trace.is_some() {
+            self.trace_deleted(text);
+        }
+        let text = text.to_vec();
+        self.block.clear();
+        match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, &text)) {
+            Some(left) => left?.map_or(Ok(()), |left| self.left_words(&left)),
+            None => {
+                let text = format!("'{}' comes while the pre-processor asks a macro, it is dropped", self.block_text());
+                self.diagnose(&diag::PREPROCESSOR_ASKS, text);
+                Ok(())
+            }
+        }
+    }
+
+    /// The words that are left of a block act.
+    fn left_words(&mut self, text: &str) -> Acted {
+        // A sequence number alone is nothing that a loop could wait for.
+        let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");
+        if number.is_empty() || !number.bytes().all(|byte| byte.is_ascii_digit()) {
+            self.flow.pass.effects = true;
+        }
+        self.trace_left(text);
+        if self.macros.is_some() {
+            return self.text_block(text);
+        }
+        if text.trim().is_empty() {
+            return Ok(());
+        }
+        let read = self.edited.replace(Arc::from(text.as_bytes()));
+        let plan = self.plan;
+        plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
+        if self.trace.is_some() {
+            self.trace_words();
+        }
+        let acted = self.act_block();
+        // The next block has a text of its own.
+        self.edited = read;
+        acted
+    }
+
+    /// Lets the interpreter work; it cannot be asked from within.
+    pub(crate) fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
+        let mut interpreter = self.interpreter.take()?;
+        let done = work(&mut *interpreter, self);
+        self.interpreter = Some(interpreter);
+        Some(done)
+    }
+
+    #[inline]
+    pub(super) fn interpreter_entered(&mut self) {
+        if self.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.entered(kernel));
+        }
+    }
+
+    #[inline]
+    pub(super) fn interpreter_again(&mut self) {
+        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+            interpreter.again();
+        }
+    }
+
+    #[inline]
+    pub(super) fn interpreter_left(&mut self) {
+        if self.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.left(kernel));
+        }
+    }
+
+    /// Calls a text that the interpreter has found, or that a startup macro may find.
+    pub(super) fn call_text(&mut self, call: Call) -> Acted {
+        let Call { name, place, passes, closes } = call;
+        self.check_nesting(|| name.to_string())?;
+        let called = Called { what: Callee::Named(Arc::clone(&name)), passes };
+        let mut found = place;
+        if self.macros.is_some() {
+            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
+            let text = format!("subprogram {name} is missing, called in '{}'", self.block_text());
+            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        let (next, repeats) = (range.first, passes.saturating_sub(1));
+        let name = (*name).into();
+        self.enter(Frame {
+            file,
+            range,
+            next,
+            offset: 0,
+            repeats,
+            closes,
+            own_variables: false,
+            called,
+            by: None,
+            name,
+        });
+        Ok(())
+    }
+}
+
+impl Host for Kernel<'_> {
+    fn place(&self) -> Place {
+        let frame = self.flow.frames.last();
+        let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
+        let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        Place { file: self.file, line: self.line, range, level: self.flow.frames.len().saturating_sub(1), as_read }
+    }
+
+    fn source(&self, file: FileId) -> Option<Arc<Source>> {
+        self.info.files.get(usize::from(file))?.source.get()?.clone()
+    }
+
+    fn files(&self) -> Vec<String> {
+        self.info.files.iter().map(|file| file.name.clone()).collect()
+    }
+
+    fn load(&mut self, file: FileId) -> Acted {
+        Kernel::load(self, file)
+    }
+
+    fn main_file(&self) -> FileId {
+        self.flow.frames.first().map_or(self.file, |frame| frame.file)
+    }
+
+    fn skips(&self, level: Option<u8>) -> bool {
+        match self.block_scanner() {
+            Some(scanner) => scanner.skips(level),
+            None => self.plan.scanner.skips(level),
+        }
+    }
+
+    fn stripped(&mut self, text: &[u8]) -> Vec<u8> {
+        let mut out = Vec::with_capacity(text.len());
+        let (plan, own) = (self.plan, self.block_scanner());
+        own.as_deref().unwrap_or(&plan.scanner).strip(text, &mut out, &mut self.block);
+        if self.macros.is_none() {
+            self.show_messages(text);
+        }
+        self.block.messages.clear();
+        out
+    }
+
+    fn go_to(&mut self, line: u32) -> Acted {
+        self.jump_to_line(line)
+    }
+
+    fn call(&mut self, call: Call) {
+        self.ask(Pending::CallText(Box::new(call)));
+    }
+
+    fn calls_modally(&mut self, on: bool) {
+        self.flow.modal_text = on;
+    }
+
+    fn give_back(&mut self) {
+        self.ask(Pending::Return(None));
+    }
+
+    fn show(&mut self, text: &str) {
+        self.display(text);
+    }
+
+    fn tells_messages(&self, text: &[u8]) -> bool {
+        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+    }
+
+    fn diagnose(&mut self, facts: &'static Facts, text: String) {
+        Kernel::diagnose(self, facts, text);
+    }
+
+    fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
+        Kernel::alarm(self, facts, text)
+    }
+
+    fn block_text(&self) -> String {
+        Kernel::block_text(self)
+    }
+
+    fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
+        self.flow.pass.polled = true;
+        Kernel::shared(self, |inner, _| inner.shared.named.get(name).cloned())
+    }
+
+    fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
+        self.flow.pass.effects = true;
+        Kernel::shared(self, |inner, _| {
+            match value {
+                Some(value) => inner.shared.named.insert(name.into(), value),
+                None => inner.shared.named.remove(name),
+            };
+        })
+    }
+
+    fn has_own_common(&self) -> bool {
+        self.machine.variables.own_common
+    }
+
+    fn effect(&mut self) {
+        self.flow.pass.effects = true;
+    }
+
+    fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
+        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
+        let assigned = assigned.cloned().unwrap_or(Value::Null);
+        let (flag, answer) = self.ask_identification(code, text, assigned)?;
+        Ok(match answer.as_text().filter(|answer| answer.trim() != text.trim()) {
+            Some(answer) if flag == 1.0 => Answer::Instead(answer.to_owned()),
+            _ if flag == -1.0 => Answer::Drop,
+            _ if flag == 2.0 => Answer::Keep,
+            // Evaluating the same text again would ask for ever.
+            _ => Answer::Unknown,
+        })
+    }
+
+    fn is_register(&self, name: &str) -> bool {
+        let is = |text: &str| text.eq_ignore_ascii_case(name);
+        let mut registers = self.machine.registers.iter();
+        registers
+            .any(|register| is(&register.name) || is(&register.before) || register.second.as_deref().is_some_and(is))
+    }
+
+    fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
+        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
+        let mut registers = self.machine.registers.iter();
+        let (before, register) = registers.find_map(|register| match &register.second {
+            Some(second) if is(second) => Some((second, register)),
+            _ => is(&register.before).then_some((&register.before, register)),
+        })?;
+        let format = if self.secondary { &register.secondary } else { &register.format };
+        let number = spelled.map_or_else(|| written(value, format), str::to_owned);
+        Some(format!("{before}{number}{}", register.after))
+    }
+
+    fn is_inch(&self) -> bool {
+        (self.machine.unit == Unit::Inch) != self.secondary
+    }
+
+    fn is_code_text(&self, text: &str) -> bool {
+        let mut texts = self.machine.tables.texts.iter();
+        texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
+    }
+
+    fn positions(&self) -> Vec<(String, f64, f64)> {
+        let programmed = self.programmed();
+        let machine = self.machine_point(&self.place.position);
+        let axes = self.place.axes.iter().filter_map(|axis| self.machine.axes.get(axis.machine));
+        let values = programmed.iter().zip(machine.iter());
+        axes.zip(values).map(|(axis, (work, machine))| (axis.name.clone(), *work, *machine)).collect()
+    }
+
+    fn clock(&self) -> i64 {
+        self.clock
+    }
+
+    fn channel(&self) -> u16 {
+        self.rank
+    }
+}
