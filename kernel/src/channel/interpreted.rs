@@ -13,6 +13,7 @@ use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, Call, Host, Interpreter, Place};
 use crate::log::event::FileId;
+use crate::log::info::Unit;
 use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
@@ -26,7 +27,9 @@ impl Kernel<'_> {
         let text = text.to_vec();
         self.block.clear();
         match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, &text)) {
-            Some(left) => left?.map_or(Ok(()), |left| self.left_words(&left)),
+            Some(left) => {
+                left?.map_or(Ok(()), |left| left.split('\n').try_for_each(|left| self.left_words(left, &text)))
+            }
             None => {
                 let text = format!("'{}' comes while the pre-processor asks a macro, it is dropped", self.block_text());
                 self.diagnose(&diag::PREPROCESSOR_ASKS, text);
@@ -36,22 +39,27 @@ impl Kernel<'_> {
     }
 
     /// The words that are left of a block act.
-    fn left_words(&mut self, text: &str) -> Acted {
+    fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
         self.flow.pass.effects = true;
-        self.trace_left(text);
+        if text.trim().as_bytes() != whole.trim_ascii() {
+            self.trace_left(text);
+        }
         if self.macros.is_some() {
             return self.text_block(text);
         }
         if text.trim().is_empty() {
             return Ok(());
         }
-        self.edited = Some(Arc::from(text.as_bytes()));
+        // Until the block is done its text is what was left; then it is the line again.
+        let as_read = self.edited.replace(Arc::from(text.as_bytes()));
         let plan = self.plan;
         plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         if self.trace.is_some() {
             self.trace_words();
         }
-        self.act_block()
+        let done = self.act_block();
+        self.edited = as_read;
+        done
     }
 
     /// Lets the interpreter work; it cannot be asked from within.
@@ -227,6 +235,14 @@ impl Host for Kernel<'_> {
         let axes = self.place.axes.iter().filter_map(|axis| self.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
         axes.zip(values).map(|(axis, (work, machine))| (axis.name.clone(), *work, *machine)).collect()
+    }
+
+    fn length_factor(&self) -> f64 {
+        match (self.machine.unit, self.secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            (_, false) => 1.0,
+        }
     }
 
     fn clock(&self) -> i64 {

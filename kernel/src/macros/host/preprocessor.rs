@@ -42,7 +42,6 @@ const FOREIGN: &[(&str, &str)] = &[
     ("COLLAPSEASSIGNSPACES", "Siemens"),
     ("COLLAPSEASSIGNS", "Siemens"),
     ("SETALSEVERITY", "Siemens"),
-    ("CYCLEDEF", "Heidenhain"),
 ];
 
 impl Kernel<'_> {
