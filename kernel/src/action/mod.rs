@@ -25,7 +25,7 @@ pub(crate) mod spindle;
 pub(crate) mod spindles;
 pub(crate) mod states;
 mod stop;
-mod subprogram;
+pub(crate) mod subprogram;
 pub(crate) mod sync;
 pub(crate) mod thread;
 mod time;

@@ -19,7 +19,7 @@ pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
         }
         // Inside a subprogram an end code returns (reference control-emulator.md 5.4, Fanuc row).
         Stop::End | Stop::Rewind if kernel.flow.frames.len() > 1 => {
-            kernel.flow.pending = Some(Pending::Return(None));
+            kernel.ask(Pending::Return(None));
             Ok(())
         }
         Stop::End | Stop::Rewind => Err(Halt::End(Some(stop))),

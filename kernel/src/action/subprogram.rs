@@ -10,10 +10,17 @@ use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::model::CallForm;
 
-/// Call by number.
+/// Call by number, or by name.
 pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
     let id = kernel.take(data::CALSUB_ID).map(|d| d.value);
     let repeat = kernel.take(data::CALSUB_REPEAT).map(|d| d.value);
+    if id.is_none()
+        && let Some(name) = kernel.take_name()
+    {
+        let passes = repeat.map_or(1, |count| passes(kernel, count)).max(1);
+        kernel.ask(Pending::Call { what: Callee::Named(name), passes, arguments: None, by: None });
+        return Ok(());
+    }
     let Some(id) = id.filter(|v| *v >= 1.0 && *v <= f64::from(u32::MAX) && v.fract() == 0.0) else {
         let text = format!("a call needs a program number in '{}'", kernel.block_text());
         return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
@@ -25,7 +32,8 @@ pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
         _ => (id, 1),
     };
     let passes = repeat.map_or(packed, |count| passes(kernel, count));
-    kernel.flow.pending = Some(Pending::Call { number, passes: passes.max(1), arguments: None });
+    let (what, passes) = (Callee::Program(number), passes.max(1));
+    kernel.ask(Pending::Call { what, passes, arguments: None, by: None });
     Ok(())
 }
 
@@ -44,12 +52,12 @@ pub(super) fn call_range(kernel: &mut Kernel<'_>) -> Acted {
     };
     let passes = repeat.map_or(1, |count| passes(kernel, count)).max(1);
     let what = if by_labels { Callee::Labels(first, last) } else { Callee::Blocks(first, last) };
-    kernel.flow.pending = Some(Pending::CallRange { what, passes });
+    kernel.ask(Pending::CallRange { what, passes });
     Ok(())
 }
 
 /// Passes of a repeat word.
-fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
+pub(crate) fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
     if count < 0.0 || count.fract() != 0.0 {
         let text = format!("a repeat count is a whole number from 0 in '{}'", kernel.block_text());
         kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
@@ -62,6 +70,6 @@ fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
 /// Return, optionally to a sequence number of the caller.
 pub(super) fn give_back(kernel: &mut Kernel<'_>) -> Acted {
     let target = kernel.take(data::CALSUB_ID).map(|d| d.value).filter(|v| *v >= 1.0 && v.fract() == 0.0);
-    kernel.flow.pending = Some(Pending::Return(target.map(|v| v.min(f64::from(u32::MAX)) as u32)));
+    kernel.ask(Pending::Return(target.map(|v| v.min(f64::from(u32::MAX)) as u32)));
     Ok(())
 }

@@ -60,6 +60,8 @@ pub(crate) struct Block {
     pub(crate) added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub(crate) next: usize,
+    /// Span of a program name in angle brackets.
+    pub(crate) name: Option<(u32, u32)>,
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
     /// A comment or message without its end was met.
@@ -89,6 +91,7 @@ impl Default for Block {
             doubled: false,
             added: Vec::new(),
             next: 0,
+            name: None,
             sequence: None,
             open_comment: false,
             too_many_digits: false,
@@ -112,6 +115,7 @@ impl Block {
         self.doubled = false;
         self.added.clear();
         self.next = 0;
+        self.name = None;
         self.sequence = None;
         self.open_comment = false;
         self.too_many_digits = false;
@@ -175,6 +179,6 @@ impl Block {
 
     /// Something about the text of the block is worth a message.
     pub(crate) fn has_oddities(&self) -> bool {
-        !self.unknown.is_empty() || self.open_comment || self.too_many_digits || self.bad_bytes
+        !self.unknown.is_empty() || self.name.is_some() || self.open_comment || self.too_many_digits || self.bad_bytes
     }
 }

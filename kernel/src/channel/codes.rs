@@ -36,7 +36,7 @@ impl Kernel<'_> {
     pub(crate) fn categorise(&mut self) -> bool {
         let machine = self.machine;
         let mut conditional = false;
-        let mut call = false;
+        let mut call = self.plan.word_calls.is_some() && self.calls_by_word();
         for position in 0..self.block.words.len() {
             let Some(word) = self.block.words.get(position) else { break };
             if self.plan.only_data & 1 << word.register != 0 {

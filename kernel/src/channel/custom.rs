@@ -241,7 +241,7 @@ impl Kernel<'_> {
             }
         }
         let line = self.text_bytes();
-        for &(start, end) in &self.block.unknown {
+        for &(start, end) in self.block.name.iter().chain(&self.block.unknown) {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');

@@ -1,7 +1,7 @@
 //! Subprogram startup and shutdown macros: once for each pass.
 //!
 //! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers
-//! or labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the program number,
+//! or labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number or name of the program,
 //! `$P10` counts lines before the program, so that 0 is the top of the file; a startup macro can send a call to any
 //! file of the job.
 
@@ -33,7 +33,7 @@ pub(crate) struct Called {
 pub(crate) enum Callee {
     /// A program by its number, 0 for the main program.
     Program(u32),
-    /// A text by its name.
+    /// A program by its name.
     Named(Arc<str>),
     /// Blocks from one sequence number to another.
     Blocks(u32, u32),

@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 use super::custom_calls::{Called, Callee};
 use super::modal_call::ModalCall;
 use super::search::Labels;
+use super::word_calls::{By, WordKind, WordMacro};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect;
@@ -35,6 +36,8 @@ pub(crate) struct Frame {
     pub(crate) own_variables: bool,
     /// What was called.
     pub(crate) called: Called,
+    /// Kind of the word that called it; a call of another form has none.
+    pub(crate) by: Option<WordKind>,
     /// Name for events.
     pub(crate) name: Box<str>,
 }
@@ -44,12 +47,14 @@ pub(crate) struct Frame {
 pub(crate) enum Pending {
     /// Call a subprogram.
     Call {
-        /// Program number.
-        number: u32,
+        /// Which one.
+        what: Callee,
         /// Passes, at least 1.
         passes: u32,
         /// Arguments of a macro call by variable number.
         arguments: Option<Vec<(u8, f64)>>,
+        /// The word that calls, if it does so by itself.
+        by: Option<Box<By>>,
     },
     /// Call the blocks from one sequence number or label to another.
     CallRange {
@@ -86,6 +91,8 @@ pub(crate) struct Pass {
 pub(crate) struct Flow {
     pub(crate) frames: Vec<Frame>,
     pub(crate) pending: Option<Pending>,
+    /// The macro that a word of the block calls.
+    pub(crate) word_call: Option<Box<WordMacro>>,
     /// Macro that blocks call without saying so.
     pub(crate) modal_call: Option<Box<ModalCall>>,
     pub(crate) pass: Pass,
@@ -113,6 +120,7 @@ impl Frame {
             closes: false,
             own_variables: false,
             called: Called { what: Callee::Program(0), passes: 1 },
+            by: None,
             name,
         }
     }
@@ -137,17 +145,29 @@ impl Kernel<'_> {
         }
         match self.flow.pending.take() {
             None => Ok(()),
-            Some(Pending::Call { number, passes, arguments }) => self.call(number, passes, arguments),
+            Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.give_back(target),
         }
     }
 
-    fn call(&mut self, number: u32, passes: u32, arguments: Option<Vec<(u8, f64)>>) -> Acted {
-        self.check_nesting(|| format!("{number}"))?;
-        let mut found = self.find_program(number)?;
-        let called = Called { what: Callee::Program(number), passes };
+    /// Lets the block call or return at its end; a word that was to call before it does not.
+    pub(crate) fn ask(&mut self, pending: Pending) {
+        if let Some(Pending::Call { what, by: Some(_), .. }) = &self.flow.pending {
+            let text = format!("{what} is not called: '{}' has another call or return", self.block_text());
+            self.diagnose(&diag::SECOND_CALL, text);
+        }
+        self.flow.pending = Some(pending);
+    }
+
+    fn call(&mut self, what: Callee, passes: u32, arguments: Option<Vec<(u8, f64)>>, by: Option<Box<By>>) -> Acted {
+        self.check_nesting(|| match &what {
+            Callee::Program(number) => number.to_string(),
+            other => other.to_string(),
+        })?;
+        let mut found = self.find_program(&what)?;
+        let called = Called { what: what.clone(), passes };
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -155,19 +175,32 @@ impl Kernel<'_> {
             }
         }
         let Some((file, range)) = found else {
-            let text =
-                format!("subprogram {number} is missing, called in '{}'; {}", self.block_text(), self.places(number));
+            let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
+        if let Some(by) = &by {
+            self.hand_over(by)?;
+        }
         let own_variables = arguments.is_some();
         if let Some(arguments) = arguments {
             self.variables.enter(&arguments);
         }
-        let name = format!("O{number:04}").into();
+        let name = Self::name_of(&what);
         let next = range.first;
         let repeats = passes.saturating_sub(1);
-        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, name });
+        let by = by.map(|by| by.kind);
+        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, by, name });
         Ok(())
+    }
+
+    /// What is called, as events name it.
+    fn name_of(what: &Callee) -> Box<str> {
+        match what {
+            Callee::Program(number) => format!("O{number:04}").into(),
+            Callee::Named(name) => format!("<{name}>").into(),
+            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
+            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+        }
     }
 
     /// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
@@ -187,12 +220,7 @@ impl Kernel<'_> {
             let text = format!("{what} is not in the file, called in '{}'", self.block_text());
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        let name = match what {
-            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
-            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
-            Callee::Program(number) => format!("O{number:04}").into(),
-            Callee::Named(name) => (*name).into(),
-        };
+        let name = Self::name_of(&what);
         let repeats = passes.saturating_sub(1);
         let frame = Frame {
             file,
@@ -203,6 +231,7 @@ impl Kernel<'_> {
             closes: true,
             own_variables: false,
             called,
+            by: None,
             name,
         };
         self.enter(frame);

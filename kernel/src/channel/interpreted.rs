@@ -109,7 +109,18 @@ impl Kernel<'_> {
         };
         let (next, repeats) = (range.first, passes.saturating_sub(1));
         let name = (*name).into();
-        self.enter(Frame { file, range, next, offset: 0, repeats, closes, own_variables: false, called, name });
+        self.enter(Frame {
+            file,
+            range,
+            next,
+            offset: 0,
+            repeats,
+            closes,
+            own_variables: false,
+            called,
+            by: None,
+            name,
+        });
         Ok(())
     }
 }
@@ -161,11 +172,11 @@ impl Host for Kernel<'_> {
     }
 
     fn call(&mut self, call: Call) {
-        self.flow.pending = Some(Pending::CallText(Box::new(call)));
+        self.ask(Pending::CallText(Box::new(call)));
     }
 
     fn give_back(&mut self) {
-        self.flow.pending = Some(Pending::Return(None));
+        self.ask(Pending::Return(None));
     }
 
     fn show(&mut self, text: &str) {

@@ -32,6 +32,7 @@ impl Kernel<'_> {
         if !self.block.has_oddities() {
             return Ok(());
         }
+        self.left_name();
         if !self.block.unknown.is_empty() {
             self.unknown_text();
         }
@@ -110,6 +111,16 @@ impl Kernel<'_> {
     pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
         let line = self.text_bytes();
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
+    }
+
+    /// A program name that no call took: at the begin of its block it defines the program, elsewhere it is unknown text.
+    pub(crate) fn left_name(&mut self) {
+        let Some(span) = self.block.name.take() else { return };
+        let line = self.text_bytes();
+        let before = line.get(..span.0 as usize).unwrap_or_default();
+        if !before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
+            self.block.unknown.push(span);
+        }
     }
 
     fn unknown_text(&mut self) {

@@ -1,10 +1,8 @@
-//! Statements of the pre-processor: assignments, branches, loops, macro calls.
+//! Statements of the pre-processor: assignments, branches, loops.
 
 use std::sync::Arc;
 
 use super::block::Word;
-use super::flow::Pending;
-use super::modal_call::ModalCall;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
@@ -24,12 +22,13 @@ impl Kernel<'_> {
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
+        self.block.name = line.name;
         self.statement(&line.statement)
     }
 
     /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
     /// be seen: on every pass, but once for a line that is looked at twice.
-    fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
+    pub(super) fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
         let key = (self.file, self.line);
         // A text of its own is compiled each time: the line number does not stand for it.
         let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
@@ -169,7 +168,7 @@ impl Kernel<'_> {
         self.eval(condition).map(|v| number(v) != 0.0)
     }
 
-    fn eval(&mut self, expr: &Expr) -> Result<f64, Halt> {
+    pub(super) fn eval(&mut self, expr: &Expr) -> Result<f64, Halt> {
         if let Some(value) = expr.as_constant() {
             return Ok(value);
         }
@@ -178,7 +177,7 @@ impl Kernel<'_> {
     }
 
     /// Alarm of a fault.
-    fn fault(&mut self, fault: &Fault) -> Halt {
+    pub(super) fn fault(&mut self, fault: &Fault) -> Halt {
         let facts = match fault {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
@@ -254,7 +253,7 @@ impl Kernel<'_> {
     }
 
     /// A number beside an expression is read as on a line without one.
-    fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
+    pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.secondary);
         let (value, too_long) = reading.unwrap_or((number.value, false));
         self.block.too_many_digits |= too_long;
@@ -269,63 +268,6 @@ impl Kernel<'_> {
         }
         is
     }
-
-    /// `G65 P… L… arguments`, G66 and G66.1 that make it modal, and blocks of G66.1: every letter is an argument here,
-    /// also those that the machine has no register for.
-    pub(crate) fn macro_call(&mut self) -> Acted {
-        let line = if self.macros.is_some() || self.edited.is_some() {
-            let text = self.text_bytes().into_owned();
-            self.compiled(&text, false)?
-        } else {
-            let info = self.info;
-            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
-        };
-        let Statement::Words(words) = &line.statement else { return Ok(()) };
-        let mut arguments = Vec::new();
-        let (mut program, mut passes, mut way) = (None, 1.0, None);
-        let mut levels = [0_u8; 3];
-        for word in words {
-            let Name::Letter(letter) = word.name else { continue };
-            let register = self.plan.scanner.register(letter);
-            let value = match (register, word.written) {
-                (Some((register, _)), Some(number)) => self.read_by_register(register, number),
-                _ => self.eval(&word.value)?,
-            };
-            match letter {
-                b'G' => way = way.or(Self::way_of_call(number(value))),
-                b'N' | b'O' => {}
-                b'P' if program.is_none() => program = Some(number(value)),
-                b'L' => passes = number(value),
-                letter @ b'I'..=b'K' => {
-                    let slot = letter - b'I';
-                    let Some(level) = levels.get_mut(usize::from(slot)) else { continue };
-                    arguments.push((4 + *level * 3 + slot, value));
-                    *level = level.saturating_add(1).min(9);
-                }
-                letter => arguments.extend(argument(letter).map(|variable| (variable, value))),
-            }
-        }
-        let (modal, each) = way.unwrap_or((false, false));
-        if way.is_none() {
-            // A block that only gives the arguments: P and L are none of them either.
-            if let Some(call) = self.flow.modal_call.as_deref() {
-                program = Some(f64::from(call.number));
-                passes = f64::from(call.passes);
-            }
-        }
-        let Some(program) = program.filter(|p| *p >= 1.0 && *p <= f64::from(u32::MAX)) else {
-            let text = format!("macro call without a program number P in '{}'", self.block_text());
-            return Err(self.alarm(&diag::MACRO_CALL, text));
-        };
-        let (number, passes) = (program as u32, passes.clamp(1.0, 9999.0) as u32);
-        if modal {
-            let level = self.call_level();
-            self.flow.modal_call = Some(Box::new(ModalCall { number, passes, arguments, each, level }));
-        } else {
-            self.flow.pending = Some(Pending::Call { number, passes, arguments: Some(arguments) });
-        }
-        Ok(())
-    }
 }
 
 /// A line that may hold a bracketing statement.
@@ -336,30 +278,5 @@ fn has_bracketing(text: &[u8]) -> bool {
             [*b"DO", *b"EN", *b"IF", *b"EL", *b"WH"].contains(&pair)
         }
         _ => false,
-    })
-}
-
-/// Local variable of an argument letter (argument list I of the control).
-fn argument(letter: u8) -> Option<u8> {
-    Some(match letter {
-        b'A' => 1,
-        b'B' => 2,
-        b'C' => 3,
-        b'D' => 7,
-        b'E' => 8,
-        b'F' => 9,
-        b'H' => 11,
-        b'M' => 13,
-        b'Q' => 17,
-        b'R' => 18,
-        b'S' => 19,
-        b'T' => 20,
-        b'U' => 21,
-        b'V' => 22,
-        b'W' => 23,
-        b'X' => 24,
-        b'Y' => 25,
-        b'Z' => 26,
-        _ => return None,
     })
 }

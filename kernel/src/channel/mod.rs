@@ -21,6 +21,7 @@ pub(crate) mod frames;
 mod interpreted;
 pub(crate) mod leftover;
 pub(crate) mod life;
+mod macro_call;
 pub(crate) mod macros;
 mod modal_call;
 pub(crate) mod plan;
@@ -33,6 +34,7 @@ pub(crate) mod state;
 pub(crate) mod tape;
 mod text;
 pub(crate) mod variables;
+mod word_calls;
 
 use std::sync::Arc;
 

@@ -5,7 +5,10 @@
 //! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
 
 use super::Kernel;
+use super::block::Word;
+use super::custom_calls::Callee;
 use super::flow::Pending;
+use super::word_calls::By;
 
 /// Calls once.
 const CALL: f64 = 65.0;
@@ -19,13 +22,15 @@ pub(super) const END_CALLS: f64 = 67.0;
 /// A macro that blocks call.
 #[derive(Debug)]
 pub(crate) struct ModalCall {
-    pub(super) number: u32,
+    pub(super) what: Callee,
     pub(super) passes: u32,
     pub(super) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
     pub(super) each: bool,
     /// Macro calls that were going on when it was said.
     pub(super) level: usize,
+    /// The word that said it, if that calls by itself.
+    pub(super) by: Option<By>,
 }
 
 impl Kernel<'_> {
@@ -45,6 +50,12 @@ impl Kernel<'_> {
     pub(super) fn way_of_call(value: f64) -> Option<(bool, bool)> {
         let modal = value == CALL_MOVES || value == CALL_EACH;
         (modal || value == CALL).then_some((modal, value == CALL_EACH))
+    }
+
+    /// A G word of the block calls by the pre-processor itself.
+    pub(super) fn has_own_call(&self) -> bool {
+        let is_call = |word: &Word| Some(word.register) == self.plan.g && Self::way_of_call(word.value).is_some();
+        self.block.words.iter().any(is_call)
     }
 
     /// Macro calls that are going on.
@@ -78,9 +89,9 @@ impl Kernel<'_> {
         if call.each || call.level != level || !self.block.moved {
             return;
         }
-        let ModalCall { number, passes, ref arguments, .. } = *call;
-        let arguments = Some(arguments.clone());
+        let (what, passes) = (call.what.clone(), call.passes);
+        let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
         self.block.moved = false;
-        self.flow.pending = Some(Pending::Call { number, passes, arguments });
+        self.flow.pending = Some(Pending::Call { what, passes, arguments, by });
     }
 }

@@ -3,6 +3,7 @@
 use super::data::RECALLED;
 use super::scan::Scanner;
 use super::tape::Tape;
+use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
@@ -16,6 +17,8 @@ pub(crate) struct Plan {
     pub(crate) actions: Vec<Option<Action>>,
     /// Register of the G letter, for macro calls of the pre-processor.
     pub(crate) g: Option<u8>,
+    /// Words that call programs; `None` when the machine has none.
+    pub(crate) word_calls: Option<Box<WordCalls>>,
     /// Register that defines programs (O).
     pub(crate) definition: Option<u8>,
     /// Registers whose words can move an axis or shape an arc: bit by register.
@@ -166,6 +169,7 @@ impl Plan {
             scanner: Scanner::new(machine, opskip),
             actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
             g,
+            word_calls: WordCalls::new(machine),
             definition,
             motion_registers,
             sources: sources(machine, &across),

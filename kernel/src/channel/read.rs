@@ -2,11 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 
+use std::sync::Arc;
+
 use super::scan::Kind as LineKind;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FileId, Kind};
 use crate::machine::model::RewindStop;
+use crate::mcd::program::Shape;
 use crate::mcd::source::Source;
 
 impl Kernel<'_> {
@@ -170,7 +173,7 @@ impl Kernel<'_> {
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
         let mut failure = None;
         entry.source.get_or_init(|| match self.files.read(&entry.name) {
-            Ok(bytes) => Some(std::sync::Arc::new(Source::new(entry.name.clone(), bytes))),
+            Ok(bytes) => Some(Arc::new(Source::shaped(entry.name.clone(), bytes, Arc::new(Shape::of(self.machine))))),
             Err(error) => {
                 failure = Some(error);
                 None

@@ -9,6 +9,7 @@ use super::block::{Block, Word};
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
 
 /// What a line turned out to be.
@@ -280,6 +281,14 @@ impl Scanner {
                 block.texts.push(*row);
                 return at + text.len().max(1);
             }
+        }
+        if byte == b'<'
+            && self.macros
+            && block.name.is_none()
+            && let Some(end) = program_name(line, at)
+        {
+            block.name = Some((at as u32, end as u32));
+            return end;
         }
         if byte < 32 || byte == 127 {
             block.bad_bytes = true;

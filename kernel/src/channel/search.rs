@@ -35,12 +35,12 @@ enum Look {
 
 impl Kernel<'_> {
     /// Looks a program up.
-    pub(super) fn find_program(&mut self, number: u32) -> Result<Option<(FileId, Range)>, Halt> {
-        for look in self.looks(number) {
+    pub(super) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        for look in self.looks(what) {
             let found = match look {
-                Look::Definition(file) => self.in_file(file, number).map(|range| (file, range)),
-                Look::Named(name) => self.named(&name, number, false)?,
-                Look::Top(name) => self.named(&name, number, true)?,
+                Look::Definition(file) => self.in_file(file, what).map(|range| (file, range)),
+                Look::Named(name) => self.named(&name, what, false)?,
+                Look::Top(name) => self.named(&name, what, true)?,
             };
             if found.is_some() {
                 return Ok(found);
@@ -49,12 +49,12 @@ impl Kernel<'_> {
         Ok(None)
     }
 
-    fn looks(&self, number: u32) -> Vec<Look> {
-        let (each, one) = self.subprogram_files(number);
+    fn looks(&self, what: &Callee) -> Vec<Look> {
+        let (each, one) = self.subprogram_files(what);
         let main = self.flow.frames.first().map(|f| f.file);
         let current = self.flow.frames.last().map(|f| f.file);
         let same = || [current, main].into_iter().flatten().map(Look::Definition);
-        let stored = || self.stored(number).into_iter().map(Look::Top);
+        let stored = || self.stored(what).into_iter().map(Look::Top);
         let mut looks: Vec<Look> = Vec::new();
         match self.machine.subprograms.placement {
             Placement::SameFile => {
@@ -75,7 +75,7 @@ impl Kernel<'_> {
                 looks.push(Look::Named(one));
             }
         }
-        looks.extend(self.beside(number).into_iter().map(Look::Named));
+        looks.extend(self.beside(what).into_iter().map(Look::Named));
         looks
     }
 
@@ -84,10 +84,10 @@ impl Kernel<'_> {
         let info = self.info;
         let source = info.source(self.file)?;
         let labels;
-        let (from, to) = match what {
+        let (from, to) = match *what {
             Callee::Program(_) | Callee::Named(_) => return None,
-            &Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
-            &Callee::Labels(first, last) => {
+            Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
+            Callee::Labels(first, last) => {
                 labels = self.labels();
                 let lines = |label| labels.get(&label).map_or(&[][..], Vec::as_slice);
                 (lines(first), lines(last))
@@ -132,18 +132,18 @@ impl Kernel<'_> {
     }
 
     /// A program of a file by name; `whole` takes the file from its top whatever it defines.
-    fn named(&mut self, name: &str, number: u32, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
+    fn named(&mut self, name: &str, what: &Callee, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
         let Some(file) = self.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
             return Ok(None);
         };
         let file = file as FileId;
         self.load(file)?;
-        if let Some(range) = self.in_file(file, number) {
+        if let Some(range) = self.in_file(file, what) {
             return Ok(Some((file, range)));
         }
         let info = self.info;
         let Some(source) = info.source(file).filter(|s| s.lines() > 0) else { return Ok(None) };
-        if !whole && source.programs().first().is_none_or(|range| range.number.is_some()) {
+        if !whole && source.programs().first().is_none_or(|&range| !source.is_plain(range)) {
             return Ok(None);
         }
         let all = Range { number: None, first: 1, last: source.lines() };
@@ -155,8 +155,13 @@ impl Kernel<'_> {
         Ok(Some((file, range)))
     }
 
-    fn in_file(&self, file: FileId, number: u32) -> Option<Range> {
-        self.info.source(file)?.programs().iter().find(|r| r.number == Some(number)).copied()
+    fn in_file(&self, file: FileId, what: &Callee) -> Option<Range> {
+        let source = self.info.source(file)?;
+        match what {
+            Callee::Named(name) => source.named(name),
+            Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
+            Callee::Blocks(..) | Callee::Labels(..) => None,
+        }
     }
 
     /// Folder of the main program with its slash, and its name without extension.
@@ -169,23 +174,29 @@ impl Kernel<'_> {
     }
 
     /// The file of this subprogram alone, and the file of all of them.
-    fn subprogram_files(&self, number: u32) -> (String, String) {
+    fn subprogram_files(&self, what: &Callee) -> (String, String) {
         let (folder, stem) = self.main_program();
         let extension = match self.macros.as_deref().map(|runtime| runtime.store.get(variables::names().extension)) {
             Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
             _ => self.machine.subprograms.extension.as_str(),
         };
-        (format!("{folder}{stem}_{number}.{extension}"), format!("{folder}{stem}.{extension}"))
+        let id = match what {
+            Callee::Named(name) => name.to_string(),
+            Callee::Program(number) => number.to_string(),
+            Callee::Blocks(..) | Callee::Labels(..) => String::new(),
+        };
+        (format!("{folder}{stem}_{id}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
 
-    /// Files stored with the machine that are named after the number: the definition word, four digits or more.
-    fn stored(&self, number: u32) -> Vec<String> {
+    /// Files stored with the machine that are named after the program: the definition word, four digits or more, or the
+    /// name.
+    fn stored(&self, what: &Callee) -> Vec<String> {
         if self.machine.storage.is_empty() {
             return Vec::new();
         }
         let definition = self.plan.definition.and_then(|r| self.machine.registers.get(usize::from(r)));
-        let mut wanted = names(number).to_vec();
-        if let Some(register) = definition {
+        let mut wanted = names(what);
+        if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(
                 0,
                 format!("{}{}{}", register.before, written(f64::from(number), &register.format), register.after),
@@ -199,15 +210,15 @@ impl Kernel<'_> {
         files.map(|file| format!("{}{}", StoredFile::ROOT, file.path)).collect()
     }
 
-    /// Files beside the main program that are named after the number.
-    fn beside(&self, number: u32) -> Vec<String> {
+    /// Files beside the main program that are named after the program.
+    fn beside(&self, what: &Callee) -> Vec<String> {
         let (folder, _) = self.main_program();
-        let wanted = names(number);
+        let wanted = names(what);
         let mut out = Vec::new();
         for file in &self.info.files {
             let Some(rest) = file.name.strip_prefix(&folder) else { continue };
             let stem = rest.rsplit_once('.').map_or(rest, |(s, _)| s);
-            if wanted.iter().any(|w| w.eq_ignore_ascii_case(stem)) {
+            if wanted.iter().any(|w| w.eq_ignore_ascii_case(stem) || w.eq_ignore_ascii_case(rest)) {
                 out.push(file.name.clone());
             }
         }
@@ -215,17 +226,23 @@ impl Kernel<'_> {
     }
 
     /// Where a missing program was looked for.
-    pub(super) fn places(&self, number: u32) -> String {
-        let (each, one) = self.subprogram_files(number);
+    pub(super) fn places(&self, what: &Callee) -> String {
+        let (each, one) = self.subprogram_files(what);
         let first = match self.machine.subprograms.placement {
             Placement::FileEach => format!("{each}, {one}"),
             Placement::SameFile | Placement::OneFile => format!("{one}, {each}"),
         };
         let stored = if self.machine.storage.is_empty() { "" } else { ", the files stored with the machine" };
-        format!("looked in the program's file, {first}{stored} and files named O{number:04}")
+        let named = names(what).into_iter().next().unwrap_or_default();
+        format!("looked in the program's file, {first}{stored} and files named {named}")
     }
 }
 
-fn names(number: u32) -> [String; 4] {
-    [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), number.to_string()]
+/// Names of files that hold a program alone.
+fn names(what: &Callee) -> Vec<String> {
+    match what {
+        Callee::Program(n) => vec![format!("O{n:04}"), format!("O{n}"), format!("{n:04}"), n.to_string()],
+        Callee::Named(name) => vec![name.to_string()],
+        Callee::Blocks(..) | Callee::Labels(..) => Vec::new(),
+    }
 }

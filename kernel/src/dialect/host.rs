@@ -4,6 +4,8 @@
 //! through [`Host::shared`] and [`Host::set_shared`], in order of simulated time; a jump back and a call are counted by
 //! the kernel, so that endless loops come to a limit; nothing here reads a clock or a file system.
 
+#![allow(dead_code, reason = "not every pre-processor asks for everything")]
+
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;

@@ -7,7 +7,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::program::{self, Range};
+use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
 use crate::files::Files;
 use crate::job::{Program, Spec};
@@ -85,12 +85,13 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
 
 fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Vec<File> {
     let mut table: Vec<File> = Vec::new();
+    let shape = Arc::new(Shape::of(&spec.machine));
     for program in &spec.programs {
         if table.iter().any(|f| f.name == program.file) {
             continue;
         }
         let source = match files.read(&program.file) {
-            Ok(bytes) => Some(Arc::new(Source::new(program.file.clone(), bytes))),
+            Ok(bytes) => Some(Arc::new(Source::shaped(program.file.clone(), bytes, Arc::clone(&shape)))),
             Err(error) => {
                 findings.push(Finding::error(program.file.clone(), 0, 0, error.to_string()));
                 None
@@ -109,7 +110,7 @@ fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Ve
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
-        let source = Some(Arc::new(Source::new(name.clone(), stored.content.clone())));
+        let source = Some(Arc::new(Source::shaped(name.clone(), stored.content.clone(), Arc::clone(&shape))));
         table.push(File { name, source: OnceLock::from(source) });
     }
     table
@@ -130,6 +131,7 @@ impl Candidate<'_> {
 
 fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
+    let callers = Callers::of(&spec.machine);
     for wish in &spec.programs {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
         let Some(source) = table.get(index).and_then(|f| f.source.get()).and_then(Option::as_deref) else { continue };
@@ -147,10 +149,12 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
                     continue;
                 }
             },
-            None if spec.programs.len() == 1 => mains(source),
+            None if spec.programs.len() == 1 => mains(source, &callers),
             None => {
-                let free = |r: &&Range| !candidates.iter().any(|t| t.file == file && t.range.number == r.number);
-                let mains = mains(source);
+                let free = |r: &&Range| {
+                    !candidates.iter().any(|t| t.file == file && t.range.number == r.number && t.range.last == r.last)
+                };
+                let mains = mains(source, &callers);
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
@@ -207,14 +211,15 @@ fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
 }
 
 /// Main programs of a file: those that no other program of the file calls; the first one if all are called.
-fn mains(source: &Source) -> Vec<Range> {
+fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     let ranges = source.programs();
     if ranges.len() < 2 {
         return ranges.to_vec();
     }
-    let called: Vec<u32> = ranges.iter().flat_map(|&range| program::calls(source, range)).collect();
-    let mut mains: Vec<Range> =
-        ranges.iter().filter(|r| r.number.is_none_or(|n| !called.contains(&n))).copied().collect();
+    let mut called = Called::default();
+    ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
+    let mut mains = ranges.to_vec();
+    mains.retain(|&range| !called.has(source, range) && !callers.by_word(range));
     if mains.is_empty() {
         mains.extend(ranges.first());
     }
@@ -222,8 +227,9 @@ fn mains(source: &Source) -> Vec<Range> {
 }
 
 /// Main programs of a file from a line on, left to right; none in place of one that ends before it.
-pub(crate) fn from_line(source: &Source, line: u32, format: &Format) -> Vec<Option<Range>> {
-    let opened = mains(source).into_iter().map(|range| opening(source, range, format));
+pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
+    let mains = mains(source, &Callers::of(machine));
+    let opened = mains.into_iter().map(|range| opening(source, range, &machine.format));
     opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
 }
 
@@ -235,7 +241,7 @@ pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
     let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
     let expected = format.rws_at == RewindStop::Start;
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
-    let stop = if range.number.is_none() {
+    let stop = if source.is_plain(range) {
         // A text without definition word begins at its first rewind-stop, if that is not its end.
         (range.first..=range.last)
             .find(is_stop)

@@ -3,12 +3,12 @@
 //! Invariant: bytes are kept as they are; a line ends at LF, CR LF or a lone CR, and the line's text excludes
 //! its end. Lines count from 1.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use rustc_hash::FxHashMap;
 
-use super::program::{self, Range};
+use super::program::{self, Range, Shape};
 
 /// A file of the job.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub struct Source {
     bytes: Bytes,
     /// Start of each line, and one past the end as last entry.
     starts: Vec<u32>,
+    shape: Arc<Shape>,
     programs: OnceLock<Vec<Range>>,
     sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
 }
@@ -26,6 +27,12 @@ impl Source {
     /// Indexes the lines of `bytes`. Files of 4 GiB or more are cut at 4 GiB − 1.
     #[must_use]
     pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
+        Self::shaped(name, bytes, Arc::default())
+    }
+
+    /// The same for a machine, which may tell its programs apart in a way of its own.
+    #[must_use]
+    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>) -> Self {
         let limit = bytes.len().min(u32::MAX as usize - 1);
         let text = bytes.get(..limit).unwrap_or_default();
         let mut starts = Vec::with_capacity(text.len() / 16 + 2);
@@ -40,7 +47,7 @@ impl Source {
             starts.push(limit as u32);
         }
         starts.shrink_to_fit();
-        Self { name: name.into(), bytes, starts, programs: OnceLock::new(), sequences: OnceLock::new() }
+        Self { name: name.into(), bytes, starts, shape, programs: OnceLock::new(), sequences: OnceLock::new() }
     }
 
     /// Number of lines.
@@ -69,7 +76,25 @@ impl Source {
     /// The programs in the file, in order; a file without definition words is one program without number.
     #[must_use]
     pub fn programs(&self) -> &[Range] {
-        self.programs.get_or_init(|| program::ranges(self))
+        self.programs.get_or_init(|| program::ranges(self, &self.shape))
+    }
+
+    /// The name that a line defines a program by.
+    pub(crate) fn name_at(&self, line: u32) -> Option<&[u8]> {
+        self.shape.name(self.line(line))
+    }
+
+    /// The program of a name, letter case ignored.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<Range> {
+        let is = |range: &&Range| self.name_at(range.first).is_some_and(|n| n.eq_ignore_ascii_case(name.as_bytes()));
+        self.programs().iter().filter(|range| range.number.is_none()).find(is).copied()
+    }
+
+    /// A program has no definition at all: it is the text of the file.
+    #[must_use]
+    pub fn is_plain(&self, range: Range) -> bool {
+        range.number.is_none() && self.name_at(range.first).is_none()
     }
 
     /// Lines that begin with sequence number `number`, ascending.

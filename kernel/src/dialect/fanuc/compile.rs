@@ -22,7 +22,7 @@ const NESTING: usize = 32;
 /// # Errors
 /// [`Error`] with the column and what was expected.
 pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
-    let mut parser = Parser { text, at: 0, depth: 0, names, written: None };
+    let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
     let mut sequence = None;
     parser.blanks();
     if matches!(parser.peek(), Some(b'N' | b'n')) {
@@ -38,7 +38,7 @@ pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     if parser.at < text.len() {
         return Err(parser.error("the end of the statement"));
     }
-    Ok(Line { sequence, statement, messages: Box::default() })
+    Ok(Line { sequence, statement, name: parser.name, messages: Box::default() })
 }
 
 pub(super) struct Parser<'a> {
@@ -48,6 +48,8 @@ pub(super) struct Parser<'a> {
     pub(super) names: Names<'a>,
     /// The value read last, if it is a number as written.
     pub(super) written: Option<Number>,
+    /// A program name in angle brackets.
+    pub(super) name: Option<(u32, u32)>,
 }
 
 /// Functions of one argument in brackets.
@@ -225,7 +227,7 @@ impl Parser<'_> {
                 return Err(self.error("'=' after the variable"));
             }
             let mut value = Vec::new();
-            self.expression(&mut value)?;
+            self.logical(&mut value, Operand::Expression)?;
             list.push((self.checked(target)?, self.checked(value)?));
         }
         Ok(Statement::Assign(list))
@@ -245,6 +247,8 @@ impl Parser<'_> {
                 | Op::And
                 | Op::Or
                 | Op::Xor
+                | Op::Both
+                | Op::Either
                 | Op::Eq
                 | Op::Ne
                 | Op::Gt
@@ -259,7 +263,42 @@ impl Parser<'_> {
         if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Expr { ops }) }
     }
 
-    /// Lowest binding: comparisons.
+    /// Lowest binding: `||`, then `&&`, between operands of one kind.
+    fn logical(&mut self, ops: &mut Vec<Op>, operand: Operand) -> Result<(), Error> {
+        self.conjunction(ops, operand)?;
+        while self.accept_pair(b'|') {
+            self.conjunction(ops, operand)?;
+            ops.push(Op::Either);
+        }
+        Ok(())
+    }
+
+    fn conjunction(&mut self, ops: &mut Vec<Op>, operand: Operand) -> Result<(), Error> {
+        let read = |parser: &mut Self, ops: &mut Vec<Op>| match operand {
+            Operand::Expression => parser.expression(ops),
+            Operand::Relation => parser.relation(ops),
+        };
+        read(self, ops)?;
+        while self.accept_pair(b'&') {
+            read(self, ops)?;
+            ops.push(Op::Both);
+        }
+        Ok(())
+    }
+
+    fn stands_pair(&mut self, byte: u8) -> bool {
+        self.peek() == Some(byte) && self.text.get(self.at + 1) == Some(&byte)
+    }
+
+    fn accept_pair(&mut self, byte: u8) -> bool {
+        let found = self.stands_pair(byte);
+        if found {
+            self.at += 2;
+        }
+        found
+    }
+
+    /// Comparisons.
     fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         self.expression(ops)?;
         loop {
@@ -291,17 +330,16 @@ impl Parser<'_> {
                     self.at += 1;
                     Op::Sub
                 }
-                Some(b'|') => {
+                Some(b'|') if !self.stands_pair(b'|') => {
                     self.at += 1;
-                    self.accept(b'|');
                     Op::Or
                 }
                 _ if letters.starts_with("OR") => {
                     self.at += 2;
                     Op::Or
                 }
-                _ if letters.starts_with("XOR") => {
-                    self.at += 3;
+                _ if letters.starts_with("XO") => {
+                    self.at += if letters.starts_with("XOR") { 3 } else { 2 };
                     Op::Xor
                 }
                 _ => return Ok(()),
@@ -324,13 +362,12 @@ impl Parser<'_> {
                     self.at += 1;
                     Op::Div
                 }
-                Some(b'&') => {
+                Some(b'&') if !self.stands_pair(b'&') => {
                     self.at += 1;
-                    self.accept(b'&');
                     Op::And
                 }
-                _ if letters.starts_with("AND") => {
-                    self.at += 3;
+                _ if letters.starts_with("AN") => {
+                    self.at += if letters.starts_with("AND") { 3 } else { 2 };
                     Op::And
                 }
                 _ if letters.starts_with("MOD") => {
@@ -413,7 +450,7 @@ impl Parser<'_> {
     fn bracketed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         self.nest()?;
         self.at += 1;
-        self.relation(ops)?;
+        self.logical(ops, Operand::Relation)?;
         if !self.accept(b']') {
             return Err(self.error("']'"));
         }
@@ -449,22 +486,46 @@ impl Parser<'_> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' after the function"));
         }
-        self.bracketed(ops)?;
         if op == Op::Atan {
-            let mark = self.at;
-            if self.accept(b'/') && self.peek() == Some(b'[') {
-                self.bracketed(ops)?;
-                ops.push(Op::Atan2);
-                return Ok(());
-            }
-            self.at = mark;
-            if self.accept(b',') {
-                return Err(self.error("']/[' between the two arguments of ATAN"));
-            }
+            return self.arc_tangent(ops);
         }
+        self.bracketed(ops)?;
         ops.push(op);
         Ok(())
     }
+
+    /// The arguments of `ATAN[y]`, `ATAN[y]/[x]`, `ATAN[y,x]`.
+    fn arc_tangent(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        self.nest()?;
+        self.at += 1;
+        self.logical(ops, Operand::Relation)?;
+        let two = self.accept(b',');
+        if two {
+            self.logical(ops, Operand::Relation)?;
+        }
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
+        self.depth -= 1;
+        let mark = self.at;
+        if !two && self.accept(b'/') && self.peek() == Some(b'[') {
+            self.bracketed(ops)?;
+            ops.push(Op::Atan2);
+            return Ok(());
+        }
+        self.at = mark;
+        ops.push(if two { Op::Atan2 } else { Op::Atan });
+        Ok(())
+    }
+}
+
+/// What stands between `&&` and `||`.
+#[derive(Debug, Clone, Copy)]
+enum Operand {
+    /// Outside brackets: no comparisons.
+    Expression,
+    /// Inside brackets.
+    Relation,
 }
 
 #[cfg(test)]
@@ -512,6 +573,14 @@ mod tests {
             ("ROUND[2.5]", 3.0),
             ("[#3EQ3]AND[2LT1]", 0.0),
             ("[#3EQ3]OR[2LT1]", 1.0),
+            ("6AN3", 2.0),
+            ("6XO3", 5.0),
+            ("6&&3", 1.0),
+            ("0||[2&&0]", 0.0),
+            ("[1EQ1&&2EQ3||4GT3]", 1.0),
+            ("[1EQ2&&2EQ2]", 0.0),
+            ("ATAN[1,-1]", 135.0),
+            ("ATAN[1]/2", 22.5),
             ("[#9EQ#0]", 1.0),
             ("[#9EQ0]", 0.0),
             ("#9+1", 1.0),

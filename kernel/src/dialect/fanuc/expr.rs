@@ -57,6 +57,10 @@ pub(crate) enum Op {
     And,
     Or,
     Xor,
+    /// `&&`: both are other than zero.
+    Both,
+    /// `||`: one of them is.
+    Either,
     Eq,
     Ne,
     Gt,
@@ -266,6 +270,8 @@ fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
         Op::Mod => a - b * (a / b).trunc(),
         Op::And => ((a as i64) & (b as i64)) as f64,
         Op::Or => ((a as i64) | (b as i64)) as f64,
+        Op::Both => truth(a != 0.0 && b != 0.0),
+        Op::Either => truth(a != 0.0 || b != 0.0),
         Op::Xor => ((a as i64) ^ (b as i64)) as f64,
         Op::Atan2 => libm::atan2(a, b) * 180.0 / PI,
         _ => a,

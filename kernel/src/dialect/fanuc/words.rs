@@ -6,6 +6,7 @@
 use super::compile::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Number, Statement, TemplateWord};
+use crate::mcd::program::program_name;
 use crate::mcd::special::{stands, starts_value};
 
 impl Parser<'_> {
@@ -25,6 +26,11 @@ impl Parser<'_> {
                 None if byte.is_ascii_uppercase() => {
                     self.at += 1;
                     (Name::Letter(byte), self.word_value()?)
+                }
+                None if byte == b'<' && self.name.is_none() && program_name(self.text, start).is_some() => {
+                    self.at = program_name(self.text, start).unwrap_or(self.at);
+                    self.name = Some((start as u32, self.at as u32));
+                    continue;
                 }
                 None => return Err(self.error("a word")),
             };

@@ -7,7 +7,7 @@ use crate::channel::Halt;
 
 /// The pre-processor with its variables.
 #[derive(Debug, Default)]
-pub(crate) struct Siemens;
+pub(crate) struct Siemens {}
 
 /// Whether a block is anything but plain words.
 pub(crate) fn concerns(_text: &[u8]) -> bool {

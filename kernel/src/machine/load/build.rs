@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, kinematics, macros,
-    overlap, paths, pump, registers,
+    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, kinematics,
+    macros, overlap, paths, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -42,9 +42,15 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
     let initial = initial::read(&mut top, &names, &codes);
-    let subprograms = subprograms::read(&mut top);
     let sync = sync::read(&mut top, &channels, &codes, check);
     let variables = variables::read(&mut top, check);
+    let around = calls::Around {
+        registers: &names.registers,
+        codes: &codes,
+        variables: &variables,
+        preprocessor: head.preprocessor,
+    };
+    let subprograms = subprograms::read(&mut top, &around);
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let macros = macros::read(&mut top, &names, &codes, files);

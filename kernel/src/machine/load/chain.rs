@@ -116,6 +116,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
             Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
         }
+        "subprograms.calls" => row.text("word").map(str::to_owned),
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
         "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" => match &row.get("number")?.value {
             Value::Integer(number) => Some(number.to_string()),

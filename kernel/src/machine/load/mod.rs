@@ -5,6 +5,7 @@
 
 mod axes;
 mod build;
+mod calls;
 mod chain;
 mod channels;
 mod codes;

@@ -2,17 +2,20 @@
 //!
 //! Invariant: an extension is a plain file extension. Facts: reference control-emulator.md 5.7.
 
-use crate::machine::model::{CallForm, MainReturn, Placement, Subprograms};
+use super::calls::{self, Around};
+use crate::machine::model::{CallForm, MainReturn, NestedCalls, Placement, Subprograms};
 use crate::machine::toml::section::Section;
 
 /// Reads the section.
-pub(super) fn read(top: &mut Section<'_>) -> Subprograms {
+pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
     let mut subprograms = Subprograms {
         placement: Placement::SameFile,
         extension: "tps".to_owned(),
         call: CallForm::Number,
         repeat_is_executions: true,
         main_return: MainReturn::End,
+        calls: Vec::new(),
+        nested: NestedCalls::OtherKind,
     };
     let Some(mut section) = top.table("subprograms", "[subprograms]") else { return subprograms };
     let placements =
@@ -30,6 +33,9 @@ pub(super) fn read(top: &mut Section<'_>) -> Subprograms {
     subprograms.repeat_is_executions = section.flag("repeat_is_executions").unwrap_or(true);
     let returns = [("end", MainReturn::End), ("restart", MainReturn::Restart)];
     subprograms.main_return = section.choice("main_return", &returns).unwrap_or(MainReturn::End);
+    let nested = [("other-kind", NestedCalls::OtherKind), ("never", NestedCalls::Never)];
+    subprograms.nested = section.choice("nested_calls", &nested).unwrap_or(NestedCalls::OtherKind);
+    subprograms.calls = calls::read(&mut section, around);
     section.finish();
     subprograms
 }

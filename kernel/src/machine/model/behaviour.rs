@@ -1,7 +1,7 @@
 //! How a control behaves: subprograms, meetings, times, cycles, compensation, variables, tools.
 
 /// Subprogram calls.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Subprograms {
     /// Where they are looked for after the calling file.
     pub placement: Placement,
@@ -13,6 +13,75 @@ pub struct Subprograms {
     pub repeat_is_executions: bool,
     /// What a return in the main program does.
     pub main_return: MainReturn,
+    /// Words that call programs, in file order.
+    pub calls: Vec<WordCall>,
+    /// Which words still call in a program that a word has called.
+    pub nested: NestedCalls,
+}
+
+/// A word that calls a program, or a range of such words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WordCall {
+    /// Register of the word.
+    pub register: u8,
+    /// Smallest value.
+    pub min: f64,
+    /// Largest value.
+    pub max: f64,
+    /// Program of the smallest value.
+    pub program: u32,
+    /// The next values call the next programs; otherwise all call the same one.
+    pub consecutive: bool,
+    /// How it calls.
+    pub how: CallHow,
+    /// Common variable that gets the value of the word.
+    pub variable: Option<u32>,
+    /// Line of the row, and its file.
+    pub line: u32,
+    /// File of the row.
+    pub file: String,
+}
+
+impl WordCall {
+    /// The program that a word of this value calls.
+    #[must_use]
+    pub fn program_of(&self, register: u8, value: f64) -> Option<u32> {
+        let within = self.register == register && self.min <= value && value <= self.max;
+        if !within || self.min != self.max && value.fract() != 0.0 {
+            return None;
+        }
+        let step = if self.consecutive { (value - self.min) as u32 } else { 0 };
+        self.program.checked_add(step)
+    }
+
+    /// Programs that it calls, the smallest and the largest number.
+    #[must_use]
+    pub fn programs(&self) -> (u32, u32) {
+        let span = if self.consecutive { (self.max - self.min) as u32 } else { 0 };
+        (self.program, self.program.saturating_add(span))
+    }
+}
+
+/// How a word calls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CallHow {
+    /// A macro, with the other words of the block as arguments (G65).
+    Macro,
+    /// A subprogram, behind what the other words of the block do (M98).
+    Subprogram,
+    /// A macro behind every block that moves (G66).
+    Moves,
+    /// A macro with the words of every block (G66.1).
+    Blocks,
+}
+
+/// Which words still call in a program that a word has called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NestedCalls {
+    /// Those of the other kind; the kinds are G codes and all other words.
+    OtherKind,
+    /// None.
+    Never,
 }
 
 /// Where subprograms are looked for besides the calling file.

@@ -193,6 +193,8 @@ fn subprograms(machine: &Machine) -> Value {
         "call": word(subprograms.call),
         "repeat_is_executions": subprograms.repeat_is_executions,
         "main_return": word(subprograms.main_return),
+        "nested_calls": word(subprograms.nested),
+        "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
     })
 }
 

@@ -3,7 +3,7 @@
 //! Invariant: columns are separated by two blanks and lines have none at their end.
 
 use super::{axis, register, word, written};
-use crate::machine::model::{CodeForm, Cycles, Machine, NumberFormat};
+use crate::machine::model::{CallHow, CodeForm, Cycles, Machine, NumberFormat, WordCall};
 use crate::machine::paths::Threads;
 
 /// Rows of cells with a heading, aligned to the left.
@@ -60,6 +60,25 @@ fn scaling(mul: f64, add: f64) -> String {
     dash(text)
 }
 
+/// A word that calls a program: `G101-G103 calls O9010-O9012 as a macro`.
+pub(super) fn word_call(machine: &Machine, call: &WordCall) -> String {
+    let letter = machine.registers.get(usize::from(call.register)).map_or("?", |register| register.name.as_str());
+    let range = |sign: &str, first: String, last: String| {
+        if first == last { format!("{sign}{first}") } else { format!("{sign}{first}-{sign}{last}") }
+    };
+    let number = |number: u32| format!("{number:04}");
+    let (first, last) = call.programs();
+    let words = range(letter, call.min.to_string(), call.max.to_string());
+    let how = match call.how {
+        CallHow::Macro => "as a macro",
+        CallHow::Subprogram => "as a subprogram",
+        CallHow::Moves => "as a macro behind every move",
+        CallHow::Blocks => "as a macro on every block",
+    };
+    let value = call.variable.map_or_else(String::new, |variable| format!(", value in #{variable}"));
+    format!("{words} calls {} {how}{value}", range("O", number(first), number(last)))
+}
+
 pub(super) fn summary(machine: &Machine) -> String {
     let ranges = |ranges: &[(u32, u32)]| {
         dash(ranges.iter().map(|(first, last)| format!("#{first}-#{last}")).collect::<Vec<_>>().join(", "))
@@ -87,6 +106,9 @@ pub(super) fn summary(machine: &Machine) -> String {
     );
     line("subprograms", format!("{}, call {}", word(calls.placement), word(calls.call)));
     line("main return", word(calls.main_return));
+    for call in &calls.calls {
+        line("word that calls", word_call(machine, call));
+    }
     line("sync", format!("{}, paths {}, alarm stops {}", word(sync.dialect), word(sync.paths), word(sync.alarm_scope)));
     line("sync times", format!("release {} ns, poll {} ns", sync.release_ns, sync.poll_ns));
     line("tool change", format!("{} s, {} s a step, {} stations", time.tool_change, time.tool_step, time.stations));

@@ -109,6 +109,7 @@ M30 CODE_REWIND 900 0
 M98 CODE_CALSUB_ID 300 0
 M99 CODE_CALSUB_RETURN 300 0
 M100-M199 CODE_SYNC_REG 100 0
+M198 CODE_CALSUB_ID 300 0
 ";
     let table = show(&lathe, Show::Codes);
     let rows: String = table
