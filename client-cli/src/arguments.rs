@@ -58,9 +58,9 @@ pub(crate) struct Inputs {
     /// More files the programs may call; of a folder all files
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Optional-skip levels that are on
-    #[arg(long, value_delimiter = ',', value_name = "LEVELS")]
-    pub(crate) opskip: Vec<u32>,
+    /// Optional skip: off, on (the level of marks without a digit), or the levels that are on, 1 to 9
+    #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
+    pub(crate) opskip: Levels,
     /// Optional stop (M1) stops
     #[arg(long)]
     pub(crate) opstop: bool,
@@ -71,9 +71,19 @@ pub(crate) struct Inputs {
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
     /// Trace these letters, any of IEWCAMHSXZ, or all: input, edited blocks, words, codes and data, actions, code
-    /// macros, other macros, messages, MDI and EXEC, files stored with the machine
-    #[arg(long, value_name = "LETTERS", default_value = "", hide_default_value = true)]
+    /// macros, other macros, messages, MDI and EXEC, files stored with the machine. Without letters: all
+    #[arg(
+        long,
+        value_name = "LETTERS",
+        num_args = 0..=1,
+        default_value = "",
+        default_missing_value = "all",
+        hide_default_value = true
+    )]
     pub(crate) trace: String,
+    /// Parameters for the macros of the machine ($UPARAM), one line
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
+    pub(crate) param: String,
     /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
@@ -99,12 +109,28 @@ pub(crate) struct Run {
     /// Which of them; all without it
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
     pub(crate) write: Vec<What>,
+    /// No listing, but the log file (identification, diagnostics, summaries)
+    #[arg(long, requires = "out")]
+    pub(crate) nolist: bool,
+    /// The log file besides the other results
+    #[arg(long, requires = "out")]
+    pub(crate) ef: bool,
+    /// Lines of listings, logs and consoles end with CR and LF
+    #[arg(long, requires = "out")]
+    pub(crate) crlf: bool,
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
     /// No progress, no report
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    /// All meetings and diagnostics in the report, not only the first of them
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+    /// What the exit code tells: plain (0 to 3), or severity (the highest severity, 100 and up for what kept the run
+    /// from starting)
+    #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
+    pub(crate) exit_code: ExitCodes,
     /// Macros may start commands of the operating system (SYSTEM) with your rights: only for machines that you trust
     #[arg(long)]
     pub(crate) allow_system: bool,
@@ -117,12 +143,44 @@ pub(crate) struct Run {
 }
 
 impl Run {
+    /// A result is to be written.
+    pub(crate) fn wants(&self, what: What) -> bool {
+        match what {
+            What::Listing if self.nolist => false,
+            What::Log => self.ef || self.nolist || self.write.contains(&what),
+            What::Console => self.write.contains(&what),
+            _ => self.write.is_empty() || self.write.contains(&what),
+        }
+    }
+
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
-        let asked = |what| self.write.is_empty() || self.write.contains(&what);
-        let trace = asked(What::Trace) && !self.inputs.trace.is_empty();
-        self.out.is_some() && (asked(What::Listing) || asked(What::Events) || trace || self.write.contains(&What::Log))
+        let trace = self.wants(What::Trace) && !self.inputs.trace.is_empty();
+        let read = [What::Listing, What::Events, What::Log, What::Console].into_iter().any(|what| self.wants(what));
+        self.out.is_some() && (read || trace)
     }
+}
+
+/// Optional-skip levels of the command line, 0 = that of marks without a digit.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Levels(pub(crate) Vec<u32>);
+
+fn levels(text: &str) -> Result<Levels, String> {
+    match text {
+        "off" => return Ok(Levels::default()),
+        "on" => return Ok(Levels(vec![0])),
+        _ => {}
+    }
+    let level = |part: &str| part.trim().parse().ok().filter(|level| (1..=9).contains(level));
+    let all: Option<Vec<u32>> = text.split(',').map(level).collect();
+    all.map(Levels).ok_or_else(|| "expected off, on, or levels from 1 to 9 with commas between".to_owned())
+}
+
+/// What the exit code of a run tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExitCodes {
+    Plain,
+    Severity,
 }
 
 /// Where the server is.
@@ -184,9 +242,12 @@ pub(crate) struct ResultOf {
     /// Which result
     #[arg(value_enum)]
     pub(crate) what: What,
-    /// Channel of the listing
+    /// Channel of the listing; 0: the merged listing of all, the console of all
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
+    /// Lines of a listing, log or console end with CR and LF
+    #[arg(long)]
+    pub(crate) crlf: bool,
     /// Form of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
@@ -204,6 +265,8 @@ pub(crate) enum What {
     Listing,
     Trace,
     Log,
+    /// Messages and diagnostics, a line each
+    Console,
     Timeline,
     Toolpath,
     Events,

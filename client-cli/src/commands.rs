@@ -110,7 +110,10 @@ async fn watch_once(
 /// An event as a line, when it is for people.
 fn line(event: &v1::Event) -> Option<String> {
     let text = match event.kind.as_ref()? {
-        Kind::Diagnostic(d) => format!("{} {} {}", d.number, d.severity, d.text),
+        Kind::Diagnostic(d) => {
+            let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
+            format!("{} {} {}{origin}", d.number, d.severity, d.text)
+        }
         Kind::Verdict(v) => format!("verdict {}", v.text),
         Kind::Message(m) => format!("message {}", m.text),
         Kind::Wait(w) => format!("waits for {}", w.key),
@@ -219,10 +222,11 @@ async fn delete(arguments: OneJob) -> Result<u8, Error> {
 
 async fn result(arguments: ResultOf) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    let ResultOf { job, what, channel, format, .. } = &arguments;
+    let ResultOf { job, what, channel, format, crlf, .. } = &arguments;
+    let form = results::Form { format: *format, crlf: *crlf };
     match &arguments.output {
-        Some(path) => results::file(&client, job, *what, *channel, *format, path).await?,
-        None => results::each(&client, job, *what, *channel, *format, &mut say::data).await?,
+        Some(path) => results::file(&client, job, *what, *channel, form, path).await?,
+        None => results::each(&client, job, *what, *channel, form, &mut say::data).await?,
     }
     Ok(0)
 }

@@ -7,6 +7,7 @@ mod answers;
 mod arguments;
 mod attend;
 mod client;
+mod codes;
 mod commands;
 mod error;
 mod macros;
@@ -23,7 +24,14 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 fn main() -> ExitCode {
-    let arguments = arguments::Arguments::parse();
+    let arguments = match arguments::Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let code = codes::of_command_line().filter(|_| error.use_stderr());
+            let _ = error.print();
+            return code.map_or_else(|| ExitCode::from(error.exit_code() as u8), ExitCode::from);
+        }
+    };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let result = match runtime {
         Ok(runtime) => {

@@ -8,6 +8,8 @@ use crate::say::{BAD, DIM, GOOD, WARN, styled};
 
 /// Diagnostics shown at most.
 const DIAGNOSTICS: usize = 20;
+/// Tools shown at most.
+const TOOLS: usize = 20;
 /// Waits shown at most.
 const WAITS: usize = 20;
 
@@ -37,6 +39,18 @@ pub(crate) struct Channel {
     rapid_ns: i64,
     misc_ns: i64,
     wait_ns: i64,
+    tools: Vec<Tool>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Tool {
+    tool: u32,
+    name: String,
+    diameter: Option<f64>,
+    radius: Option<f64>,
+    length_offsets: Vec<u32>,
+    diameter_offsets: Vec<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -72,6 +86,15 @@ struct Diagnostic {
     line: u32,
     block: String,
     text: String,
+    origin: Option<Origin>,
+}
+
+/// The statement of a macro that raised a diagnostic.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Origin {
+    file: String,
+    line: u32,
 }
 
 /// Simulated time as minutes, seconds and milliseconds.
@@ -98,15 +121,17 @@ pub(crate) fn table(rows: &[Vec<String>], left: usize) -> String {
 }
 
 /// The report.
-pub(crate) fn report(summary: &Summary) -> String {
+pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
+    let most = |shown: usize| if verbose { usize::MAX } else { shown };
     let style = if summary.state == "SUCCEEDED" { GOOD } else { BAD };
     let mut out = format!("{}  {}\n\n", styled(style, &summary.state), time(summary.makespan_ns));
     out.push_str(&channels(summary));
-    out.push_str(&waits(summary));
+    out.push_str(&tools(summary));
+    out.push_str(&waits(summary, most(WAITS)));
     if let Some(verdict) = &summary.verdict {
         let _ = writeln!(out, "\n{} {}", styled(BAD, &verdict.kind), verdict.text);
     }
-    out.push_str(&diagnostics(summary));
+    out.push_str(&diagnostics(summary, most(DIAGNOSTICS)));
     out
 }
 
@@ -122,18 +147,41 @@ fn channels(summary: &Summary) -> String {
     table(&rows, 3)
 }
 
-fn waits(summary: &Summary) -> String {
+/// Tools of which more than the number is known.
+fn tools(summary: &Summary) -> String {
+    let all = || summary.channels.iter().flat_map(|c| c.tools.iter().map(move |tool| (c.channel, tool)));
+    let known = |tool: &Tool| !tool.name.is_empty() || tool.diameter.is_some() || tool.radius.is_some();
+    let count = all().filter(|(_, tool)| known(tool)).count();
+    if count == 0 {
+        return String::new();
+    }
+    let head = ["tool", "name", "channel", "diameter", "radius", "length offsets", "diam offsets"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for (channel, tool) in all().filter(|(_, tool)| known(tool)).take(TOOLS) {
+        let size = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
+        let list = |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+        let mut row = vec![tool.tool.to_string(), tool.name.clone(), channel.to_string()];
+        row.extend([tool.diameter, tool.radius].map(size));
+        row.extend([&tool.length_offsets, &tool.diameter_offsets].map(|numbers| list(numbers)));
+        rows.push(row);
+    }
+    let mut out = format!("\n{}", table(&rows, 2));
+    more(&mut out, count, TOOLS, "tools");
+    out
+}
+
+fn waits(summary: &Summary, most: usize) -> String {
     if summary.waits.is_empty() {
         return String::new();
     }
     let mut rows = vec![["meeting", "released", "arrivals"].map(str::to_owned).to_vec()];
-    for wait in summary.waits.iter().take(WAITS) {
+    for wait in summary.waits.iter().take(most) {
         let arrivals = wait.arrivals.iter().map(|a| format!("{}: {} line {}", a.channel, time(a.t_ns), a.line));
         let released = wait.release_ns.map_or_else(|| "never".to_owned(), time);
         rows.push(vec![wait.key.clone(), released, arrivals.collect::<Vec<_>>().join(", ")]);
     }
     let mut out = format!("\n{}", table(&rows, 3));
-    more(&mut out, summary.waits.len(), WAITS, "meetings");
+    more(&mut out, summary.waits.len(), most, "meetings");
     out
 }
 
@@ -144,11 +192,12 @@ fn more(out: &mut String, count: usize, shown: usize, what: &str) {
 }
 
 /// Diagnostics, worst first; the same one of many places once with a count.
-fn diagnostics(summary: &Summary) -> String {
+fn diagnostics(summary: &Summary, most: usize) -> String {
     let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
     for diagnostic in &summary.diagnostics {
         let same = |g: &&mut (&Diagnostic, usize)| {
-            (g.0.number, g.0.channel, &g.0.text) == (diagnostic.number, diagnostic.channel, &diagnostic.text)
+            let what = |d: &'_ Diagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
+            what(g.0) == what(diagnostic) && g.0.text == diagnostic.text
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.1 += 1,
@@ -157,10 +206,10 @@ fn diagnostics(summary: &Summary) -> String {
     }
     groups.sort_by_key(|(diagnostic, _)| std::cmp::Reverse(diagnostic.severity));
     let mut out = String::new();
-    for (diagnostic, count) in groups.iter().take(DIAGNOSTICS) {
+    for (diagnostic, count) in groups.iter().take(most) {
         out.push_str(&one(diagnostic, *count));
     }
-    more(&mut out, groups.len(), DIAGNOSTICS, "kinds of diagnostics");
+    more(&mut out, groups.len(), most, "kinds of diagnostics");
     if out.is_empty() { out } else { format!("\n{out}") }
 }
 
@@ -174,7 +223,8 @@ fn one(d: &Diagnostic, count: usize) -> String {
     let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
     let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
     let head = styled(style, format_args!("{word} {}", d.number));
-    let mut out = format!("  {head} channel {} {place}{}{times}\n", d.channel, d.text);
+    let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
+    let mut out = format!("  {head} channel {} {place}{}{origin}{times}\n", d.channel, d.text);
     if !d.block.is_empty() {
         let _ = writeln!(out, "      {}", styled(DIM, &d.block));
     }
@@ -188,12 +238,14 @@ mod tests {
     #[test]
     fn times_and_groups() {
         assert_eq!(time(61_234_567_890), "01:01.235");
-        let text = r#"{"state":"FAILED","makespan_ns":5000000,"channels":[{"channel":1,"name":"UPPER","state":"ENDED"}],
+        let text = r#"{"state":"FAILED","makespan_ns":5000000,"channels":[{"channel":1,"name":"UPPER","state":"ENDED",
+            "tools":[{"tool":3,"name":"ROUGH 80","radius":0.8,"length_offsets":[3,13]},{"tool":5}]}],
             "waits":[{"key":"M101","release_ns":null,"arrivals":[{"channel":1,"t_ns":1000000,"line":3}]}],
             "verdict":{"kind":"CYCLE","text":"all wait"},
             "diagnostics":[{"number":7,"severity":2,"channel":1,"text":"a"},{"number":9,"severity":9,"channel":1,
             "file":"p.nc","line":4,"block":"G99","text":"b"},{"number":7,"severity":2,"channel":1,"text":"a"}]}"#;
-        let report = report(&serde_json::from_str(text).unwrap());
+        let report = report(&serde_json::from_str(text).unwrap(), false);
+        assert!(report.contains("3     ROUGH 80        1         -     0.8            3,13"), "{report}");
         assert!(report.contains("M101") && report.contains("never") && report.contains("CYCLE"), "{report}");
         assert!(report.contains("p.nc:4: b") && report.contains("a (2 times)"), "{report}");
         assert!(report.find("p.nc:4").unwrap() < report.find("(2 times)").unwrap(), "worst first");

@@ -12,6 +12,21 @@ use crate::arguments::{Format, What};
 use crate::client::Client;
 use crate::error::Error;
 
+/// Form of a result, as far as it has several.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Form {
+    /// Of drawings.
+    pub(crate) format: Format,
+    /// Lines of listings end with CR and LF.
+    pub(crate) crlf: bool,
+}
+
+impl From<Format> for Form {
+    fn from(format: Format) -> Self {
+        Self { format, crlf: false }
+    }
+}
+
 /// Something with a chunk in it.
 pub(crate) trait Chunk {
     fn data(self) -> Bytes;
@@ -43,20 +58,21 @@ pub(crate) async fn each(
     job: &str,
     what: What,
     channel: u32,
-    format: Format,
+    form: Form,
     put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
 ) -> Result<(), Error> {
     let job_id = job.to_owned();
-    let form = match format {
+    let format = match form.format {
         Format::Svg => v1::DrawingFormat::Svg,
         Format::Json => v1::DrawingFormat::Json,
     };
-    let format = form.into();
+    let format = format.into();
     let mut results = client.results();
     match what {
         What::Summary => drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await,
-        What::Listing | What::Log => {
-            let request = v1::GetListingRequest { job_id, channel, log: what == What::Log };
+        What::Listing | What::Log | What::Console => {
+            let (log, console) = (what == What::Log, what == What::Console);
+            let request = v1::GetListingRequest { job_id, channel, log, console, crlf: form.crlf };
             drain(results.get_listing(request).await?.into_inner(), put).await
         }
         What::Trace => drain(results.get_trace(v1::GetTraceRequest { job_id, channel }).await?.into_inner(), put).await,
@@ -113,19 +129,13 @@ async fn drain<T: Chunk>(
 }
 
 /// A whole result.
-pub(crate) async fn whole(
-    client: &Client,
-    job: &str,
-    what: What,
-    channel: u32,
-    format: Format,
-) -> Result<Vec<u8>, Error> {
+pub(crate) async fn whole(client: &Client, job: &str, what: What, channel: u32, form: Form) -> Result<Vec<u8>, Error> {
     let mut whole = Vec::new();
     let mut put = |data: &[u8]| {
         whole.extend_from_slice(data);
         Ok(())
     };
-    each(client, job, what, channel, format, &mut put).await?;
+    each(client, job, what, channel, form, &mut put).await?;
     Ok(whole)
 }
 
@@ -135,7 +145,7 @@ pub(crate) async fn file(
     job: &str,
     what: What,
     channel: u32,
-    format: Format,
+    form: Form,
     path: &Path,
 ) -> Result<(), Error> {
     if what == What::Files {
@@ -143,5 +153,5 @@ pub(crate) async fn file(
     }
     let mut file = std::fs::File::create(path).map_err(Error::file(path))?;
     let mut put = |data: &[u8]| file.write_all(data).map_err(Error::file(path));
-    each(client, job, what, channel, format, &mut put).await
+    each(client, job, what, channel, form, &mut put).await
 }

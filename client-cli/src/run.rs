@@ -8,9 +8,10 @@ use std::path::Path;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 
-use crate::arguments::{Format, Inputs, Run, Submit, What};
+use crate::arguments::{ExitCodes, Format, Inputs, Run, Submit, What};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
+use crate::codes::{self, Stage};
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::report::{Summary, report};
@@ -20,40 +21,62 @@ use crate::{pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
-    let pack = pack::job(&arguments.inputs)?;
+    let severity = arguments.exit_code == ExitCodes::Severity;
+    match carry_out(arguments).await {
+        Ok((status, _)) if severity => Ok(codes::of_job(&status)),
+        Ok((status, plain)) => Ok(plain.unwrap_or_else(|| exit_code(&status))),
+        Err((_, error @ Error::Closed)) => Err(error),
+        Err((stage, error)) if severity => {
+            say::error(&error);
+            Ok(codes::of_error(stage, &error))
+        }
+        Err((_, error)) => Err(error),
+    }
+}
+
+/// The whole run: how the job ended, and the plain exit code of one that was not run.
+async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage, Error)> {
+    let at = |stage: Stage| move |error: Error| (stage, error);
+    let pack = pack::job(&arguments.inputs).map_err(at(Stage::Programs))?;
     let draws = !arguments.no_timeline && !arguments.quiet && !arguments.json;
-    let client = Client::embed(arguments.needs_log(), arguments.allow_system).await?;
-    let name = machine(&client, &arguments.inputs, arguments.quiet).await?;
+    let embedded = Client::embed(arguments.needs_log(), arguments.allow_system).await;
+    let client = embedded.map_err(at(Stage::Submission))?;
+    let name = machine(&client, &arguments.inputs, arguments.quiet).await.map_err(at(Stage::Machine))?;
     let first = pack.programs.first().map(|p| p.path.clone()).unwrap_or_default();
     let id = uuid::Uuid::now_v7().to_string();
     let person = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let attended = arguments.inputs.attend || person && !arguments.quiet && !arguments.json;
-    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await?;
-    let status = follow(&client, &job, (arguments.quiet, attended)).await?;
+    let job = submit_pack(&client, &arguments.inputs, pack, name, (id, attended)).await;
+    let job = job.map_err(at(Stage::Submission))?;
+    let status = follow(&client, &job, (arguments.quiet, attended)).await.map_err(at(Stage::Submission))?;
     if let Some(code) = not_run(&status) {
-        return Ok(code);
+        return Ok((status, Some(code)));
     }
-    let text = results::whole(&client, &job, What::Summary, 0, Format::Json).await?;
+    show(&arguments, &client, &job, (&first, draws)).await.map_err(at(Stage::Results))?;
+    Ok((status, None))
+}
+
+/// Results of a job that has ended: into the folder, and the report.
+async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
+    let text = results::whole(client, job, What::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        let target =
-            Target { folder, program: &first, wanted: &arguments.write, traced: !arguments.inputs.trace.is_empty() };
-        target.write(&client, &job, &summary, &text).await?;
+        Target { folder, program: first, arguments }.write(client, job, &summary, &text).await?;
     }
     if arguments.json {
         say::data(&text)?;
     } else if !arguments.quiet {
-        let mut out = report(&summary);
-        files_report(&mut out, &results::written(&client, &job).await?, arguments.out.is_some());
+        let mut out = report(&summary, arguments.verbose);
+        files_report(&mut out, &results::written(client, job).await?, arguments.out.is_some());
         if draws {
-            let json = results::whole(&client, &job, What::Timeline, 0, Format::Json).await?;
+            let json = results::whole(client, job, What::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
             out.push_str(&draw(&timeline, width()));
         }
         say::data(out.as_bytes())?;
     }
-    Ok(exit_code(&status))
+    Ok(())
 }
 
 /// Says what macros have written.
@@ -143,9 +166,10 @@ async fn submit_pack(
         programs: pack.programs,
         files: pack.files.0.into_iter().map(file).collect(),
         options: Some(v1::JobOptions {
-            opskip: inputs.opskip.clone(),
+            opskip: inputs.opskip.0.clone(),
             opstop: inputs.opstop,
             trace: inputs.trace.clone(),
+            parameters: inputs.param.clone(),
             answers,
             attended,
             ignore_waits: inputs.ignore_waits.clone(),
@@ -248,33 +272,37 @@ struct Target<'a> {
     folder: &'a Path,
     /// First program: names the listings.
     program: &'a str,
-    wanted: &'a [What],
-    /// The job has a trace.
-    traced: bool,
+    arguments: &'a Run,
 }
 
 impl Target<'_> {
     async fn write(&self, client: &Client, job: &str, summary: &Summary, text: &[u8]) -> Result<(), Error> {
         let folder = self.folder;
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
-        let wanted = |what| self.wanted.is_empty() || self.wanted.contains(&what);
+        let wanted = |what| self.arguments.wants(what);
         if wanted(What::Summary) {
             let path = folder.join("summary.json");
             std::fs::write(&path, text).map_err(Error::file(&path))?;
         }
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
-        let log = self.wanted.contains(&What::Log);
-        for (what, extension, wanted) in [(What::Listing, "lce", wanted(What::Listing)), (What::Log, "log", log)] {
-            for &channel in channels.iter().filter(|_| wanted) {
+        let form = results::Form { format: Format::Svg, crlf: self.arguments.crlf };
+        for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
+            for &channel in channels.iter().filter(|_| wanted(what)) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
-                results::file(client, job, what, channel, Format::Svg, &path).await?;
+                results::file(client, job, what, channel, form, &path).await?;
             }
         }
-        for &channel in channels.iter().filter(|_| self.traced && wanted(What::Trace)) {
+        if channels.len() > 1 && wanted(What::Listing) {
+            results::file(client, job, What::Listing, 0, form, &folder.join(format!("{stem}.lce"))).await?;
+        }
+        if wanted(What::Console) {
+            results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
+        }
+        for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(What::Trace)) {
             let path = folder.join(format!("{channel}.trace"));
-            results::file(client, job, What::Trace, channel, Format::Svg, &path).await?;
+            results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
             (What::Events, Format::Json, "events.jsonl"),
@@ -285,7 +313,7 @@ impl Target<'_> {
         ];
         for (what, format, name) in files {
             if wanted(what) {
-                results::file(client, job, what, 0, format, &folder.join(name)).await?;
+                results::file(client, job, what, 0, format.into(), &folder.join(name)).await?;
             }
         }
         if wanted(What::Files) {

@@ -46,8 +46,10 @@ fn all_results_are_written() {
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     let expected = "events.jsonl summary.json timeline.json timeline.svg toolpath.json toolpath.svg";
-    let expected: Vec<_> = expected.split(' ').chain(["upper.1.lce", "upper.2.lce"]).collect();
+    let expected: Vec<_> = expected.split(' ').chain(["upper.1.lce", "upper.2.lce", "upper.lce"]).collect();
     assert_eq!(names, expected);
+    let merged = std::fs::read_to_string(out.join("upper.lce")).unwrap();
+    assert!(merged.contains("\nK2 t=000:00.000 1! O2\n") && merged.contains("\nKERNEL 2 LOWER\n"), "{merged}");
 }
 
 #[test]
@@ -67,6 +69,31 @@ fn a_trace_and_a_log_file() {
     let log = read("part.log");
     assert!(log.starts_with("Counterpoint\n") && log.contains("Q7 is not used") && !log.contains("1! "), "{log}");
     assert_eq!(code(&counterpoint(&["run", "-q", &path, "--trace", "K"])), 2);
+}
+
+#[test]
+fn parameters_a_console_and_other_line_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = program(folder.path(), "part.nc", "G0 X1. NOISE\nM30\n");
+    let machine = folder.path().join("told");
+    std::fs::create_dir(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"told\"\n[macros]\nprogram_startup = \"start.mac\"\n";
+    program(&machine, "machine.toml", text);
+    program(&machine, "start.mac", "PPRINT/'got !(*)',$UPARAM\nERROR/4,'mind it'\n");
+    let (machine, out) = (machine.display().to_string(), folder.path().join("out").display().to_string());
+    let with = ["--machine", &machine, "--param", "-SHIFT=2 a", "--crlf", "--write", "console,listing"];
+    let output = counterpoint(&[&["run", "-q", &path, "--out", &out][..], &with].concat());
+    assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
+    let console = "Display : got -SHIFT=2 a\r\nWarning: mind it (told/start.mac:2)\r\n\
+                   Warning: 'NOISE' not recognized in 'G0 X1. NOISE' at line 1\r\n";
+    assert_eq!(read("console.txt"), console);
+    let listing = read("part.lce");
+    assert!(
+        listing.contains("Database:     told/machine.toml\r\n\r\nUPARAM:       -SHIFT=2 a\r\n\r\nWarning: "),
+        "{listing}"
+    );
+    assert_eq!(listing.matches('\n').count(), listing.matches("\r\n").count());
 }
 
 #[test]
@@ -126,6 +153,72 @@ fn exit_codes_tell_what_went_wrong() {
     // A channel that waits for one without a program can never go on.
     let waits = program(folder.path(), "waits.nc", "O1\nM101 P12\nM30\n");
     assert_eq!(code(&counterpoint(&["run", "--machine", "fanuc-2path-lathe", &waits])), 1);
+}
+
+#[test]
+fn exit_codes_of_the_emulated_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |program: &str, more: &[&str]| {
+        let mut arguments = vec!["run", "--exit-code", "severity", "-q", program];
+        arguments.extend(more);
+        code(&counterpoint(&arguments))
+    };
+    let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");
+    let warns = program(folder.path(), "warns.nc", "O1\nG0 X1. NOISE\nM30\n");
+    let fails = program(folder.path(), "fails.nc", "O1\nG4\nM30\n");
+    let loops = program(folder.path(), "loops.nc", "O1\nN1 GOTO 1\n");
+    let empty = program(folder.path(), "empty.nc", "\n");
+    assert_eq!(run(&clean, &[]), 0);
+    assert_eq!(run(&warns, &[]), 4);
+    assert_eq!(run(&fails, &[]), 8);
+    assert_eq!(run(&loops, &["--max-blocks", "50"]), 16);
+    // A verdict alone is fatal.
+    let waits = program(folder.path(), "waits.nc", "O1\nM101 P12\nM30\n");
+    assert_eq!(run(&waits, &["--machine", "fanuc-2path-lathe"]), 16);
+    assert_eq!(run(&clean, &["--no-such-flag"]), 100);
+    assert_eq!(run(&clean, &["--trace", "Q"]), 100, "no letter of a trace");
+    let missing = folder.path().join("missing.toml").display().to_string();
+    assert_eq!(run(&clean, &["--answers", &missing]), 105);
+    assert_eq!(run(&clean, &["--out", &clean]), 106, "a file where a folder should be");
+    assert_eq!(run("no-such-file.nc", &[]), 200);
+    assert_eq!(run(&empty, &[]), 200);
+    assert_eq!(run(&clean, &["--machine", "no-such-machine"]), 201);
+}
+
+#[test]
+fn qualifiers_of_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = folder.path().join("asks");
+    std::fs::create_dir_all(&machine).unwrap();
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"asks\"\n[format]\nopskip = { mark = \"/\", default = 2 }\n\
+        [macros]\nprogram_startup = \"say.mac\"\n";
+    program(&machine, "machine.toml", text);
+    program(&machine, "say.mac", "PPRINT/'user !(*)',$UPARAM\n");
+    let machine = machine.display().to_string();
+    let path = program(folder.path(), "part.nc", "O1\n/G4 P100\n/1 G4 P200\nM30\n");
+    let run = |more: &[&str]| {
+        let out = tempfile::tempdir().unwrap();
+        let at = out.path().display().to_string();
+        let mut arguments = vec!["run", "-q", &path, "--machine", &machine, "--out", &at];
+        arguments.extend(more);
+        assert_eq!(code(&counterpoint(&arguments)), 0, "{more:?}");
+        let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap_or_default();
+        let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+        (summary["makespan_ns"].clone(), read("part.lce"), read("part.log"), read("1.trace"))
+    };
+    let (time, listing, log, trace) = run(&["--param", "SHIFT=2", "--trace", "S"]);
+    assert_eq!(time, 300_000_000);
+    assert!(listing.contains("\n\nUPARAM:       SHIFT=2\n\n") && trace.contains("user SHIFT=2"), "{listing}{trace}");
+    assert_eq!(log, "");
+    let (time, listing, log, _) = run(&["--nolist", "--opskip", "on"]);
+    assert_eq!(time, 200_000_000, "level 2 is on");
+    assert!(listing.is_empty() && log.contains("CE:"), "{log}");
+    let (time, listing, log, trace) = run(&["--ef", "--opskip", "1,2", "--trace"]);
+    assert_eq!(time, 0);
+    assert!(!listing.is_empty() && log.contains("CE:"), "{log}");
+    assert!(trace.contains("DelOn"), "{trace}");
+    let refused = counterpoint(&["run", &path, "--opskip", "10"]);
+    assert_eq!(code(&refused), 2);
 }
 
 #[test]

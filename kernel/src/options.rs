@@ -8,7 +8,7 @@ use crate::dialog::answers::Answer;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Optional-skip levels (1–9) that are switched on.
+    /// Optional-skip levels (1–9) that are switched on; 0 = that of a mark without a digit.
     pub opskip: Vec<u8>,
     /// Optional stop (M1) acts as a stop.
     pub opstop: bool,
@@ -20,6 +20,9 @@ pub struct Options {
     /// Letters of the trace (`IEWCAMHSXZ` or `all`), empty = none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub trace: String,
+    /// Parameters for the macros of the machine (`$UPARAM`), one line; empty = none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub parameters: String,
     /// Answers to the dialogs of the machine; without one a dialog fails.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub answers: Vec<Answer>,

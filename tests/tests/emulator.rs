@@ -4,8 +4,10 @@
 //! machine's folder, `nc` a program (one for each channel from the left), `file NAME` another file of the job,
 //! `options` options of the job as TOML. What comes out: `events` all events but blocks and lifecycles, one line each
 //! (with the channel in front on machines with several), `timed` the same with the second of their end in front,
-//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, `trace` the whole trace of channel
-//! 1, `ran` the program of each channel in the summary, `written NAME` a file that macros have written, `findings` what
+//! `diagnostics` one line `number line` for each diagnostic, `texts` their texts, each with the line of the macro that raised it, `trace` the whole trace of channel
+//! 1, `listing` its whole listing and `shows` lines of it one behind the other (`listing N`, `shows N` of another
+//! channel, `log` the log file of channel 1, `merged` the listing and `console` the console of all; VERSION stands for that of this project), `ran`
+//! the program of each channel in the summary, `written NAME` a file that macros have written, `findings` what
 //! loading the machine finds. `events`, `timed`, `texts`, `trace` and written files are only compared where they are given; no diagnostics and no findings are expected where none
 //! are given. Every example is run with one thread, with results only, and with shared operations out of step; all
 //! must agree.
@@ -33,6 +35,8 @@ struct Example {
     timed: Option<String>,
     texts: Option<String>,
     trace: Option<String>,
+    /// Kind of listing, channel, text.
+    listings: Vec<(String, u16, String)>,
     ran: Option<String>,
     written: Vec<(String, String)>,
     diagnostics: String,
@@ -63,6 +67,13 @@ fn examples(page: &str) -> Vec<Example> {
             ("timed", _) => example.timed = Some(text),
             ("texts", _) => example.texts = Some(text),
             ("trace", _) => example.trace = Some(text),
+            ("listing" | "shows" | "log" | "merged" | "console", channel) => {
+                example.listings.push((
+                    kind.split(' ').next().unwrap_or_default().to_owned(),
+                    channel.parse().unwrap_or(1),
+                    text,
+                ));
+            }
             ("written", name) => example.written.push((name.to_owned(), text)),
             ("ran", _) => example.ran = Some(text),
             ("diagnostics", _) => example.diagnostics = text,
@@ -163,6 +174,21 @@ fn trace(info: &Info, done: &Done) -> String {
     String::from_utf8(out).expect("text")
 }
 
+/// A listing of a kind.
+fn listing_of(kind: &str, channel: u16, info: &Info, done: &Done) -> String {
+    let mut events = (1_u64..).zip(done.events.iter().cloned());
+    let mut out = Vec::new();
+    let summary = &done.summary;
+    match kind {
+        "log" => listing::render_log(info, channel, summary, &mut events, &mut out),
+        "console" => listing::render_console(0, &mut events, &mut out),
+        "merged" => listing::render_merged(info, summary, &mut events, &mut out),
+        _ => listing::render(info, channel, summary, &mut events, &mut out),
+    }
+    .expect("a listing");
+    String::from_utf8(out).expect("text").replace(env!("CARGO_PKG_VERSION"), "VERSION")
+}
+
 #[test]
 fn the_guide_is_true() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/spec/emulator");
@@ -196,6 +222,9 @@ fn the_guide_is_true() {
                 if let Kind::Diagnostic(diagnostic) = &one.kind {
                     let _ = writeln!(diagnostics, "{:08} {}", diagnostic.number, one.line);
                     let _ = writeln!(texts, "{}", diagnostic.text);
+                    if let Some(origin) = &diagnostic.origin {
+                        let _ = writeln!(texts, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement);
+                    }
                 }
             }
             compare("diagnostics", &diagnostics, &example.diagnostics);
@@ -219,6 +248,11 @@ fn the_guide_is_true() {
             }
             if let Some(expected) = &example.trace {
                 compare("trace", &trace(&info, &done), expected);
+            }
+            for (kind, channel, expected) in &example.listings {
+                let found = listing_of(kind, *channel, &info, &done);
+                let shown = kind == "shows" && format!("\n{found}").contains(&format!("\n{expected}"));
+                compare(kind, if shown { expected } else { &found }, expected);
             }
         }
     }

@@ -118,6 +118,10 @@ pub struct Diagnostic {
     pub source_line: String,
     /// Macro, for run-time diagnostics.
     pub macro_name: Option<String>,
+    /// It is a user function, for run-time diagnostics.
+    pub in_function: bool,
+    /// The statement as the trace shows it, for run-time diagnostics.
+    pub statement: Option<String>,
 }
 
 impl Diagnostic {
@@ -138,6 +142,8 @@ impl Diagnostic {
             width: u32::try_from(marked).unwrap_or(1).max(1),
             source_line,
             macro_name: None,
+            in_function: false,
+            statement: None,
         }
     }
 

@@ -229,6 +229,8 @@ fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut Stat
     let mut diagnostic = Diagnostic::new(&code.source, place, fault.number, fault.message);
     diagnostic.severity = severity;
     diagnostic.macro_name = Some(code.name.clone());
+    diagnostic.in_function = code.is_function;
+    diagnostic.statement = Some(crate::tools::standard_line(code.source.slice(place)));
     state.failed |= diagnostic.is_error();
     host.report(state, diagnostic);
 }

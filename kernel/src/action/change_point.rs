@@ -5,11 +5,16 @@
 
 use crate::channel::{Acted, Kernel};
 use crate::diag;
+use crate::machine::habits::Home;
 
 /// To the change position.
 pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {
-    let (coded, via) = kernel.targets();
     kernel.states.before_change = Some(kernel.machine_point(&kernel.place.position));
+    if kernel.machine.habits.home == Home::Machine {
+        let (coded, target) = super::home::machine_targets(kernel);
+        return if coded == 0 { to_point(kernel, 0) } else { kernel.rapid_to(coded, target) };
+    }
+    let (coded, via) = kernel.targets();
     if coded != 0 {
         kernel.rapid_to(coded, via)?;
     }

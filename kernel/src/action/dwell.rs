@@ -1,10 +1,13 @@
 //! Dwells: seconds or spindle revolutions.
 
+use counterpoint_lang::format::wildcard_text;
+
 use super::spindle::Turning;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
+use crate::trace::{self, ACTION};
 
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
@@ -36,7 +39,11 @@ fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
             return Ok(());
         }
     };
-    dwell(kernel, revolutions * 60.0 / rpm)
+    let seconds = revolutions * 60.0 / rpm;
+    if seconds > 0.0 {
+        kernel.trace(ACTION, |_| trace::action(&format!("dwell rev={}", wildcard_text(revolutions))));
+    }
+    dwell(kernel, seconds)
 }
 
 /// A dwell of a cycle: positive seconds, negative revolutions, 0 none.

@@ -16,7 +16,10 @@ pub(super) fn machine_frame(kernel: &mut Kernel<'_>) -> Acted {
 
 /// The place where the axes stand gets the programmed values.
 pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
+    // Nothing turns: words are positions, also of axes whose words are angles.
+    let angles = std::mem::take(&mut kernel.place.angles);
     let (coded, target) = kernel.targets();
+    kernel.place.angles = angles;
     if coded == 0 {
         return Ok(());
     }

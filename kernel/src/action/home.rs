@@ -4,16 +4,46 @@
 
 use crate::channel::{Acted, Kernel};
 use crate::diag;
+use crate::log::event::Position;
+use crate::machine::habits::Home;
 use crate::machine::ident::data;
+use crate::trace::{self, ACTION};
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
+    if kernel.machine.habits.home == Home::Machine {
+        return straight(kernel, number);
+    }
     let (coded, via) = kernel.targets();
     if coded == 0 {
         return Ok(());
     }
+    kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
     kernel.place.home_via = Some(via);
     kernel.rapid_to(coded, via)?;
+    to_reference(kernel, coded, number)
+}
+
+/// Straight to the point of the machine frame that the block gives, without words to the reference point.
+fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
+    kernel.place.home_via = Some(kernel.place.position);
+    let (coded, target) = machine_targets(kernel);
+    if coded != 0 {
+        return kernel.rapid_to(coded, target);
+    }
+    let all = (1_u16 << kernel.place.axes.len().min(8)) - 1;
+    to_reference(kernel, all as u8, number)
+}
+
+/// Takes the axis words as positions of the machine frame.
+pub(super) fn machine_targets(kernel: &mut Kernel<'_>) -> (u8, Position) {
+    let before = std::mem::replace(&mut kernel.block.machine_frame, true);
+    let taken = kernel.targets();
+    kernel.block.machine_frame = before;
+    taken
+}
+
+fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
     let mut target = kernel.machine_point(&kernel.place.position);
     let mut missing = false;
     for (index, (slot, axis)) in target.iter_mut().zip(&kernel.place.axes).enumerate() {
@@ -35,6 +65,16 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
         kernel.diagnose(&diag::NO_REFERENCE, text);
     }
     kernel.rapid_to(coded, target)
+}
+
+/// `home x, z`, the axes that move; `n=2` for a further reference point.
+fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
+    let axes = (0..kernel.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let mut items: Vec<String> = axes.map(|axis| kernel.axis_name(axis)).collect();
+    if number > 1 {
+        items.push(format!("n={number}"));
+    }
+    format!("home {}", items.join(", "))
 }
 
 /// To the second, third or fourth reference point; 2 without a number.

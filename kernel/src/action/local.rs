@@ -172,8 +172,11 @@ fn rotation(kernel: &mut Kernel<'_>, change: Change) -> Option<Given> {
         }
         // About X, then Y, then Z of the frame that stands.
         (None, Some([x, y, z]), _) => (chain([2, 1, 0], [z, y, x])?, [x, y, z], "ABC", 0.0),
-        // About Z, then the X that has turned, then the Z that has turned.
-        (None, None, Some(angles)) => (chain([2, 0, 2], angles)?, angles, "CAC", 0.0),
+        // Each about an axis that the ones before have turned.
+        (None, None, Some(angles)) => {
+            let order = kernel.machine.habits.rotations;
+            (chain(order.axes, angles)?, angles, order.name, 0.0)
+        }
         (None, None, None) => return None,
     };
     Some(Given { map: map.around(center), values, center: Some(center), order, angle })

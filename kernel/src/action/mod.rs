@@ -31,7 +31,9 @@ pub(crate) mod thread;
 mod time;
 pub(crate) mod tip;
 mod tool;
+pub(crate) mod tool_data;
 mod turned;
+pub(crate) mod turning;
 
 use crate::channel::block::Firing;
 use crate::channel::frames::local::Part;

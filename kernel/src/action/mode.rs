@@ -40,6 +40,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
         };
         super::cutter::switched(kernel, code)?;
         kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.tell_tool();
     }
     Ok(())
 }

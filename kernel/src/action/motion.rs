@@ -148,6 +148,7 @@ impl Kernel<'_> {
         };
         let mut target = from;
         let mut coded = 0_u8;
+        let as_written = self.place.angles == 0 && !self.block.machine_frame;
         for index in 0..self.place.axes.len() {
             let Some(datum) = take(self, index) else { continue };
             if relative.is_none() && !datum.incremental {
@@ -160,10 +161,14 @@ impl Kernel<'_> {
             let Some(slot) = target.get_mut(index) else { break };
             *slot = if datum.incremental || relative == Some(true) && !datum.absolute {
                 *slot + datum.value
-            } else if self.block.machine_frame {
-                datum.value - shift(self, index).unwrap_or(0.0)
-            } else {
+            } else if as_written {
                 datum.value
+            } else {
+                let away = if self.block.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
+                match self.place.angles & 1 << index {
+                    0 => datum.value - away,
+                    _ => self.turned_to(index, *slot, datum.value, away),
+                }
             };
             coded |= 1 << index;
         }

@@ -119,13 +119,20 @@ pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
     kernel.settle()?;
     let css = kernel.current()?.css;
     match take_speed(kernel, css) {
+        Some(speed) if !kernel.machine.habits.speed_word => {
+            kernel.states.spindles.waiting = Some(speed);
+            Ok(())
+        }
         Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),
         None => Ok(()),
     }
 }
 
+/// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(kernel: &mut Kernel<'_>, css: bool) -> Option<f64> {
-    kernel.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value)
+    let word = kernel.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);
+    let waiting = kernel.states.spindles.waiting.take();
+    word.or(waiting)
 }
 
 /// `css`: m/min or ft/min becomes length units per minute.

@@ -24,6 +24,8 @@ pub(crate) struct State {
     pub(crate) milling: bool,
     /// Head that drives constant surface speed, when a code has said so.
     pub(crate) driver: Option<u16>,
+    /// A speed that waits for the next spindle code.
+    pub(crate) waiting: Option<f64>,
 }
 
 impl State {
@@ -36,6 +38,7 @@ impl State {
             kept: vec![Command::default(); machine.spindles.len()],
             milling: false,
             driver: None,
+            waiting: None,
         }
     }
 }

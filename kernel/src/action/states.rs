@@ -17,6 +17,8 @@ pub(crate) struct States {
     pub(crate) head: u32,
     /// Where the axes stood before they went to the change position.
     pub(crate) before_change: Option<crate::log::event::Position>,
+    /// What was told about tools.
+    pub(crate) tools: super::tool_data::Told,
 }
 
 impl States {
@@ -29,6 +31,7 @@ impl States {
             tip: crate::channel::frames::tip::Settings::default(),
             head: if side { 2 } else { 1 },
             before_change: None,
+            tools: super::tool_data::Told::default(),
         }
     }
 }

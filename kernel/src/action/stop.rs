@@ -1,7 +1,7 @@
 //! Stops and ends.
 
 use crate::channel::flow::Pending;
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::{Acted, Kernel};
 use crate::log::event::{Kind, Stop};
 
 /// Program stop, optional stop, end, rewind.
@@ -22,6 +22,10 @@ pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
             kernel.ask(Pending::Return(None));
             Ok(())
         }
-        Stop::End | Stop::Rewind => Err(Halt::End(Some(stop))),
+        // The block is finished before the program ends (reference control-emulator.md 2.2).
+        Stop::End | Stop::Rewind => {
+            kernel.ask(Pending::End(stop));
+            Ok(())
+        }
     }
 }

@@ -64,6 +64,22 @@ impl Kernel<'_> {
         }
     }
 
+    /// Seconds of a feed move without a usable feed: at the smallest one of the control, else those of a rapid move.
+    #[cold]
+    fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
+        let least = self.machine.habits.least_feed;
+        let how = least.map_or_else(
+            || "the move is timed as rapid".to_owned(),
+            |feed| format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
+        );
+        let text = format!("{what} '{}', {how}", self.block_text());
+        self.diagnose(facts, text);
+        match least {
+            Some(feed) => self.paced(path, feed / 60.0),
+            None => self.rapid_seconds(path.from, path.to),
+        }
+    }
+
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
     pub(super) fn feed_seconds(
         &mut self,
@@ -72,14 +88,10 @@ impl Kernel<'_> {
         unit: FeedUnit,
     ) -> Result<f64, crate::channel::Halt> {
         let Some(feed) = feed else {
-            let text = format!("no feed has been programmed for '{}', the move is timed as rapid", self.block_text());
-            self.diagnose(&diag::NO_FEED, text);
-            return Ok(self.rapid_seconds(path.from, path.to));
+            return Ok(self.without_feed(path, &diag::NO_FEED, "no feed has been programmed for"));
         };
         if feed <= 0.0 {
-            let text = format!("the feed is zero or less in '{}', the move is timed as rapid", self.block_text());
-            self.diagnose(&diag::FEED_NOT_POSITIVE, text);
-            return Ok(self.rapid_seconds(path.from, path.to));
+            return Ok(self.without_feed(path, &diag::FEED_NOT_POSITIVE, "the feed is zero or less in"));
         }
         Ok(match unit {
             FeedUnit::PerMinute => self.paced(path, feed / 60.0),

@@ -43,6 +43,7 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
         kernel.place.tool_offset = offset;
         kernel.reframe();
     }
+    kernel.tell_tool();
     Ok(())
 }
 

@@ -32,10 +32,24 @@ pub(crate) struct Firing {
     pub(crate) value: f64,
     /// Fired by words of its group, not written on the block.
     pub(crate) implied: bool,
+    /// It acts only if something of what fires it is left by then.
+    pub(crate) fragile: bool,
 }
 
 /// Largest number of registers.
 pub(crate) const REGISTERS: usize = 100;
+
+/// What can be odd about the text of a block.
+pub(crate) mod odd {
+    /// A number with more whole digits than its register's format.
+    pub(crate) const DIGITS: u8 = 1;
+    /// A comment or message without its end.
+    pub(crate) const OPEN_COMMENT: u8 = 2;
+    /// Control characters.
+    pub(crate) const BYTES: u8 = 4;
+    /// A program name in angle brackets, which a call may take.
+    pub(crate) const NAME: u8 = 8;
+}
 
 /// The block being processed.
 #[derive(Debug)]
@@ -60,16 +74,12 @@ pub(crate) struct Block {
     pub(crate) added: Vec<(DataId, f64)>,
     /// Position of the code that acts next, on a kernel with macros.
     pub(crate) next: usize,
-    /// Span of a program name in angle brackets.
-    pub(crate) name: Option<(u32, u32)>,
+    /// Span of the program name in angle brackets that `odd` tells of; one of the unknown ones until a call takes it.
+    name: (u32, u32),
     /// Sequence number.
     pub(crate) sequence: Option<u32>,
-    /// A comment or message without its end was met.
-    pub(crate) open_comment: bool,
-    /// A number with more whole digits than its register's format.
-    pub(crate) too_many_digits: bool,
-    /// Control characters were met.
-    pub(crate) bad_bytes: bool,
+    /// What is odd about its text besides what is unknown, bit by bit.
+    pub(crate) odd: u8,
     /// This block's positions are in the machine frame.
     pub(crate) machine_frame: bool,
     /// Exact stop for this block.
@@ -91,11 +101,9 @@ impl Default for Block {
             doubled: false,
             added: Vec::new(),
             next: 0,
-            name: None,
+            name: (0, 0),
             sequence: None,
-            open_comment: false,
-            too_many_digits: false,
-            bad_bytes: false,
+            odd: 0,
             machine_frame: false,
             exact_stop: false,
             moved: false,
@@ -115,11 +123,8 @@ impl Block {
         self.doubled = false;
         self.added.clear();
         self.next = 0;
-        self.name = None;
         self.sequence = None;
-        self.open_comment = false;
-        self.too_many_digits = false;
-        self.bad_bytes = false;
+        self.odd = 0;
         self.machine_frame = false;
         self.exact_stop = false;
         self.moved = false;
@@ -133,6 +138,26 @@ impl Block {
             return;
         }
         self.words.push(word);
+    }
+
+    /// Span of a program name in angle brackets that nothing has taken.
+    pub(crate) fn name(&self) -> Option<(u32, u32)> {
+        (self.odd & odd::NAME != 0).then_some(self.name)
+    }
+
+    /// Notes a program name.
+    pub(crate) fn set_name(&mut self, span: (u32, u32)) {
+        self.odd |= odd::NAME;
+        self.name = span;
+        self.unknown.push(span);
+    }
+
+    /// Takes the program name off the block.
+    pub(crate) fn take_name(&mut self) -> Option<(u32, u32)> {
+        let name = self.name()?;
+        self.odd &= !odd::NAME;
+        self.unknown.retain(|span| *span != name);
+        Some(name)
     }
 
     /// Makes a word findable as data; of several words of one register the last one counts.
@@ -179,6 +204,6 @@ impl Block {
 
     /// Something about the text of the block is worth a message.
     pub(crate) fn has_oddities(&self) -> bool {
-        !self.unknown.is_empty() || self.name.is_some() || self.open_comment || self.too_many_digits || self.bad_bytes
+        self.odd != 0 || !self.unknown.is_empty()
     }
 }

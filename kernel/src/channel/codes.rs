@@ -121,7 +121,7 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
-        self.block.firings.push(Firing { order: row.order, row: index, value, implied });
+        self.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
     }
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
@@ -158,6 +158,22 @@ impl Kernel<'_> {
         }
     }
 
+    /// The same for a code that data fire: it acts only if some of them are left by then.
+    pub(crate) fn queue_by_data(&mut self, group: u16) {
+        let before = self.block.firings.len();
+        self.queue_modal(group);
+        if let Some(firing) = self.block.firings.get_mut(before) {
+            firing.fragile = true;
+        }
+    }
+
+    /// Something of what fires a code is left; what has been taken meanwhile fires nothing.
+    #[cold]
+    fn is_left(&self, group: u16) -> bool {
+        let moves = group == group::MOTION || group == group::CYCLE;
+        moves && (self.has_any(self.plan.motion_registers) || self.adds_motion()) || self.has_firing_data(group)
+    }
+
     pub(crate) fn group_queued(&self, group: u16) -> bool {
         self.block.firings.iter().any(|f| self.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
     }
@@ -184,6 +200,9 @@ impl Kernel<'_> {
     pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
+        if firing.fragile && !self.is_left(row.group) {
+            return Ok(());
+        }
         if !row.process {
             self.trace_ignored(row.id);
             return Ok(());

@@ -241,7 +241,7 @@ impl Kernel<'_> {
             }
         }
         let line = self.text_bytes();
-        for &(start, end) in self.block.name.iter().chain(&self.block.unknown) {
+        for &(start, end) in &self.block.unknown {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');
@@ -353,6 +353,8 @@ impl Kernel<'_> {
     pub(crate) fn block_shutdown(&mut self) -> Acted {
         let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
         let Some(code) = runtime.ready(Hook::BlockShutdown) else { return Ok(()) };
+        self.left_name();
+        let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
         let asks = runtime.uses(code, 2);
         let left = if asks { self.left_text() } else { String::new() };
         let mut arguments = [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.line))];

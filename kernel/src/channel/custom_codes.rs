@@ -98,23 +98,31 @@ impl Kernel<'_> {
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
     fn imply_by_data(&mut self) {
-        if !self.block.added.is_empty() {
-            let moves = self.block.added.iter().any(|(id, _)| {
-                let name = self.machine.data_name(*id);
-                name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
-            });
-            if moves && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
-                self.imply_motion();
-            }
+        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
+            self.imply_motion();
         }
         let count = self.macros.as_deref().map_or(0, |runtime| runtime.data_codes.len());
         for at in 0..count {
             let pair = self.macros.as_deref().and_then(|runtime| runtime.data_codes.get(at).copied());
             let Some((id, group)) = pair else { break };
             if self.has_data(id) && !self.group_queued(group) {
-                self.queue_modal(group);
+                self.queue_by_data(group);
             }
         }
+    }
+
+    /// A macro has put the position of an axis or the shape of an arc on the block.
+    pub(super) fn adds_motion(&self) -> bool {
+        self.block.added.iter().any(|(id, _)| {
+            let name = self.machine.data_name(*id);
+            name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
+        })
+    }
+
+    /// Data by which `$FCEDAC` fires the code of a group are on the block.
+    pub(super) fn has_firing_data(&self, group: u16) -> bool {
+        let pairs = self.macros.as_deref().map_or(&[][..], |runtime| runtime.data_codes.as_slice());
+        pairs.iter().any(|(id, of)| *of == group && self.has_data(*id))
     }
 
     /// The first code macro for a code that is on, not running, and whose condition holds.

@@ -111,6 +111,7 @@ impl Kernel<'_> {
         match self.identify(code, index, Value::Null)? {
             Answer::Own => self.get_known(index),
             Answer::Drop => Ok(0.0),
+            Answer::Keep => Err(Fault::Kept(index)),
             Answer::Text(text) => self.value_of_text(&text, index),
         }
     }
@@ -121,6 +122,7 @@ impl Kernel<'_> {
         match self.identify(code, index, Value::Real(number(value)))? {
             Answer::Own => Ok(false),
             Answer::Drop => Ok(true),
+            Answer::Keep => Err(Fault::Kept(index)),
             Answer::Text(text) => {
                 let wanted = text.trim().strip_prefix('#').and_then(|text| text.trim().parse::<u32>().ok());
                 match wanted.filter(|wanted| *wanted != index && (*wanted < 1000 || self.is_common(*wanted))) {
@@ -144,7 +146,8 @@ impl Kernel<'_> {
             Some(text) if flag == 1.0 => Answer::Text(text.to_owned()),
             // Evaluating the same text again would ask for ever.
             _ if flag == 1.0 => return Err(Fault::NoVariable(f64::from(index))),
-            _ if flag == -1.0 || flag == 2.0 => Answer::Drop,
+            _ if flag == -1.0 => Answer::Drop,
+            _ if flag == 2.0 => Answer::Keep,
             _ => Answer::Own,
         })
     }
@@ -187,6 +190,8 @@ enum Answer {
     Own,
     /// Nothing is to happen; the value is 0.
     Drop,
+    /// The text stays on the block.
+    Keep,
     /// This text instead.
     Text(String),
 }

@@ -127,7 +127,12 @@ impl Kernel<'_> {
             self.diagnose(&diag::EMBEDDED_CODE, text);
             return None;
         }
-        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
+        let mut surroundings = Surroundings {
+            codes: &machine.custom_codes,
+            data: &machine.custom_data,
+            files: None,
+            stored: &machine.storage,
+        };
         let source = counterpoint_lang::source::Source::new("embedded code", statements(code));
         let expression = counterpoint_lang::parse::expression(&source).is_some();
         let program = Arc::make_mut(&mut runtime.program);

@@ -9,6 +9,7 @@ use super::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
 use crate::log::geometry::Loop;
+use crate::macros::host::tools::column;
 use crate::macros::host::variables::names;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
@@ -206,18 +207,22 @@ impl Kernel<'_> {
                 return self.diagnose(&diag::TOOL_TABLE, text);
             }
             runtime.tools.push(tool);
+            self.fill_tool_row(tool, at as i64 + 2);
         }
+        let Some(runtime) = self.macros.as_deref_mut() else { return };
         let (names, store) = (names(), &mut runtime.store);
         let row = at as i64 + 2;
         runtime.tool_sums.switch(at + 2, clock);
-        store.set_element(names.tool_table, (1, row), Value::Real(f64::from(tool)));
         store.set(names.tool_row, Value::Real(row as f64));
         store.set(names.tool_rows, Value::Real(runtime.tools.len() as f64 + 1.0));
         let name = store.get(names.tool_name).clone();
         if name.as_text().is_some_and(|name| !name.trim().is_empty()) {
-            store.set_element(names.tool_table, (20, row), name);
+            store.set_element(names.tool_table, (column::NAME, row), name);
         }
         store.set(names.tool_name, Value::text(""));
+        let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
+        store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
+        self.sort_tools();
     }
 
     /// The tool event itself.

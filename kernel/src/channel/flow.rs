@@ -15,7 +15,7 @@ use crate::diag;
 use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
-use crate::log::event::{FileId, Kind};
+use crate::log::event::{FileId, Kind, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
 
@@ -67,6 +67,8 @@ pub(crate) enum Pending {
     CallText(Box<dialect::Call>),
     /// Return, optionally to a sequence number of the caller.
     Return(Option<u32>),
+    /// End of the program.
+    End(Stop),
 }
 
 /// A loop as seen by the last backward jump.
@@ -104,6 +106,8 @@ pub(crate) struct Flow {
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Definitions run into and texts of no program that have been told of, by file and line.
+    pub(crate) told: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
 }
@@ -149,14 +153,24 @@ impl Kernel<'_> {
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
             Some(Pending::Return(target)) => self.give_back(target),
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+        }?;
+        match self.flow.pending {
+            // Said by a macro around the call.
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+            _ => Ok(()),
         }
     }
 
-    /// Lets the block call or return at its end; a word that was to call before it does not.
+    /// What the block does at its end: the last call or return counts, an end code in any case.
     pub(crate) fn ask(&mut self, pending: Pending) {
-        if let Some(Pending::Call { what, by: Some(_), .. }) = &self.flow.pending {
-            let text = format!("{what} is not called: '{}' has another call or return", self.block_text());
-            self.diagnose(&diag::SECOND_CALL, text);
+        match &self.flow.pending {
+            Some(Pending::End(_)) => return,
+            Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => {
+                let text = format!("{what} is not called: '{}' has another call, return or end", self.block_text());
+                self.diagnose(&diag::SECOND_CALL, text);
+            }
+            _ => {}
         }
         self.flow.pending = Some(pending);
     }
@@ -178,6 +192,7 @@ impl Kernel<'_> {
             let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
+        self.tell_heading(file, range);
         if let Some(by) = &by {
             self.hand_over(by)?;
         }

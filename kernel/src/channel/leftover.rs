@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
+use super::block::odd;
 use super::state::feed_of;
 use super::state::group;
 use super::{Acted, Kernel};
@@ -36,15 +37,15 @@ impl Kernel<'_> {
         if !self.block.unknown.is_empty() {
             self.unknown_text();
         }
-        if self.block.open_comment {
+        if self.block.odd & odd::OPEN_COMMENT != 0 {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
-        if self.block.too_many_digits {
+        if self.block.odd & odd::DIGITS != 0 {
             let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
             self.diagnose(&diag::TOO_MANY_DIGITS, text);
         }
-        if self.block.bad_bytes {
+        if self.block.odd & odd::BYTES != 0 {
             let text = format!("control characters in line {} are passed over", self.line);
             self.diagnose(&diag::BAD_BYTES, text);
         }
@@ -113,13 +114,13 @@ impl Kernel<'_> {
         String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
     }
 
-    /// A program name that no call took: at the begin of its block it defines the program, elsewhere it is unknown text.
+    /// A program name at the begin of its block defines the program; elsewhere it is unknown text.
     pub(crate) fn left_name(&mut self) {
-        let Some(span) = self.block.name.take() else { return };
+        let Some((start, _)) = self.block.name() else { return };
         let line = self.text_bytes();
-        let before = line.get(..span.0 as usize).unwrap_or_default();
-        if !before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
-            self.block.unknown.push(span);
+        let before = line.get(..start as usize).unwrap_or_default();
+        if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
+            self.block.take_name();
         }
     }
 

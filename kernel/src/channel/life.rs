@@ -41,6 +41,7 @@ impl Kernel<'_> {
         self.initial_codes();
         self.initial_frame();
         self.load(file)?;
+        self.tell_leader(file, range);
         self.begin_macros()
     }
 
@@ -52,6 +53,9 @@ impl Kernel<'_> {
             Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
+        if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            self.tell_order();
+        }
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
@@ -95,8 +99,7 @@ impl Kernel<'_> {
         let (file, line) = verdict.members.first().map_or((0, 0), |m| (m.file, m.line));
         let custom = self.customised(facts.number, (facts.severity, true), verdict.text.to_string());
         let (severity, text) = custom.unwrap_or((facts.severity, String::new()));
-        let diagnostic =
-            Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into(), kernel: "".into() };
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
         for kind in [
             (verdict.kind != VerdictKind::Mismatch).then(|| Kind::Diagnostic(Box::new(diagnostic))),
             Some(Kind::Verdict(Box::new(verdict))),

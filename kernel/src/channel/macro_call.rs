@@ -5,8 +5,9 @@
 
 use super::custom_calls::Callee;
 use super::flow::Pending;
+use super::macros::Left;
 use super::modal_call::ModalCall;
-use super::{Acted, Kernel};
+use super::{Acted, Halt, Kernel};
 use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
@@ -33,7 +34,7 @@ impl Kernel<'_> {
             let info = self.info;
             self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
         };
-        self.block.name = line.name;
+        line.name.into_iter().for_each(|span| self.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };
         let mut words = self.call_words(words, own.as_deref().map(|call| (call.register, call.by.value)))?;
         let mut by = None;
@@ -74,7 +75,7 @@ impl Kernel<'_> {
     }
 
     /// Reads the words of a call; the word that calls by itself is none of them.
-    fn call_words(&mut self, words: &[TemplateWord], mut own: Option<(u8, f64)>) -> Result<Words, super::Halt> {
+    fn call_words(&mut self, words: &[TemplateWord], mut own: Option<(u8, f64)>) -> Result<Words, Halt> {
         let mut read = Words::default();
         let mut levels = [0_u8; 3];
         for word in words {
@@ -85,7 +86,14 @@ impl Kernel<'_> {
             let register = self.plan.scanner.register(letter);
             let value = match (register, word.written) {
                 (Some((register, _)), Some(number)) => self.read_by_register(register, number),
-                _ => self.eval(&word.value)?,
+                _ => match self.eval(&word.value) {
+                    Ok(value) => value,
+                    Err(Left::Halt(halt)) => return Err(halt),
+                    Err(Left::Text) => {
+                        self.block.unknown.push((word.start, word.end));
+                        continue;
+                    }
+                },
             };
             let plain = number(value);
             if own.is_some() && own == register.map(|(register, _)| (register, plain)) {

@@ -2,12 +2,27 @@
 
 use std::sync::Arc;
 
-use super::block::Word;
+use super::block::{Word, odd};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
+
+/// Why a statement has come to no end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Left {
+    /// The kernel leaves its program.
+    Halt(Halt),
+    /// The identification macro wants the text with a variable that nobody knows to stay on the block.
+    Text,
+}
+
+impl From<Halt> for Left {
+    fn from(halt: Halt) -> Self {
+        Self::Halt(halt)
+    }
+}
 
 impl Kernel<'_> {
     /// A line with variables or statements.
@@ -22,8 +37,15 @@ impl Kernel<'_> {
         if let Some(number) = line.sequence {
             self.block.sequence = Some(number);
         }
-        self.block.name = line.name;
-        self.statement(&line.statement)
+        line.name.into_iter().for_each(|span| self.block.set_name(span));
+        match self.statement(&line.statement) {
+            Ok(()) => Ok(()),
+            Err(Left::Halt(halt)) => Err(halt),
+            Err(Left::Text) => {
+                self.block.unknown.push(line.place);
+                self.act_block()
+            }
+        }
     }
 
     /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
@@ -72,7 +94,7 @@ impl Kernel<'_> {
         self.block.messages.clear();
     }
 
-    fn statement(&mut self, statement: &Statement) -> Acted {
+    fn statement(&mut self, statement: &Statement) -> Result<(), Left> {
         match statement {
             Statement::Words(words) => self.template(words),
             Statement::Assign(list) => list.iter().try_for_each(|(target, value)| self.assign(target, value)),
@@ -93,22 +115,22 @@ impl Kernel<'_> {
                 if self.truth(condition)? {
                     Ok(())
                 } else {
-                    self.skip_past(Pairs::of_loop)
+                    Ok(self.skip_past(Pairs::of_loop)?)
                 }
             }
             Statement::Do(_) => Ok(()),
             Statement::End(_) => match self.pairs().of_loop(self.line) {
-                Some(start) => self.jump_to_line(start),
-                None => Err(self.unpaired()),
+                Some(start) => Ok(self.jump_to_line(start)?),
+                None => Err(self.unpaired().into()),
             },
             Statement::IfBlock(condition) => {
                 if self.truth(condition)? {
                     Ok(())
                 } else {
-                    self.skip_past(Pairs::of_branch)
+                    Ok(self.skip_past(Pairs::of_branch)?)
                 }
             }
-            Statement::Else => self.skip_past(Pairs::of_branch),
+            Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
             Statement::EndIf | Statement::Ignored => Ok(()),
         }
     }
@@ -155,25 +177,30 @@ impl Kernel<'_> {
         pairs
     }
 
-    fn goto(&mut self, target: &Expr) -> Acted {
+    fn goto(&mut self, target: &Expr) -> Result<(), Left> {
         let value = number(self.eval(target)?);
         if value < 1.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
             let text = format!("{value} is no sequence number to go to in '{}'", self.block_text());
-            return Err(self.alarm(&diag::JUMP_TARGET, text));
+            return Err(self.alarm(&diag::JUMP_TARGET, text).into());
         }
-        self.jump_to_sequence(value as u32)
+        Ok(self.jump_to_sequence(value as u32)?)
     }
 
-    fn truth(&mut self, condition: &Expr) -> Result<bool, Halt> {
+    fn truth(&mut self, condition: &Expr) -> Result<bool, Left> {
         self.eval(condition).map(|v| number(v) != 0.0)
     }
 
-    pub(super) fn eval(&mut self, expr: &Expr) -> Result<f64, Halt> {
+    pub(super) fn eval(&mut self, expr: &Expr) -> Result<f64, Left> {
         if let Some(value) = expr.as_constant() {
             return Ok(value);
         }
         let result = expr.eval(self);
-        result.map_err(|fault| self.fault(&fault))
+        result.map_err(|fault| self.left(&fault))
+    }
+
+    /// Why a fault ends its statement.
+    fn left(&mut self, fault: &Fault) -> Left {
+        if let Fault::Kept(_) = fault { Left::Text } else { Left::Halt(self.fault(fault)) }
     }
 
     /// Alarm of a fault.
@@ -182,23 +209,23 @@ impl Kernel<'_> {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
-            Fault::NoVariable(_) | Fault::ReadOnly(_) => &diag::MACRO_VARIABLE,
+            Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
         let text = format!("{fault} in '{}'", self.block_text());
         self.alarm(facts, text)
     }
 
-    fn assign(&mut self, target: &Expr, value: &Expr) -> Acted {
+    fn assign(&mut self, target: &Expr, value: &Expr) -> Result<(), Left> {
         let value = self.eval(value)?;
         let target = number(self.eval(target)?);
         if target < 0.0 || target.fract() != 0.0 || target > f64::from(u32::MAX) {
-            return Err(self.fault(&Fault::NoVariable(target)));
+            return Err(self.fault(&Fault::NoVariable(target)).into());
         }
         let index = target as u32;
         match index {
             3000 => {
                 let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());
-                Err(self.alarm(&diag::MACRO_ALARM, text))
+                Err(self.alarm(&diag::MACRO_ALARM, text).into())
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
@@ -206,15 +233,22 @@ impl Kernel<'_> {
                 Ok(())
             }
             3001..=3004 => Ok(()),
-            _ => self.set_variable(index, value).map_err(|fault| self.fault(&fault)),
+            _ => self.set_variable(index, value).map_err(|fault| self.left(&fault)),
         }
     }
 
-    /// Words with expressions become plain words; vacant values drop their word.
-    fn template(&mut self, words: &[TemplateWord]) -> Acted {
+    /// Words with expressions become plain words; vacant values drop their word, kept ones stay text.
+    fn template(&mut self, words: &[TemplateWord]) -> Result<(), Left> {
         self.flow.pass.effects = true;
         for word in words {
-            let value = self.eval(&word.value)?;
+            let value = match self.eval(&word.value) {
+                Ok(value) => value,
+                Err(Left::Halt(halt)) => return Err(halt.into()),
+                Err(Left::Text) => {
+                    self.block.unknown.push((word.start, word.end));
+                    continue;
+                }
+            };
             if is_vacant(value) {
                 continue;
             }
@@ -249,14 +283,14 @@ impl Kernel<'_> {
                 self.trace_words();
             }
         }
-        self.act_block()
+        Ok(self.act_block()?)
     }
 
     /// A number beside an expression is read as on a line without one.
     pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.secondary);
         let (value, too_long) = reading.unwrap_or((number.value, false));
-        self.block.too_many_digits |= too_long;
+        self.block.odd |= u8::from(too_long) * odd::DIGITS;
         value
     }
 

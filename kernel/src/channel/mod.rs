@@ -12,6 +12,7 @@ pub(crate) mod custom_calls;
 pub(crate) mod custom_codes;
 pub(crate) mod custom_life;
 pub(crate) mod data;
+mod definitions;
 mod diagnostics;
 mod embedded;
 pub(crate) mod emit;

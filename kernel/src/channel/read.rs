@@ -156,6 +156,9 @@ impl Kernel<'_> {
         if self.flow.frames.last().is_some_and(|frame| frame.closes) {
             return self.give_back(None);
         }
+        if self.runs_into_definition() {
+            return Ok(());
+        }
         let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
         self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
         if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Halt::End(None)) }

@@ -80,7 +80,9 @@ impl Kernel<'_> {
             None => Ok(()),
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
             Some(target) => match self.row_of_code(target) {
-                Some(row) => self.output_code(Firing { order: 0, row, value: 0.0, implied: false }, target, None),
+                Some(row) => {
+                    self.output_code(Firing { order: 0, row, value: 0.0, implied: false, fragile: false }, target, None)
+                }
                 None => {
                     self.no_such_code(target);
                     Ok(())

@@ -31,10 +31,9 @@ impl Kernel<'_> {
     fn log_diagnostic(&mut self, facts: &Facts, text: String) {
         let Some((severity, text)) = self.customised(facts.number, (facts.severity, facts.alarm), text) else { return };
         if self.macros.is_some() {
-            return self.issue(facts.number, severity, text);
+            return self.issue((facts.number, severity), text, None);
         }
-        let diagnostic =
-            Diagnostic { number: facts.number, severity, text: text.into(), operation: "".into(), kernel: "".into() };
+        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 

@@ -1,16 +1,18 @@
 //! From the text of a line to words.
 //!
-//! Facts: reference control-emulator.md 1.4 (reading a number), 5.5 (block delete), 5.6 (comments). Invariant: one
-//! pass over the line, nothing copied; whatever is not a word of a register is kept as unknown text.
+//! Facts: reference control-emulator.md 1.2, 1.4. Invariant: one pass over the line, nothing copied; whatever is not a
+//! word of a register is kept as unknown text.
 
 mod marks;
+mod numbers;
+mod passed;
 
-use super::block::{Block, Word};
+use super::block::{Block, Word, odd};
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
-use crate::machine::model::{NumberFormat, Point, Zeros};
 use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
+use numbers::{Read, parse_number};
 
 /// What a line turned out to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,7 +93,7 @@ impl Scanner {
             reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
             foreign: crate::dialect::concerns(machine.preprocessor),
-            levels: opskip.iter().filter(|&&l| l < 16).fold(0, |bits, &l| bits | 1 << l),
+            levels: levels(machine, opskip),
             sequence,
             letters,
             early: Early::new(machine),
@@ -196,81 +198,6 @@ impl Scanner {
         Kind::Words
     }
 
-    /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
-    /// brackets and in statements a skip character after the first word is a division.
-    pub(crate) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
-        block.clear();
-        out.clear();
-        out.extend_from_slice(line);
-        let (mut at, mut formula) = (0, marks::Formula::default());
-        while let Some(&byte) = line.get(at) {
-            let division = Some(byte) == self.opskip && formula.divides();
-            let next =
-                if formula.depth > 0 && byte == b'(' || division { None } else { self.skip(line, at, byte, block) };
-            if let Some(next) = next {
-                out.get_mut(at..next.min(line.len())).unwrap_or_default().fill(b' ');
-                at = next;
-                continue;
-            }
-            formula.read(self.names(), line, at);
-            at += 1;
-        }
-    }
-
-    /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
-    fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
-        // The same start for both means a comment.
-        for (delimiters, message) in [(&self.comment, false), (&self.message, true)] {
-            let Some((start, end)) = delimiters else { continue };
-            if start.is_empty() || !line.get(at..).is_some_and(|rest| rest.starts_with(start)) {
-                continue;
-            }
-            let inside = at + start.len();
-            let close = if end.is_empty() { Some(line.len()) } else { find(line, inside, end) };
-            if message {
-                block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
-            }
-            block.open_comment |= close.is_none();
-            return Some(close.map_or(line.len(), |close| close + end.len()));
-        }
-        if Some(byte) == self.opskip {
-            let (level, next) = match line.get(at + 1) {
-                Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
-                _ => (self.opskip_default, at + 1),
-            };
-            if self.levels & (1 << level) == 0 {
-                return Some(next);
-            }
-            return Some(self.next_inactive_mark(line, next));
-        }
-        if Some(byte) == self.eob {
-            return Some(at + 1);
-        }
-        None
-    }
-
-    /// Start of the next skip mark of a level that is not active, or the end of the line.
-    fn next_inactive_mark(&self, line: &[u8], from: usize) -> usize {
-        let mut at = from;
-        while let Some(&byte) = line.get(at) {
-            if let Some(end) = self.comment_end(line, at) {
-                at = end;
-                continue;
-            }
-            if Some(byte) == self.opskip {
-                let level = match line.get(at + 1) {
-                    Some(digit @ b'1'..=b'9') => digit - b'0',
-                    _ => self.opskip_default,
-                };
-                if self.levels & (1 << level) == 0 {
-                    return at;
-                }
-            }
-            at += 1;
-        }
-        line.len()
-    }
-
     /// Anything that is not a word: returns where to go on.
     fn other(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> usize {
         if let Some(next) = self.skip(line, at, byte, block) {
@@ -284,14 +211,14 @@ impl Scanner {
         }
         if byte == b'<'
             && self.macros
-            && block.name.is_none()
+            && block.name().is_none()
             && let Some(end) = program_name(line, at)
         {
-            block.name = Some((at as u32, end as u32));
+            block.set_name((at as u32, end as u32));
             return end;
         }
         if byte < 32 || byte == 127 {
-            block.bad_bytes = true;
+            block.odd |= odd::BYTES;
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
@@ -308,27 +235,6 @@ impl Scanner {
             _ => block.unknown.push((start, stop)),
         }
         end
-    }
-
-    /// Place of the first character that ends a block, outside comments and messages.
-    pub(super) fn block_end(&self, line: &[u8]) -> Option<usize> {
-        let mut at = 0;
-        while let Some(&byte) = line.get(at) {
-            if Some(byte) == self.eob {
-                return Some(at);
-            }
-            at = self.comment_end(line, at).unwrap_or(at + 1);
-        }
-        None
-    }
-
-    /// Position after the comment or message that begins at `at`: a mark inside is none.
-    fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
-        let rest = line.get(at..)?;
-        let starts = |(start, _): &&(Vec<u8>, Vec<u8>)| !start.is_empty() && rest.starts_with(start);
-        let (start, end) = [&self.comment, &self.message].into_iter().flatten().find(starts)?;
-        let close = if end.is_empty() { None } else { find(line, at + start.len(), end) };
-        Some(close.map_or(line.len(), |close| close + end.len()))
     }
 
     /// A special register or an early text at `at`: where to go on.
@@ -348,6 +254,14 @@ impl Scanner {
             }
             let (words, sequence) = (block.words.len(), block.sequence);
             let from = at + special.before.len();
+            if special.names
+                && let Some((tool, end)) = early.tool(special, line, from)
+            {
+                let (register, incremental, value) = (special.register, special.incremental, f64::from(tool));
+                let (start, end) = (at as u32, end as u32);
+                block.push(Word { register, incremental, used: false, value, start, end });
+                return Some(end as usize);
+            }
             let Some(end) = self.word(line, from, (at, special.register, special.incremental), secondary, block) else {
                 continue;
             };
@@ -360,13 +274,6 @@ impl Scanner {
         None
     }
 
-    fn starts_comment(&self, line: &[u8], at: usize) -> bool {
-        [&self.comment, &self.message]
-            .into_iter()
-            .flatten()
-            .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
-    }
-
     /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
     fn opens_macro(&self, line: &[u8], at: usize) -> bool {
         special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
@@ -376,8 +283,7 @@ impl Scanner {
     #[inline(always)]
     pub(super) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, bool)> {
         let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
-        let value = if number.point || !read.implied { number.value } else { implied(number, &read.format) };
-        Some((value, number.value.abs() >= if number.point { read.room } else { read.room_without_point }))
+        Some(read.value(number))
     }
 
     /// A word that begins at `at`, if a number follows its letter or text, which ends at `from`.
@@ -396,7 +302,7 @@ impl Scanner {
         }
         let (number, end) = parse_number(line, cursor)?;
         let (value, too_long) = self.reading(register, number, secondary)?;
-        block.too_many_digits |= too_long;
+        block.odd |= u8::from(too_long) * odd::DIGITS;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -406,136 +312,13 @@ impl Scanner {
     }
 }
 
+/// Active optional-skip levels; 0 stands for that of a mark without a digit (reference control-emulator.md 5.5).
+fn levels(machine: &Machine, opskip: &[u8]) -> u16 {
+    let level = |&level: &u8| if level == 0 { machine.format.opskip_default } else { level };
+    opskip.iter().map(level).filter(|&level| level < 16).fold(0, |bits, level| bits | 1 << level)
+}
+
 fn starts_word(line: &[u8], at: usize) -> bool {
     line.get(at).is_some_and(u8::is_ascii_alphabetic)
         && matches!(line.get(at + 1), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
-}
-
-fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
-    memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
-}
-
-/// Powers of ten that are exact in `f64`.
-const POW10: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
-    1e21, 1e22,
-];
-
-/// Digits whose value is exact in `u64` and `f64`.
-const EXACT_DIGITS: usize = 15;
-
-/// Appends the digits at the start of a text to a number; gives it with the rest of the text.
-#[inline(always)]
-fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
-    while let [byte, rest @ ..] = text {
-        let digit = byte.wrapping_sub(b'0');
-        if digit > 9 {
-            break;
-        }
-        number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
-        text = rest;
-    }
-    (number, text)
-}
-
-/// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
-#[inline(always)]
-fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
-    let rest = line.get(at..)?;
-    let (negative, text) = match rest {
-        [b'-', text @ ..] => (true, text),
-        [b'+', text @ ..] => (false, text),
-        text => (false, text),
-    };
-    let (mantissa, after) = leading_digits(0, text);
-    let digits = text.len() - after.len();
-    let (mantissa, fraction, point, length) = match after {
-        [b'.', decimals @ ..] => {
-            let (mantissa, after) = leading_digits(mantissa, decimals);
-            let fraction = decimals.len() - after.len();
-            (mantissa, fraction, true, digits + 1 + fraction)
-        }
-        _ => (mantissa, 0, false, digits),
-    };
-    if digits + fraction == 0 {
-        return None;
-    }
-    let magnitude = match POW10.get(fraction) {
-        // Both sides are exact, so the quotient is correctly rounded.
-        Some(power) if digits + fraction <= EXACT_DIGITS => mantissa as f64 / power,
-        _ => std::str::from_utf8(text.get(..length)?).ok()?.parse().ok()?,
-    };
-    let value = if negative { -magnitude } else { magnitude };
-    let number = Number { value, point, digits: digits.min(255) as u8 };
-    Some((number, at + (rest.len() - text.len()) + length))
-}
-
-/// How a register's numbers are read.
-#[derive(Debug, Clone, Copy)]
-struct Read {
-    format: NumberFormat,
-    /// A number without a point has an implied one.
-    implied: bool,
-    /// Numbers from here on have more whole digits than the format.
-    room: f64,
-    /// The same without a written point: an implied one leaves room for the fraction too.
-    room_without_point: f64,
-}
-
-impl Read {
-    fn new(format: NumberFormat) -> Self {
-        let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
-        let implied = format.point == Point::Omit;
-        let room = power(format.whole);
-        let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
-        Self { format, implied, room, room_without_point }
-    }
-}
-
-/// Value of a number without a point in a register that implies one (reference control-emulator.md 1.4).
-fn implied(number: Number, format: &NumberFormat) -> f64 {
-    let power = |n: u8| POW10.get(usize::from(n)).copied().unwrap_or(1.0);
-    if format.point != Point::Omit || format.frac == 0 {
-        number.value
-    } else if format.trail == Zeros::Omit && format.lead != Zeros::Omit {
-        // Left-justified into the whole digits.
-        if number.digits <= format.whole {
-            number.value * power(format.whole - number.digits)
-        } else {
-            number.value / power(number.digits - format.whole)
-        }
-    } else {
-        number.value / power(format.frac)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_read_to_the_last_bit() {
-        for text in
-            ["0", "12", "-3.5", "+.125", "90.1999", "123456.7891", "0.1", "1.", "99999999999999999999.5", ".000001"]
-        {
-            let (number, end) = parse_number(text.as_bytes(), 0).unwrap();
-            assert_eq!(end, text.len());
-            assert_eq!(number.value, text.trim_start_matches('+').parse::<f64>().unwrap(), "{text}");
-        }
-        for text in ["", "-", ".", "+.", "X", "e5"] {
-            assert!(parse_number(text.as_bytes(), 0).is_none(), "{text}");
-        }
-    }
-
-    #[test]
-    fn implied_points() {
-        let format = |lead, trail| NumberFormat { whole: 4, frac: 3, point: Point::Omit, lead, trail, plus: false };
-        let number = |text: &str| parse_number(text.as_bytes(), 0).unwrap().0;
-        assert_eq!(implied(number("12500"), &format(Zeros::Omit, Zeros::Keep)), 12.5);
-        assert_eq!(implied(number("00125"), &format(Zeros::Keep, Zeros::Omit)), 12.5);
-        assert_eq!(
-            implied(number("125"), &NumberFormat { point: Point::Keep, ..format(Zeros::Omit, Zeros::Omit) }),
-            125.0
-        );
-    }
 }

@@ -143,10 +143,13 @@ impl Kernel<'_> {
         }
         let info = self.info;
         let Some(source) = info.source(file).filter(|s| s.lines() > 0) else { return Ok(None) };
-        if !whole && source.programs().first().is_none_or(|&range| !source.is_plain(range)) {
-            return Ok(None);
-        }
-        let all = Range { number: None, first: 1, last: source.lines() };
+        let plain = source.programs().first().copied().filter(|&range| source.is_plain(range));
+        let all = match plain {
+            // Text before definitions is a program, the one that the file is named after.
+            Some(range) if !whole => range,
+            None if !whole => return Ok(None),
+            _ => Range { number: None, first: 1, last: source.lines() },
+        };
         let mut range = opening(source, all, &self.machine.format);
         let rws = self.machine.format.rws.as_bytes();
         if !rws.is_empty() && source.line(range.first).trim_ascii() == rws {

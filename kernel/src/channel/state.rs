@@ -138,6 +138,8 @@ pub(crate) struct Place {
     pub(crate) rotary: bool,
     /// One of them has limits of travel.
     pub(crate) limited: bool,
+    /// Axes whose absolute words are angles, not positions, bit by axis.
+    pub(crate) angles: u8,
     /// Programmed position in the work frame.
     pub(crate) position: Position,
     /// Machine frame = work frame + shift.
@@ -201,6 +203,7 @@ impl Place {
             position: machine.home(channel),
             rotary: axes.iter().any(|axis| axis.rotary),
             limited: axes.iter().any(|axis| axis.limits.is_some()),
+            angles: crate::action::turning::angles(machine, &axes),
             axes,
             shift: [0.0; MAX_AXES],
             preset: [0.0; MAX_AXES],

@@ -2,10 +2,10 @@
 //!
 //! Facts: reference control-emulator.md 5.4 (calls by G M T S B); what each word does is a parameter of the control
 //! (O9010 by a G code, O9001 by an M code, O9000 by T with #149, and so on). They act before the code table sees their
-//! word. Decisions: a word that calls a macro makes arguments of all others; a subprogram is called behind what the other
-//! words of the block do; in a program that a word has called, words of the same kind (G, or all others) act as without
-//! the row, those of the other kind if the machine says so; behind G66.1 words are arguments only. Invariant: a machine
-//! without such words pays one test for each block.
+//! word. Decisions: a word that calls a macro makes arguments of all others; a subprogram is called behind what the
+//! other words of the block do; in a program that a word has called, words of the same kind (G, or all others) act as
+//! without the row, those of the other kind if the machine says so; behind G66.1 words are arguments only. Invariant:
+//! a machine without such words pays one test for each block.
 
 use std::sync::Arc;
 
@@ -128,7 +128,7 @@ impl Kernel<'_> {
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
-        let (start, end) = self.block.name.take()?;
+        let (start, end) = self.block.take_name()?;
         let line = self.text_bytes();
         let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
         Some(String::from_utf8_lossy(name).into())

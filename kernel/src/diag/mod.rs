@@ -115,7 +115,9 @@ diagnostics! {
     NO_POLAR_AXES 2900163 8 false "polar interpolation without its axes";
     TIP_UNREACHABLE 2900164 8 false "direction of the tool that the rotary axes cannot reach";
     NO_TIP_AXES 2900165 8 false "tool tip control without its axes";
-    SECOND_CALL 2900170 8 false "word that would call a program on a block with another call or return";
+    SECOND_CALL 2900170 8 false "call on a block with another call, a return or an end code";
+    TEXT_OF_NO_PROGRAM 2900171 4 false "text of a file that belongs to no program";
+    RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
 }
 
 #[cfg(test)]

@@ -339,6 +339,7 @@ fn number(kind: &Kind) -> u8 {
         Kind::Diagnostic(_) => 16,
         Kind::Verdict(_) => 17,
         Kind::Trace { .. } => 18,
+        Kind::ToolData(_) => 19,
     }
 }
 
@@ -354,6 +355,15 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             });
             out.extend_from_slice(&tool.to_le_bytes());
             out.extend_from_slice(&offset.to_le_bytes());
+        }
+        Kind::ToolData(data) => {
+            out.extend_from_slice(&data.tool.to_le_bytes());
+            text(out, &data.name);
+            for value in [data.diameter, data.radius, data.length] {
+                out.push(u8::from(value.is_some()));
+                value.into_iter().for_each(|value| float(out, value));
+            }
+            out.extend_from_slice(&data.place.to_le_bytes());
         }
         Kind::Spindle(spindle) => {
             out.extend_from_slice(&spindle.spindle.to_le_bytes());
@@ -413,11 +423,18 @@ fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&diagnostic.number.to_le_bytes());
             out.push(diagnostic.severity);
             text(out, &diagnostic.text);
-            if !diagnostic.operation.is_empty() || !diagnostic.kernel.is_empty() {
+            let origin = diagnostic.origin.as_deref();
+            if !diagnostic.operation.is_empty() || !diagnostic.kernel.is_empty() || origin.is_some() {
                 text(out, &diagnostic.operation);
             }
-            if !diagnostic.kernel.is_empty() {
+            if !diagnostic.kernel.is_empty() || origin.is_some() {
                 text(out, &diagnostic.kernel);
+            }
+            if let Some(origin) = origin {
+                text(out, &origin.name);
+                text(out, &origin.file);
+                out.extend_from_slice(&origin.line.to_le_bytes());
+                text(out, &origin.statement);
             }
         }
         Kind::Trace { letter, text: line } => {

@@ -60,6 +60,8 @@ pub enum Kind {
         /// Offset number, 0 = none or cancelled.
         offset: u32,
     },
+    /// What is known about a tool has changed.
+    ToolData(Box<ToolData>),
     /// Spindle state after a spindle code; `dur_ns` is run-up time if the machine has any.
     Spindle(Spindle),
     /// Coolant switched.
@@ -225,6 +227,23 @@ pub enum ToolAction {
     Offset,
 }
 
+/// What is known about a tool: the whole of it, whenever something changes.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ToolData {
+    /// Tool number as programmed.
+    pub tool: u32,
+    /// Name, empty without one.
+    pub name: Box<str>,
+    /// Diameter in machine units.
+    pub diameter: Option<f64>,
+    /// Corner radius in machine units.
+    pub radius: Option<f64>,
+    /// Length in machine units.
+    pub length: Option<f64>,
+    /// Its place among the tools of the channel, from 1; 0 = by its first load.
+    pub place: u16,
+}
+
 /// State of a spindle after a spindle code.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spindle {
@@ -363,7 +382,7 @@ pub struct Release {
 }
 
 /// One diagnostic.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Diagnostic {
     /// Stable number with a page in `docs/diagnostics/`.
     pub number: u32,
@@ -375,6 +394,23 @@ pub struct Diagnostic {
     pub operation: Box<str>,
     /// Name of the kernel as macros have set it (`$MCENAM`), empty while it is that of the channel.
     pub kernel: Box<str>,
+    /// The statement of a macro that raised it, none if no macro did.
+    pub origin: Option<Box<Origin>>,
+}
+
+/// A statement of a macro that raised a diagnostic.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Origin {
+    /// Name of the macro as the trace shows it.
+    #[serde(rename = "macro")]
+    pub name: Box<str>,
+    /// Its file.
+    pub file: Box<str>,
+    /// Line in that file, from 1.
+    pub line: u32,
+    /// The statement as the trace shows it.
+    pub statement: Box<str>,
 }
 
 /// Why channels can never go on.

@@ -104,7 +104,7 @@ impl Folds {
         });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
         for (lane, channel) in lanes.into_iter().zip(&info.channels) {
-            let Lane { number, digest, mut tally, mut bars, track, program, .. } = lane;
+            let Lane { number, digest, mut tally, mut bars, track, program, tools, .. } = lane;
             let stay = meetings.standing(number);
             let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
@@ -116,6 +116,7 @@ impl Folds {
             if let Some(file) = program {
                 info.file_name(file).clone_into(&mut end.program);
             }
+            end.tools = tools.finish();
             ends.push(end);
             tracks.push(track);
             digests.push((number, digest));

@@ -22,6 +22,12 @@ pub struct Info {
     pub machine_number: u32,
     /// Revision.
     pub machine_revision: u32,
+    /// When the definition was made, as it says itself; empty when it does not.
+    pub machine_created: String,
+    /// File of the definition: folder and name.
+    pub machine_file: String,
+    /// The user's parameters of the job, empty without any.
+    pub parameters: String,
     /// `mm` or `inch`: the unit of lengths in events.
     pub unit: Unit,
     /// Letters of the trace that the job asks for.

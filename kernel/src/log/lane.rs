@@ -12,6 +12,7 @@ use crate::log::summary::tally::Tally;
 use crate::log::timeline::bars::Bars;
 use crate::log::told::Told;
 use crate::log::toolpath::Track;
+use crate::log::tools::Tools;
 use crate::log::work::Work;
 
 /// One channel of the results in the making.
@@ -31,6 +32,8 @@ pub(crate) struct Lane {
     pub(super) told: Vec<Told>,
     /// Start of the latest event.
     pub(super) last_ns: i64,
+    /// Its tools.
+    pub(super) tools: Tools,
     /// File that the kernel started with, when it is not the one given to it by the job.
     pub(super) program: Option<FileId>,
 }
@@ -48,6 +51,7 @@ impl Lane {
             stays: Vec::new(),
             told: Vec::new(),
             last_ns: 0,
+            tools: Tools::default(),
             program: None,
         }
     }
@@ -111,6 +115,7 @@ impl Lane {
                 self.tally.life(*phase, event.t_ns);
             }
             kind => {
+                self.tools.event(kind);
                 if let Some(work) = Work::of(kind) {
                     self.work(work, event);
                 }

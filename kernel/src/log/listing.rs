@@ -9,6 +9,8 @@
 
 mod actions;
 mod blocks;
+mod console;
+mod crlf;
 mod diagnostics;
 mod header;
 #[cfg(test)]
@@ -18,7 +20,12 @@ mod tooling;
 mod trace;
 mod travel;
 
+pub use console::render_console;
+pub use crlf::Crlf;
+
 use std::io::{BufWriter, Result, Write};
+
+use rustc_hash::FxHashMap;
 
 use crate::log::event::{Event, Kind};
 use crate::log::info::Info;
@@ -103,7 +110,8 @@ fn whole(
 ) -> Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, out);
     let own = info.channel(channel);
-    let end_ns = summary.channels.iter().find(|c| c.channel == channel).map_or(0, |c| c.end_ns);
+    let ended = summary.channels.iter().find(|c| c.channel == channel);
+    let end_ns = ended.map_or(0, |c| c.end_ns);
     let axes = own.map_or(&[][..], |c| &c.axes);
     let mut waits = Waits::new(summary);
     let mut counts = Counts::default();
@@ -131,15 +139,15 @@ fn whole(
             tracer.event(info, &event, &mut out)?;
         }
     }
-    tooling.write(&mut out)?;
+    tooling.write(ended.map_or(&[][..], |c| &c.tools), &mut out)?;
     travel.write(&mut out)?;
     time::write(info, summary, channel, &mut out)?;
     counts.write(&mut out)?;
     out.flush()
 }
 
-/// Writes the merged listing: the blocks of all channels in order of simulated time, each with its kernel and time,
-/// then a time table for each channel.
+/// Writes the merged listing: the blocks of all channels in order of simulated time, each with its kernel and time, and
+/// the lines of their traces, then a time table for each channel.
 ///
 /// # Errors
 /// Those of `out`.
@@ -152,16 +160,18 @@ pub fn render_merged(
     let mut out = BufWriter::with_capacity(BUFFER, out);
     let mut waits = Waits::new(summary);
     let mut counts = Counts::default();
+    let mut tracers: FxHashMap<u16, Tracer> = FxHashMap::default();
     header::write(info, &mut out)?;
     for (_, event) in events {
+        let tracer = tracers.entry(event.channel).or_default();
         match &event.kind {
             Kind::Diagnostic(diagnostic) => {
                 counts.add(diagnostic.severity);
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
-            Kind::Block { .. } => {
+            Kind::Block { .. } if tracer.shows(info, &event) => {
                 blocks::write_prefix(&event, &mut out)?;
-                blocks::write_block(info, &event, &mut out)?;
+                tracer.block(info, &event, &mut out)?;
             }
             Kind::Wait(wait) => {
                 blocks::write_prefix(&event, &mut out)?;
@@ -169,6 +179,7 @@ pub fn render_merged(
             }
             _ => {}
         }
+        tracer.event(info, &event, &mut out)?;
     }
     for channel in &info.channels {
         write!(out, "\nKERNEL {} {}\n", channel.number, channel.name)?;

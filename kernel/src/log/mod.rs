@@ -16,6 +16,7 @@ mod svg;
 pub mod timeline;
 mod told;
 pub mod toolpath;
+pub(crate) mod tools;
 pub mod work;
 
 #[cfg(test)]

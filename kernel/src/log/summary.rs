@@ -13,8 +13,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use crate::log::meetings::{Arrival, Meeting, Waits};
+pub use crate::log::tools::Tool;
 
-use crate::log::event::{FileId, VerdictKind};
+use crate::log::event::{FileId, Origin, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
 use crate::log::told::{Told, What};
 use tally::Tally;
@@ -94,6 +95,9 @@ pub struct Channel {
     pub misc_ns: i64,
     /// Standing at meeting points, ns.
     pub wait_ns: i64,
+    /// Its tools, in the order of the tooling tables; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tools: Vec<Tool>,
 }
 
 /// The verdict in the summary.
@@ -147,6 +151,9 @@ pub struct Diagnostic {
     /// Name of the kernel as macros have set it, left out while it is that of the channel.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kernel: String,
+    /// The statement of a macro that raised it, left out if no macro did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Box<Origin>>,
     /// When, ns.
     pub t_ns: i64,
 }
@@ -174,6 +181,7 @@ impl Channel {
             rapid_ns: tally.rapid_ns,
             misc_ns: tally.misc_ns,
             wait_ns: tally.wait_ns,
+            tools: Vec::new(),
         }
     }
 }
@@ -230,6 +238,7 @@ impl Findings {
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
             kernel: diagnostic.kernel.to_string(),
+            origin: diagnostic.origin.clone(),
             t_ns: told.t_ns,
         });
     }

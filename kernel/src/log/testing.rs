@@ -41,6 +41,9 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         machine: "lathe2".into(),
         machine_number: 2,
         machine_revision: 1,
+        machine_created: String::new(),
+        machine_file: "lathe2/machine.toml".into(),
+        parameters: String::new(),
         trace: crate::trace::Letters::default(),
         unit: Unit::Mm,
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
@@ -87,13 +90,7 @@ pub(crate) fn diagnostic(channel: u16, line: u32, t_ns: i64, number: u32, severi
         line,
         t_ns,
         0,
-        Kind::Diagnostic(Box::new(Diagnostic {
-            number,
-            severity,
-            text: text.into(),
-            operation: "".into(),
-            kernel: "".into(),
-        })),
+        Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), ..Diagnostic::default() })),
     )
 }
 

@@ -5,6 +5,7 @@
 //! loop never meets a contradiction in it.
 
 pub mod finding;
+pub mod habits;
 pub mod ident;
 mod load;
 pub mod model;

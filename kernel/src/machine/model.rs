@@ -20,6 +20,10 @@ pub struct Machine {
     pub number: u32,
     /// Revision.
     pub revision: u32,
+    /// When it was made, as the file says; empty when it does not.
+    pub created: String,
+    /// File it was loaded from: folder and name.
+    pub file: String,
     /// Author, free text.
     pub author: String,
     /// One line on what the machine is.
@@ -66,6 +70,8 @@ pub struct Machine {
     pub tool_direction: [f64; 3],
     /// Pump of the coolant.
     pub pump: Pump,
+    /// What its words leave open.
+    pub habits: super::habits::Habits,
     /// Cutter and nose radius compensation.
     pub compensation: Compensation,
     /// Program variables of the pre-processor.
@@ -221,6 +227,19 @@ pub struct Axis {
     pub vector: [f64; 3],
     /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
     pub center: [f64; 3],
+    /// How absolute words turn a rotary axis.
+    pub turn: Turn,
+}
+
+/// How an absolute word turns a rotary axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// It is the position, whole turns counted.
+    Position,
+    /// It is the angle, reached the shorter way.
+    Shortest,
+    /// It is the angle, its sign the direction.
+    Sign,
 }
 
 /// Geometry role of an axis.

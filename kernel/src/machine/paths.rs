@@ -47,6 +47,8 @@ pub enum Turns {
 pub struct Threads {
     /// A block of a cycle of several passes without a position only tells its settings.
     pub two_lines: bool,
+    /// The code of threads with one lead takes a change of the lead too.
+    pub changes: bool,
     /// In-feed, `$THMODE` 0 to 4.
     pub infeed: u8,
     /// Smallest step.

@@ -327,7 +327,17 @@ mod tests {
             NumberFormat { whole: 4, frac: 3, point: Point::Keep, lead: Zeros::Omit, trail: Zeros::Omit, plus: false };
         let second = second.map(str::to_owned);
         let (before, after) = (name.into(), String::new());
-        Register { index: 1, name: name.into(), second, before, after, format, secondary: format, signed: true }
+        Register {
+            index: 1,
+            name: name.into(),
+            second,
+            before,
+            after,
+            format,
+            secondary: format,
+            signed: true,
+            names: false,
+        }
     }
 
     fn code(register: u8, min: f64, max: f64, order: u16) -> CodeRow {

@@ -1,7 +1,7 @@
 //! What the compiler of macros must know of a machine: variables, identifiers with the machine's own, files to include.
 //!
 //! Invariant: the number of an identifier is its place in the machine's tables plus one, built-in names first; a file
-//! that is named never lies outside the machines folder.
+//! that is named never lies outside the machines folder and what is stored with the machine.
 
 use std::sync::OnceLock;
 
@@ -11,6 +11,7 @@ use counterpoint_lang::source::Source;
 use super::{identifiers, system};
 use crate::files::Files;
 use crate::machine::ident::{codes, data};
+use crate::machine::model::StoredFile;
 
 /// The surroundings of the macros of one machine.
 pub struct Surroundings<'a> {
@@ -20,6 +21,8 @@ pub struct Surroundings<'a> {
     pub data: &'a [String],
     /// Files that may be included, none while a program runs.
     pub files: Option<&'a dyn Files>,
+    /// Files stored with the machine, which may be included as `//ICAMFS/…`.
+    pub stored: &'a [StoredFile],
 }
 
 fn symbols() -> &'static [SystemVariable] {
@@ -54,6 +57,10 @@ impl Environment for Surroundings<'_> {
     }
 
     fn include(&mut self, name: &str, from: &str) -> Option<Source> {
+        if name.get(..StoredFile::ROOT.len()).is_some_and(|root| root.eq_ignore_ascii_case(StoredFile::ROOT)) {
+            let bytes = StoredFile::find(self.stored, name)?;
+            return Some(Source::from_bytes(name, bytes));
+        }
         let path = beside(from, name)?;
         let bytes = self.files?.read(&path).ok()?;
         Some(Source::from_bytes(path, &bytes))

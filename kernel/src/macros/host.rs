@@ -16,6 +16,7 @@ mod rotary;
 mod search;
 pub(crate) mod sums;
 mod system;
+pub(crate) mod tools;
 mod trace;
 pub(crate) mod travel;
 pub(crate) mod variables;
@@ -140,18 +141,14 @@ impl Host for Kernel<'_> {
         if !self.has_room(number == Number::TICKS) {
             return;
         }
-        let plain = number == Number::TERMAC_GENERATED || number == Number::AUTHOR && !diagnostic.is_error();
-        let text = if plain {
-            diagnostic.message
-        } else {
-            format!("{} ({}:{})", diagnostic.message, diagnostic.file, diagnostic.line)
-        };
+        let origin = self.origin_of(&diagnostic);
+        let what = (number.0, diagnostic.severity);
         if self.hook(Hook::Diagnostic).is_none() {
-            return self.issue(number.0, diagnostic.severity, text);
+            return self.issue(what, diagnostic.message, origin);
         }
         // Whatever stops the run here is met again by the next thing the macro asks for.
         let _ = self.meanwhile(state, |kernel| {
-            kernel.issue(number.0, diagnostic.severity, text);
+            kernel.issue(what, diagnostic.message, origin);
             Ok(())
         });
     }

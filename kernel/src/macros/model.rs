@@ -54,6 +54,9 @@ pub enum Hook {
 /// Number of hooks.
 pub const HOOKS: usize = 16;
 
+/// Second name of the macro of tools, while a tool is only selected.
+pub const SELECT_TOOL: &str = "Select Tool Event Macro";
+
 /// Number that `$FMACID` gives the macro of the first hook; the others follow.
 pub const FIRST_HOOK_ID: u32 = 9001;
 
@@ -184,7 +187,12 @@ impl Macros {
         if !letters.has('M') && !letters.has('H') {
             return Arc::clone(&self.program);
         }
-        let mut surroundings = Surroundings { codes: &machine.custom_codes, data: &machine.custom_data, files: None };
+        let mut surroundings = Surroundings {
+            codes: &machine.custom_codes,
+            data: &machine.custom_data,
+            files: None,
+            stored: &machine.storage,
+        };
         Arc::new(compile::traced(&self.program, &mut surroundings))
     }
 }

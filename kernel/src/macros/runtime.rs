@@ -24,7 +24,8 @@ use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
-use crate::log::event::{FileId, MAX_AXES, Motion, ToolAction};
+use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
+use crate::log::info::Info;
 use crate::machine::ident::{CodeId, DataId};
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -55,6 +56,17 @@ pub(crate) enum Task {
     Cycle(Box<Hole>),
     /// A diagnostic is issued: number, severity and text as they came, for what the macro does not look at.
     Diagnostic(Arc<[Value; 3]>),
+}
+
+impl Task {
+    /// A tool or a head is only selected.
+    pub(crate) fn selects(&self) -> bool {
+        match self {
+            Self::Tool(action, ..) => *action == ToolAction::Select,
+            Self::Head(kind, _) => *kind == 1.0,
+            _ => false,
+        }
+    }
 }
 
 /// A running macro.
@@ -168,6 +180,8 @@ pub(crate) struct Runtime {
     pub(crate) severities: FxHashMap<u32, (u8, bool)>,
     /// How often each diagnostic came.
     pub(crate) counts: FxHashMap<u32, u32>,
+    /// The statement that raised the diagnostic which the diagnostic macro sees.
+    pub(crate) origin: Option<Box<Origin>>,
     /// Current folder, temporary files and open stores of values.
     pub(crate) folder: Folder,
     /// The kernel comes to its end: what it writes is what it had open.
@@ -182,6 +196,10 @@ pub(crate) struct Runtime {
     pub(crate) slots: [Option<usize>; 6],
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
     pub(crate) tools: Vec<u32>,
+    /// The rows of the tool tables as macros see them, by place in `tools`; empty while that is their order.
+    pub(crate) tool_order: Vec<u16>,
+    /// Macros have written facts of a tool that are not told yet.
+    pub(crate) tools_changed: bool,
     /// Start of the last motion.
     pub(crate) before: crate::log::event::Position,
     /// What the identification macro gave is being evaluated; it is not asked again.
@@ -242,6 +260,7 @@ impl Runtime {
             store: Store::new(),
             severities: FxHashMap::default(),
             counts: FxHashMap::default(),
+            origin: None,
             folder: Folder::default(),
             leaving: false,
             texts: Reused::default(),
@@ -249,6 +268,8 @@ impl Runtime {
             flags: Reused::default(),
             slots: [None; 6],
             tools: Vec::new(),
+            tool_order: Vec::new(),
+            tools_changed: false,
             before: [0.0; crate::log::event::MAX_AXES],
             identifying: false,
             restart: None,
@@ -311,6 +332,17 @@ pub(crate) fn unwinding(state: &mut State) -> Fault {
     Fault::new(counterpoint_lang::diag::Number::TICKS, "the run ends")
 }
 
+/// Programs and parameters of a job as a command line names them.
+fn command_line(info: &Info) -> String {
+    let programs = info.channels.iter().filter(|channel| !channel.program.is_empty());
+    let mut line = programs.map(|channel| channel.program.as_str()).collect::<Vec<_>>().join(";");
+    if !info.parameters.is_empty() {
+        line.push_str(" /u ");
+        line.push_str(&info.parameters);
+    }
+    line
+}
+
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
@@ -320,6 +352,8 @@ impl Kernel<'_> {
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
             runtime.store.set(names().extension, Value::text(extension));
+            runtime.store.set(names().parameters, Value::text(self.info.parameters.as_str()));
+            runtime.store.set(names().command_line, Value::text(command_line(self.info)));
             Box::new(runtime)
         });
         self
@@ -339,8 +373,9 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
+        let selects = task.selects();
         if self.trace.is_some() {
-            self.trace_entering(code);
+            self.trace_entering(code, selects);
         }
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
@@ -349,7 +384,7 @@ impl Kernel<'_> {
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         let outputs = self.macro_ended(state, code, matching, end);
         if self.trace.is_some() {
-            self.trace_leaving(code);
+            self.trace_leaving(code, selects);
         }
         outputs
     }
@@ -392,27 +427,26 @@ impl Kernel<'_> {
             }
             return Err(Halt::Alarm);
         }
-        match runtime.halt {
-            Some(halt) if runtime.calls.is_empty() => {
-                runtime.halt = None;
-                Err(halt)
-            }
-            _ => Ok(outputs),
+        let halt = if runtime.calls.is_empty() { runtime.halt.take() } else { None };
+        if runtime.tools_changed && runtime.calls.is_empty() {
+            runtime.tools_changed = false;
+            self.tell_tools();
         }
+        halt.map_or(Ok(outputs), Err)
     }
 
     /// Keeps a reason to leave the program until whoever runs the block can act on it.
     pub(crate) fn keep_halt(&mut self, halt: Halt) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.halt = Some(halt);
-            runtime.ending = !runtime.calls.is_empty() && !matches!(halt, Halt::End(_));
+            runtime.ending = !runtime.calls.is_empty();
         }
     }
 
     /// Lets the kernel work while a macro is running: its state lies here meanwhile.
     ///
     /// # Errors
-    /// The work made the kernel leave its program: all running macros end, except at an end code.
+    /// The work made the kernel leave its program: all running macros end.
     pub(crate) fn meanwhile(
         &mut self,
         state: &mut State,
@@ -433,11 +467,6 @@ impl Kernel<'_> {
         }
         match done {
             Ok(()) => Ok(()),
-            // The rest of the macros still runs after an end code; then the program ends.
-            Err(Halt::End(stop)) => {
-                runtime.halt = Some(Halt::End(stop));
-                Ok(())
-            }
             Err(halt) => {
                 runtime.halt = Some(halt);
                 runtime.ending = true;

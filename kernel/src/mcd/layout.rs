@@ -2,11 +2,12 @@
 //!
 //! Facts: reference control-emulator.md 8.1 and channel-synchronisation.md 1.2 (files column). A file per channel, or
 //! several O-programs in one file: programs that another one of the file calls are subprograms, the others are main
-//! programs from left to right. Invariant: files are numbered programs first, then the rest by name, so the same job
-//! has the same numbers.
+//! programs from left to right; codes of heads may divide a file instead (`heads`). Invariant: files are numbered
+//! programs first, then the rest by name, so the same job has the same numbers.
 
 use std::sync::{Arc, OnceLock};
 
+use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
 use crate::files::Files;
@@ -16,6 +17,9 @@ use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
 use crate::trace::{Letters, letters};
+
+/// Characters that the user's parameters of a job may have.
+const MOST_PARAMETERS: usize = 1000;
 
 /// Assigns the programs of a job.
 pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
@@ -37,6 +41,9 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding
         machine: spec.machine.name.clone(),
         machine_number: spec.machine.number,
         machine_revision: spec.machine.revision,
+        machine_created: spec.machine.created.clone(),
+        machine_file: spec.machine.file.clone(),
+        parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
         channels,
@@ -68,9 +75,13 @@ fn channels(machine: &Machine) -> Vec<Channel> {
 fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     let mut wrong = |text: String| findings.push(Finding::error("job", 0, 0, text));
     for level in &spec.options.opskip {
-        if !(1..=9).contains(level) {
-            wrong(format!("optional-skip level {level} is not between 1 and 9"));
+        if *level > 9 {
+            wrong(format!("optional-skip level {level} is not between 1 and 9, nor 0 for the machine's own"));
         }
+    }
+    let parameters = &spec.options.parameters;
+    if parameters.chars().count() > MOST_PARAMETERS || parameters.chars().any(char::is_control) {
+        wrong(format!("the parameters must be one line of at most {MOST_PARAMETERS} characters"));
     }
     if let Err(letter) = Letters::parse(&spec.options.trace) {
         wrong(format!("'{}' is no letter of a trace, they are {}", letter.escape_debug(), letters::ALL));
@@ -121,6 +132,8 @@ struct Candidate<'a> {
     wish: &'a Program,
     file: u16,
     range: Range,
+    /// Channel that the file itself says.
+    channel: Option<u16>,
 }
 
 impl Candidate<'_> {
@@ -142,8 +155,8 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
             continue;
         }
         let ranges = match wish.number {
-            Some(number) => match source.programs().iter().find(|r| r.number == Some(number)) {
-                Some(&range) => vec![range],
+            Some(number) => match named(number, source, &callers) {
+                Some(range) => vec![range],
                 None => {
                     findings.push(missing_number(wish, number, source));
                     continue;
@@ -158,20 +171,40 @@ fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -
                 mains.iter().find(free).or_else(|| source.programs().first()).copied().into_iter().collect()
             }
         };
-        candidates.extend(ranges.into_iter().map(|range| Candidate {
-            wish,
-            file,
-            range: opening(source, range, &spec.machine.format),
-        }));
+        let alone = spec.programs.len() == 1 && wish.number.is_none();
+        for (range, channel) in by_head(spec, source, ranges, alone, findings) {
+            candidates.push(Candidate { wish, file, range: opening(source, range, &spec.machine.format), channel });
+        }
     }
     candidates
+}
+
+/// Programs with the channels that the heads in the text give them, where codes of heads divide files.
+fn by_head(
+    spec: &Spec,
+    source: &Source,
+    ranges: Vec<Range>,
+    alone: bool,
+    findings: &mut Vec<Finding>,
+) -> Vec<(Range, Option<u16>)> {
+    let first = ranges.first().copied().filter(|_| alone && spec.machine.habits.heads_in_file);
+    match first.map(|range| heads::divide(&spec.machine, source, range)) {
+        Some(Ok(found)) if found.len() > 1 => found.into_iter().map(|(head, range)| (range, Some(head))).collect(),
+        Some(Err((head, line))) => {
+            let text =
+                format!("the program of head {head} goes on after that of another head; it must be in one piece");
+            findings.push(Finding::error(source.name.clone(), line, 0, text));
+            Vec::new()
+        }
+        _ => ranges.into_iter().map(|range| (range, None)).collect(),
+    }
 }
 
 fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], findings: &mut Vec<Finding>) {
     let machine = &spec.machine.name;
     let count = channels.len();
     for candidate in candidates {
-        let slot = match candidate.wish.channel {
+        let slot = match candidate.wish.channel.or(candidate.channel) {
             Some(number) => match channels.iter_mut().find(|c| c.number == number) {
                 Some(channel) if channel.program.is_empty() => Some(channel),
                 Some(_) => {
@@ -204,13 +237,21 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
     }
 }
 
+/// The program of a number, with the text before it that it begins with.
+fn named(number: u32, source: &Source, callers: &Callers) -> Option<Range> {
+    let is = |range: &&Range| range.number == Some(number);
+    mains(source, callers).iter().find(is).or_else(|| source.programs().iter().find(is)).copied()
+}
+
 fn missing_number(wish: &Program, number: u32, source: &Source) -> Finding {
     let known: Vec<String> = source.programs().iter().filter_map(|r| r.number).map(|n| format!("O{n:04}")).collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     Finding::error(wish.file.clone(), 0, 0, format!("there is no program O{number:04} in the file, it has {known}"))
 }
 
-/// Main programs of a file: those that no other program of the file calls; the first one if all are called.
+/// Main programs of a file: those that no other program of the file calls; the first one if all are called. Text before
+/// the first definition is one of its own if it comes to an end code or the program behind it is called; otherwise that
+/// program begins with it, since nothing skips a definition (reference control-emulator.md 5.7).
 fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     let ranges = source.programs();
     if ranges.len() < 2 {
@@ -218,38 +259,62 @@ fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     }
     let mut called = Called::default();
     ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let mut mains = ranges.to_vec();
-    mains.retain(|&range| !called.has(source, range) && !callers.by_word(range));
+    let is_main = |range: Range| !called.has(source, range) && !callers.by_word(range);
+    let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
+    if let [heading, next, ..] = ranges
+        && source.is_plain(*heading)
+        && is_main(*next)
+        && !callers.ends_in(source, *heading)
+    {
+        mains.retain(|range| range != heading);
+        if let Some(first) = mains.first_mut() {
+            first.first = heading.first;
+        }
+    }
     if mains.is_empty() {
         mains.extend(ranges.first());
     }
     mains
 }
 
-/// Main programs of a file from a line on, left to right; none in place of one that ends before it.
+/// The first main program of a file.
+pub(crate) fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
+    mains(source, &Callers::of(machine)).first().copied()
+}
+
+/// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
 pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
-    let mains = mains(source, &Callers::of(machine));
-    let opened = mains.into_iter().map(|range| opening(source, range, &machine.format));
+    let mut ranges = mains(source, &Callers::of(machine));
+    let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
+    if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
+        && found.len() > 1
+    {
+        let of = |number| found.iter().find(|(head, _)| *head == number).map(|(_, range)| *range);
+        let nothing = Range { number: None, first: 1, last: 0 };
+        ranges = machine.channels.iter().map(|channel| of(channel.number).unwrap_or(nothing)).collect();
+    }
+    let opened = ranges.into_iter().map(|range| opening(source, range, &machine.format));
     opened.map(|range| (range.last >= line).then(|| Range { first: range.first.max(line), ..range })).collect()
 }
 
-/// The first program of a file begins at the rewind-stop before it, so that the listing shows that line. Where a
-/// rewind-stop is expected before the program, one that stands only at the end leaves nothing to do (reference
-/// control-emulator.md 5.1).
+/// The first program of a file begins at the rewind-stop before it, or at the comments before it, so that the listing
+/// shows those lines. Where a rewind-stop is expected before the program, one that stands only at the end leaves
+/// nothing to do (reference control-emulator.md 5.1).
 pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
     let rws = format.rws.as_bytes();
     let is_stop = |n: &u32| !rws.is_empty() && source.line(*n).trim_ascii() == rws;
+    let is_blank = |n: u32| source.line(n).iter().all(u8::is_ascii_whitespace);
     let expected = format.rws_at == RewindStop::Start;
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
-    let stop = if source.is_plain(range) {
+    let first = if source.is_plain(range) && source.programs().len() < 2 {
         // A text without definition word begins at its first rewind-stop, if that is not its end.
         (range.first..=range.last)
             .find(is_stop)
-            .filter(|line| expected || (line + 1..=range.last).any(|n| !source.line(n).trim_ascii().is_empty()))
+            .filter(|line| expected || (line + 1..=range.last).any(|n| !is_blank(n)))
     } else if first_program {
-        (1..range.first).rev().find(is_stop)
+        (1..range.first).rev().find(is_stop).or_else(|| (1..range.first).find(|&n| !is_blank(n)))
     } else {
         None
     };
-    stop.map_or(range, |line| Range { first: line, ..range })
+    first.map_or(range, |line| Range { first: line, ..range })
 }

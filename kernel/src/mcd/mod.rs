@@ -1,5 +1,6 @@
 //! NC program text (machine control data): sources, layouts, words, the reader.
 
+mod heads;
 pub(crate) mod layout;
 pub mod program;
 pub mod source;

@@ -1,7 +1,8 @@
 //! Programs inside a file: from a definition (`O2101`, `:2101`, `<NAME>`) to the next one.
 //!
-//! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. Invariant: a line that no program owns stands before the
-//! first definition.
+//! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. The text before the first definition, behind a rewind-stop
+//! if there is one, is a program of its own without a number; blank lines and comments are no text. Invariant: every
+//! line of text behind that rewind-stop belongs to exactly one program.
 
 use super::source::Source;
 use crate::machine::Machine;
@@ -20,10 +21,20 @@ pub struct Range {
 }
 
 /// What tells programs in a text apart, of the machine that reads it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
     /// Programs may have names in angle brackets.
     names: bool,
+    /// Comments and messages, start and end.
+    remarks: Vec<(Vec<u8>, Vec<u8>)>,
+    rws: Vec<u8>,
+    eob: Option<u8>,
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self { names: false, remarks: vec![(b"(".to_vec(), b")".to_vec())], rws: b"%".to_vec(), eob: None }
+    }
 }
 
 impl Shape {
@@ -31,8 +42,43 @@ impl Shape {
     #[must_use]
     pub fn of(machine: &Machine) -> Self {
         let format = &machine.format;
-        let taken = [&format.comment, &format.message].into_iter().flatten().any(|(start, _)| start.starts_with('<'));
-        Self { names: machine.preprocessor == Preprocessor::Fanuc && !taken }
+        let remarks = [&format.comment, &format.message].into_iter().flatten();
+        let taken = remarks.clone().any(|(start, _)| start.starts_with('<'));
+        Self {
+            names: machine.preprocessor == Preprocessor::Fanuc && !taken,
+            remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
+            rws: format.rws.clone().into(),
+            eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
+        }
+    }
+
+    /// A line is a rewind-stop.
+    fn is_stop(&self, line: &[u8]) -> bool {
+        !self.rws.is_empty() && line.trim_ascii() == self.rws
+    }
+
+    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    pub(super) fn has_text(&self, line: &[u8]) -> bool {
+        let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
+        !self.is_stop(line) && !self.words(line).iter().all(blank)
+    }
+
+    /// A line without its comments and messages, in capitals.
+    pub(super) fn words(&self, line: &[u8]) -> Vec<u8> {
+        let (mut out, mut at) = (Vec::with_capacity(line.len()), 0);
+        while let Some(&byte) = line.get(at) {
+            let rest = line.get(at..).unwrap_or_default();
+            let remark = self.remarks.iter().find(|(start, _)| !start.is_empty() && rest.starts_with(start));
+            let Some((start, end)) = remark else {
+                out.push(byte.to_ascii_uppercase());
+                at += 1;
+                continue;
+            };
+            let inside = at + start.len();
+            let close = memchr::memmem::find(line.get(inside..).unwrap_or_default(), end).filter(|_| !end.is_empty());
+            at = close.map_or(line.len(), |close| inside + close + end.len());
+        }
+        out
     }
 
     /// The name that a line defines a program by.
@@ -50,8 +96,7 @@ pub(crate) fn program_name(line: &[u8], at: usize) -> Option<usize> {
     ((1..=LONGEST).contains(&length) && rest.get(length) == Some(&b'>')).then_some(at + length + 2)
 }
 
-/// Finds the programs of a file. Lines before the first definition word belong to the first program only if there
-/// is no definition word at all.
+/// Finds the programs of a file; without any definition it is one program.
 pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let mut found: Vec<Range> = Vec::new();
     let last = source.lines();
@@ -65,8 +110,13 @@ pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
             found.push(Range { number, first: line, last });
         }
     }
-    if found.is_empty() && last > 0 {
-        found.push(Range { number: None, first: 1, last });
+    let Some(definition) = found.first().map(|range| range.first) else {
+        return if last > 0 { vec![Range { number: None, first: 1, last }] } else { found };
+    };
+    let stop = (1..definition).find(|&line| shape.is_stop(source.line(line)));
+    let first = stop.map_or(1, |line| line + 1);
+    if (first..definition).any(|line| shape.has_text(source.line(line))) {
+        found.insert(0, Range { number: None, first, last: definition - 1 });
     }
     found
 }
@@ -90,10 +140,14 @@ pub(super) fn leading_number(line: &[u8], letter: u8) -> Option<u32> {
     value
 }
 
-/// The words by which programs of a machine call others, seen textually.
+/// The words by which programs of a machine call others and come to their end, seen textually.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Callers {
     words: Vec<String>,
+    /// Words that end a program or return from it.
+    ends: Vec<(u8, u32)>,
+    /// Texts that do.
+    end_texts: Vec<String>,
     /// First and last number of the programs that single words call.
     numbers: Vec<(u32, u32)>,
 }
@@ -137,13 +191,38 @@ impl Callers {
             words.extend(["G65", "G66"].map(str::to_owned));
         }
         let numbers = machine.subprograms.calls.iter().map(crate::machine::model::WordCall::programs).collect();
-        Self { words, numbers }
+        let (mut ends, mut end_texts) = (Vec::new(), Vec::new());
+        let closing = [codes::END, codes::REWIND, codes::CALSUB_RETURN];
+        for row in machine.codes.iter().filter(|row| row.enable && closing.contains(&row.id)) {
+            match &row.form {
+                CodeForm::Text(text) => end_texts.push(text.to_ascii_uppercase()),
+                CodeForm::Register { register, min, .. } | CodeForm::RegisterAsData { register, min, .. } => {
+                    let letter = machine.registers.get(usize::from(*register)).and_then(|r| r.name.bytes().next());
+                    ends.extend(letter.filter(|_| min.fract() == 0.0).map(|letter| (letter, *min as u32)));
+                }
+                CodeForm::NotApplicable => {}
+            }
+        }
+        Self { words, ends, end_texts, numbers }
+    }
+
+    /// A line of a range ends a program or returns.
+    pub(crate) fn ends_in(&self, source: &Source, range: Range) -> bool {
+        (range.first..=range.last).any(|line| {
+            let text = source.words(line);
+            let ends = |&(letter, number): &(u8, u32)| {
+                let at = |at: usize| leading_number(text.get(at..).unwrap_or_default(), letter) == Some(number);
+                memchr::memchr_iter(letter, &text).any(at)
+            };
+            self.ends.iter().any(ends)
+                || self.end_texts.iter().any(|end| memchr::memmem::find(&text, end.as_bytes()).is_some())
+        })
     }
 
     /// Programs that the lines of a range call.
     pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
         for line in range.first..=range.last {
-            let text = source.line(line).to_ascii_uppercase();
+            let text = source.words(line);
             if !self.words.iter().any(|word| memchr::memmem::find(&text, word.as_bytes()).is_some()) {
                 continue;
             }
@@ -172,6 +251,24 @@ mod tests {
 
     use super::*;
 
+    fn callers() -> Callers {
+        let ends = vec![(b'M', 2), (b'M', 30)];
+        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new() }
+    }
+
+    #[test]
+    fn text_before_the_first_definition() {
+        let programs = |text: &str| Source::new("t", text.to_owned().into()).programs().to_vec();
+        let heading = Range { number: None, first: 1, last: 2 };
+        assert_eq!(programs("G0 X1\nM30\nO2\nM99")[0], heading);
+        assert_eq!(programs("(only a comment)\n\n%\n(another)\nO2\nM99").len(), 1);
+        assert_eq!(programs("LEADER\n%\nO2\nM99").len(), 1);
+        assert_eq!(programs("%\n(part) G0 X1\nO2\nM99")[0], Range { number: None, first: 2, last: 2 });
+        let source = Source::new("t", "G0 X1 (M30)\nM20\nM02\n".to_owned().into());
+        assert!(callers().ends_in(&source, Range { number: None, first: 1, last: 3 }));
+        assert!(!callers().ends_in(&source, heading));
+    }
+
     #[test]
     fn programs_of_a_file() {
         let source = Source::new("t", b"%\nO2101 (A)\nG1\nM99\nO2102\nM98 P0031000\nM30\n%".as_slice().into());
@@ -179,7 +276,7 @@ mod tests {
         assert_eq!(found.len(), 2);
         assert_eq!((found[0].number, found[0].first, found[0].last), (Some(2101), 2, 4));
         assert_eq!((found[1].number, found[1].first, found[1].last), (Some(2102), 5, 8));
-        let callers = Callers { words: vec!["M98".to_owned()], numbers: Vec::new() };
+        let callers = callers();
         let mut called = Called::default();
         callers.called(&source, found[1], &mut called);
         assert_eq!(called.numbers, [31000, 1000]);
@@ -189,12 +286,12 @@ mod tests {
     #[test]
     fn programs_by_name() {
         let text = b"O1\nM98 <Face.2>\n<FACE.2> (second)\nM99\n<a b>\n<>\n".as_slice();
-        let source = Source::shaped("t", text.into(), Arc::new(Shape { names: true }));
+        let source = Source::shaped("t", text.into(), Arc::new(Shape { names: true, ..Shape::default() }));
         let found = source.programs();
         assert_eq!(found, [Range { number: Some(1), first: 1, last: 2 }, Range { number: None, first: 3, last: 6 }]);
         assert_eq!(source.named("face.2"), Some(found[1]));
         assert_eq!(source.named("face"), None);
-        let callers = Callers { words: vec!["M98".to_owned()], numbers: Vec::new() };
+        let callers = callers();
         let mut called = Called::default();
         callers.called(&source, found[0], &mut called);
         assert!(called.has(&source, found[1]));

@@ -73,7 +73,8 @@ impl Source {
         line
     }
 
-    /// The programs in the file, in order; a file without definition words is one program without number.
+    /// The programs in the file, in order. Text before the first definition is one without number, so is a file without
+    /// definitions.
     #[must_use]
     pub fn programs(&self) -> &[Range] {
         self.programs.get_or_init(|| program::ranges(self, &self.shape))
@@ -84,6 +85,16 @@ impl Source {
         self.shape.name(self.line(line))
     }
 
+    /// A line without comments and messages, in capitals.
+    pub(super) fn words(&self, line: u32) -> Vec<u8> {
+        self.shape.words(self.line(line))
+    }
+
+    /// Something stands in a line besides blanks, comments and a rewind-stop.
+    pub(crate) fn has_text(&self, line: u32) -> bool {
+        self.shape.has_text(self.line(line))
+    }
+
     /// The program of a name, letter case ignored.
     #[must_use]
     pub fn named(&self, name: &str) -> Option<Range> {
@@ -91,7 +102,7 @@ impl Source {
         self.programs().iter().filter(|range| range.number.is_none()).find(is).copied()
     }
 
-    /// A program has no definition at all: it is the text of the file.
+    /// A program has no definition: it is the text of the file, or what stands before the first definition.
     #[must_use]
     pub fn is_plain(&self, range: Range) -> bool {
         range.number.is_none() && self.name_at(range.first).is_none()

@@ -15,6 +15,8 @@ pub(crate) struct Early {
     pub(crate) texts: Vec<(Vec<u8>, u16)>,
     /// Special registers.
     pub(crate) registers: Vec<Special>,
+    /// Tools by name, in capital letters.
+    tools: Vec<(Vec<u8>, u32)>,
     /// Bytes that any of them begins with.
     first: [u64; 4],
 }
@@ -26,6 +28,8 @@ pub(crate) struct Special {
     pub(crate) after: Vec<u8>,
     pub(crate) register: u8,
     pub(crate) incremental: bool,
+    /// A tool's name may stand in place of the number.
+    pub(crate) names: bool,
 }
 
 /// What a value at a place begins with, blanks and signs left out.
@@ -63,7 +67,8 @@ impl Early {
             let second = second.filter(|(second, _)| !(regular && second.len() == 1));
             for (before, incremental) in [first, second].into_iter().flatten() {
                 let before = before.clone().into_bytes();
-                registers.push(Special { before, after: after.clone(), register, incremental });
+                let names = definition.names;
+                registers.push(Special { before, after: after.clone(), register, incremental, names });
             }
         }
         registers.sort_by_key(|special| usize::MAX - special.before.len());
@@ -91,7 +96,8 @@ impl Early {
                 None => b"0123456789.+-".iter().for_each(|&byte| mark(byte)),
             }
         }
-        Some(Box::new(Self { texts, registers, first }))
+        let tools = machine.tool.names.iter().map(|(name, number)| (name.clone().into_bytes(), *number)).collect();
+        Some(Box::new(Self { texts, registers, tools, first }))
     }
 
     /// A special register with a variable or an expression in place of its number stands at a place.
@@ -102,6 +108,14 @@ impl Early {
                 .registers
                 .iter()
                 .any(|special| starts_expression(line, at + special.before.len()) && special.has_value(line, at))
+    }
+
+    /// The tool that a name between the texts of a register stands for, and where they end; letter case does not count.
+    pub(crate) fn tool(&self, special: &Special, line: &[u8], from: usize) -> Option<(u32, usize)> {
+        let length = memchr::memmem::find(line.get(from..)?, &special.after)?;
+        let name = line.get(from..from + length)?.trim_ascii();
+        let (_, number) = self.tools.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+        Some((*number, from + length + special.after.len()))
     }
 
     /// One of them may begin with this byte.

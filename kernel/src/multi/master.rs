@@ -15,6 +15,7 @@ use crate::machine::model::Channel;
 use crate::macros::host::variables::names;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Runtime;
+use crate::mcd::layout::first_main;
 use crate::mcd::program::Range;
 
 /// Where a kernel starts.
@@ -77,7 +78,7 @@ impl<'a> Shop<'a> {
                 kernel.load(file).ok()?;
                 let source = self.job.info().source(file)?;
                 let whole = Range { number: None, first: 1, last: source.lines() };
-                Some((file, source.programs().first().copied().unwrap_or(whole), wanted.trim().into()))
+                Some((file, first_main(source, machine).unwrap_or(whole), wanted.trim().into()))
             });
             if start.is_none() {
                 let text = format!("kernel {at} gets the program '{}', which is not in the job", wanted.trim());

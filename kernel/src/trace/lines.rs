@@ -87,6 +87,12 @@ fn named(name: &str, matching: &str) -> String {
     if matching.is_empty() { name.to_owned() } else { format!("{name} ({matching})") }
 }
 
+/// `······|·action`.
+#[must_use]
+pub fn action(text: &str) -> String {
+    format!("      | {text}")
+}
+
 /// `exec:·parameters`.
 #[must_use]
 pub fn exec(parameters: &str) -> String {
@@ -113,5 +119,6 @@ mod tests {
             " Macro:* Leaving Spindle guard (CODE_SPINDLE_CLW), Returning to regular processing"
         );
         assert_eq!(exec("NOW,CODE_RAPID"), "exec: NOW,CODE_RAPID");
+        assert_eq!(action("home x, z"), "      | home x, z");
     }
 }

@@ -11,7 +11,7 @@ pub mod letters;
 mod lines;
 
 pub use letters::Letters;
-pub use lines::{Stage, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
+pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
 use crate::log::event::Kind;
@@ -23,11 +23,19 @@ use crate::machine::number::written;
 /// for.
 pub const LISTING: char = 'L';
 
+/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
+pub const ACTION: char = 'A';
+
+/// Begin of a dwell in revolutions, in place of the seconds of the event that follows.
+pub const DWELL: &str = "| dwell rev=";
+
 impl Kernel<'_> {
-    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z.
+    /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
+    /// actions in any case.
     pub(crate) fn traces(&self, letter: char) -> bool {
         let Some(letters) = self.trace else { return false };
-        letters.has(letter) && (letters.has('Z') || !self.info.file_name(self.file).starts_with(StoredFile::ROOT))
+        letters.has(letter)
+            && (letter == ACTION || letters.has('Z') || !self.info.file_name(self.file).starts_with(StoredFile::ROOT))
     }
 
     /// Adds a line of a letter, if it is wanted.

@@ -61,6 +61,7 @@ fn kinds() -> Vec<Kind> {
             text: "no such register".into(),
             operation: "ROUGH".into(),
             kernel: "TURRET".into(),
+            origin: None,
         })),
         Kind::Verdict(Box::new(Verdict {
             kind: VerdictKind::PartnerEnded,
@@ -73,6 +74,25 @@ fn kinds() -> Vec<Kind> {
         })),
         Kind::Trace { letter: 'C', text: "  code_rapid".into() },
         Kind::Motion(Motion { kind: MotionKind::ArcSpace, center: [-3.5, 0.25], ..plain }),
+        Kind::Diagnostic(Box::new(Diagnostic {
+            number: 2_910_090,
+            origin: Some(Box::new(Origin {
+                name: "Motion Event Macro".into(),
+                file: "tern/collet.mac".into(),
+                line: 3,
+                statement: "ERROR/8,'no'".into(),
+            })),
+            ..Diagnostic::default()
+        })),
+        Kind::Diagnostic(Box::new(Diagnostic { origin: Some(Box::default()), ..Diagnostic::default() })),
+        Kind::ToolData(Box::new(ToolData {
+            tool: 3,
+            name: "ROUGH 80".into(),
+            diameter: Some(0.0),
+            radius: Some(0.8),
+            length: None,
+            place: 2,
+        })),
     ]
 }
 

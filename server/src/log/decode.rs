@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use counterpoint_kernel::log::event::{
-    Coolant, Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Outlet, Position, Release,
-    Spindle, Verdict, Wait,
+    Coolant, Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Origin, Outlet, Position,
+    Release, Spindle, ToolData, Verdict, Wait,
 };
 
 use super::encode as numbers;
@@ -29,6 +29,16 @@ impl Value<'_> {
 
     fn double(&self) -> f64 {
         f64::from_bits(self.number())
+    }
+}
+
+impl Value<'_> {
+    /// None for a field that is not there.
+    fn optional_double(&self) -> Option<f64> {
+        match self {
+            Self::Fixed(bits) => Some(f64::from_bits(*bits)),
+            _ => None,
+        }
     }
 }
 
@@ -203,6 +213,18 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
             text: m.get(3).text(),
             operation: m.get(4).text(),
             kernel: m.get(5).text(),
+            origin: match m.get(6) {
+                Value::Bytes(bytes) => Some(Box::new(origin(bytes))),
+                _ => None,
+            },
+        })),
+        29 => Kind::ToolData(Box::new(ToolData {
+            tool: m.number(1) as u32,
+            name: m.get(2).text(),
+            diameter: m.get(3).optional_double(),
+            radius: m.get(4).optional_double(),
+            length: m.get(5).optional_double(),
+            place: m.number(6) as u16,
         })),
         28 => Kind::Trace { letter: m.get(1).text().chars().next()?, text: m.get(2).text() },
         27 => Kind::Verdict(Box::new(Verdict {
@@ -213,6 +235,11 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
         })),
         _ => return None,
     })
+}
+
+fn origin(bytes: &[u8]) -> Origin {
+    let m = Small::read(bytes);
+    Origin { name: m.get(1).text(), file: m.get(2).text(), line: m.number(3) as u32, statement: m.get(4).text() }
 }
 
 fn member(bytes: &[u8]) -> Member {

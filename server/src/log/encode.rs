@@ -50,6 +50,17 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 2, u64::from(*tool));
             varint_field(out, 3, u64::from(*offset));
         }),
+        Kind::ToolData(data) => nested(out, 29, |out| {
+            varint_field(out, 1, u64::from(data.tool));
+            text_field(out, 2, &data.name);
+            for (field, value) in (3..).zip([data.diameter, data.radius, data.length]) {
+                if let Some(value) = value {
+                    key(out, field, FIXED64);
+                    out.extend_from_slice(&value.to_le_bytes());
+                }
+            }
+            varint_field(out, 6, u64::from(data.place));
+        }),
         Kind::Spindle(spindle) => nested(out, 15, |out| {
             varint_field(out, 1, u64::from(spindle.spindle));
             varint_field(out, 2, direction(spindle.direction));
@@ -97,6 +108,14 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             text_field(out, 3, &diagnostic.text);
             text_field(out, 4, &diagnostic.operation);
             text_field(out, 5, &diagnostic.kernel);
+            if let Some(origin) = &diagnostic.origin {
+                nested(out, 6, |out| {
+                    text_field(out, 1, &origin.name);
+                    text_field(out, 2, &origin.file);
+                    varint_field(out, 3, u64::from(origin.line));
+                    text_field(out, 4, &origin.statement);
+                });
+            }
         }),
         Kind::Trace { letter, text } => nested(out, 28, |out| {
             text_field(out, 1, letter.encode_utf8(&mut [0; 4]));

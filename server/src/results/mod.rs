@@ -43,6 +43,17 @@ impl Document {
     }
 }
 
+/// Forms of a listing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Blocks, trace, diagnostics, summaries.
+    Listing,
+    /// Diagnostics and summaries.
+    Log,
+    /// Messages and diagnostics, a line each.
+    Console,
+}
+
 /// Finished results, not yet text.
 pub(crate) struct Finished {
     pub(crate) results: Results,
@@ -105,17 +116,16 @@ impl Source<'_> {
         Ok(self.fold()?.document(document).unwrap_or_default())
     }
 
-    /// Listing of one channel.
-    pub(crate) fn listing(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
+    /// Listing of one channel in one of its forms; of all channels for 0.
+    pub(crate) fn listing(&self, finished: &Finished, channel: u16, form: Form, out: &mut dyn Write) -> io::Result<()> {
         let mut events = self.events()?;
-        listing::render(self.info, channel, &finished.results.summary, &mut events, out)?;
-        events.error().map_or(Ok(()), Err)
-    }
-
-    /// Log file of one channel.
-    pub(crate) fn log_file(&self, finished: &Finished, channel: u16, out: &mut dyn Write) -> io::Result<()> {
-        let mut events = self.events()?;
-        listing::render_log(self.info, channel, &finished.results.summary, &mut events, out)?;
+        let (info, summary) = (self.info, &finished.results.summary);
+        match form {
+            Form::Console => listing::render_console(channel, &mut events, out)?,
+            Form::Log => listing::render_log(info, channel, summary, &mut events, out)?,
+            Form::Listing if channel == 0 => listing::render_merged(info, summary, &mut events, out)?,
+            Form::Listing => listing::render(info, channel, summary, &mut events, out)?,
+        }
         events.error().map_or(Ok(()), Err)
     }
 

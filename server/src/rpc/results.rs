@@ -7,6 +7,7 @@ use bytes::Bytes;
 use counterpoint_kernel::files::Files as _;
 use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::log::listing::Crlf;
 use counterpoint_kernel::mcd::source;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::results_server::Results as Service;
@@ -18,7 +19,7 @@ use crate::Record;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
 use crate::reason::Refusal;
-use crate::results::{Document, Source};
+use crate::results::{Document, Form, Source};
 
 macro_rules! chunks {
     ($($type:ident),*) => { $(
@@ -49,8 +50,16 @@ impl Service for Results {
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
         let request = request.into_inner();
         let ended = Ended::load(&self.0, request.job_id).await?;
-        let channel = ended.channel(request.channel)?;
-        Ok(stream(move |out| ended.listing(channel, request.log, out)))
+        let channel = if request.channel == 0 && !request.log { 0 } else { ended.channel(request.channel)? };
+        let form = match request {
+            v1::GetListingRequest { console: true, .. } => Form::Console,
+            v1::GetListingRequest { log: true, .. } => Form::Log,
+            _ => Form::Listing,
+        };
+        Ok(stream(move |out| match request.crlf {
+            true => ended.listing(channel, form, &mut Crlf(out)),
+            false => ended.listing(channel, form, out),
+        }))
     }
 
     type GetTraceStream = ReceiverStream<Result<v1::GetTraceResponse, Status>>;
@@ -196,14 +205,14 @@ impl Ended {
         channel.ok_or(Refusal::UnknownChannel(number))
     }
 
-    fn listing(&self, channel: u16, log: bool, out: &mut dyn Write) -> Result<(), Refusal> {
+    fn listing(&self, channel: u16, form: Form, out: &mut dyn Write) -> Result<(), Refusal> {
         let known = self.core.live(&self.record.id).and_then(|live| live.finished().cloned());
         let finished = match known {
             Some(finished) => finished,
             None => Arc::new(self.source().fold()?),
         };
         let source = self.source();
-        Ok(if log { source.log_file(&finished, channel, out) } else { source.listing(&finished, channel, out) }?)
+        Ok(source.listing(&finished, channel, form, out)?)
     }
 }
 

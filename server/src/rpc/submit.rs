@@ -116,7 +116,7 @@ fn small<T: TryFrom<u64>>(field: &str, value: u64, min: u64, max: u64) -> Result
 }
 
 fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
-    let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 1, 9));
+    let opskip = options.opskip.iter().map(|&level| small("options.opskip", u64::from(level), 0, 9));
     let ignore = options.ignore_waits.iter().map(|&c| small("options.ignore_waits", u64::from(c), 1, 9999));
     Ok(Options {
         opskip: opskip.collect::<Result<_, _>>()?,
@@ -125,6 +125,7 @@ fn options(options: v1::JobOptions) -> Result<Options, Refusal> {
         trace: options.trace,
         answers: options.answers.into_iter().map(answer).collect(),
         attended: options.attended,
+        parameters: options.parameters,
         threads: small("options.threads", u64::from(options.threads), 0, 1024)?,
         limits: limits(options.limits.unwrap_or_default())?,
     })

@@ -242,7 +242,7 @@ async fn results_are_the_same_stored_kept_and_made_again() {
     assert_eq!(log.iter().filter(|&&b| b == b'\n').count(), 5001);
     let parsed: serde_json::Value = serde_json::from_slice(&first).unwrap();
     assert_eq!((&parsed["state"], &parsed["highest_severity"]), (&"FAILED".into(), &9.into()));
-    let request = |channel| v1::GetListingRequest { job_id: job.clone(), channel, log: false };
+    let request = |channel| v1::GetListingRequest { job_id: job.clone(), channel, ..Default::default() };
     assert!(server.results().get_listing(request(1)).await.is_ok());
     assert_eq!(reason(&server.results().get_listing(request(7)).await.unwrap_err()), "UNKNOWN_CHANNEL");
     server.stop().await;

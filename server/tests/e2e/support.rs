@@ -68,6 +68,9 @@ impl Runner for Script {
             machine: task.machine.name.clone(),
             machine_number: 1,
             machine_revision: 1,
+            machine_created: String::new(),
+            machine_file: "lathe2/machine.toml".into(),
+            parameters: String::new(),
             trace: Default::default(),
             unit: Unit::Mm,
             channels: vec![channel(1), channel(2)],
@@ -91,8 +94,7 @@ pub fn event(seq: u64) -> Event {
             number: 7,
             severity: 2,
             text: "note".into(),
-            operation: "".into(),
-            kernel: "".into(),
+            ..Diagnostic::default()
         })),
         n if n % 2 == 0 => Kind::Block { number: seq },
         _ => Kind::Motion(Motion {
@@ -117,8 +119,7 @@ impl Ready {
             number: 9,
             severity: 9,
             text: "alarm".into(),
-            operation: "".into(),
-            kernel: "".into(),
+            ..Diagnostic::default()
         }));
         Event { kind, ..event(seq) }
     }
@@ -163,8 +164,7 @@ impl Prepared for Ready {
                         number: 8,
                         severity: 0,
                         text: text.into(),
-                        operation: "".into(),
-                        kernel: "".into(),
+                        ..Diagnostic::default()
                     }));
                     assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
                     seq += 1;

@@ -233,15 +233,15 @@ impl Kernel<'_> {
         for firing in &self.block.firings {
             match action(firing.row) {
                 Some(Action::Cycle(_) | Action::CycleOn | Action::ThreadCycle(_)) => return,
-                Some(Action::CycleOff) => return self.queue_modal(group::MOTION),
+                Some(Action::CycleOff) => return self.queue_by_data(group::MOTION),
                 Some(Action::MachineFrame) => in_machine = true,
                 _ => {}
             }
         }
         if in_machine || !self.cycle_repeats() || self.inside_cycle_macro() {
-            return self.queue_modal(group::MOTION);
+            return self.queue_by_data(group::MOTION);
         }
-        self.queue_modal(group::CYCLE);
+        self.queue_by_data(group::CYCLE);
         if let Some(firing) = self.block.firings.last_mut() {
             firing.order = firing.order.max(IMPLIED_ORDER);
         }

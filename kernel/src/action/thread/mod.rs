@@ -61,7 +61,8 @@ pub(super) struct Screw {
 /// Cuts one pass.
 pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) -> Acted {
     let (pitch, sides) = take_pitch(kernel);
-    let change = take_change(kernel, change, firing.implied);
+    let by_word = change == Change::None && kernel.machine.threads.changes;
+    let change = take_change(kernel, if by_word { Change::May } else { change }, firing.implied);
     kernel.take(data::INTERP_THREAD_ANGLE);
     let starts = take_starts(kernel);
     kernel.threads.starts = starts;

@@ -2,7 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 5.5, 5.6. Invariant: a mark inside a comment or message is none.
 
-use super::{Scanner, find};
+use super::Scanner;
+use super::passed::find;
 use crate::channel::block::Block;
 use crate::dialect::fanuc::{Names, key_word};
 use crate::machine::Machine;

@@ -30,6 +30,9 @@ pub(crate) enum Fault {
     NoVariable(f64),
     #[error("variable #{0} cannot be written")]
     ReadOnly(u32),
+    /// The identification macro wants the text to stay on the block.
+    #[error("there is no variable #{0}")]
+    Kept(u32),
     #[error("the job was stopped")]
     Stopped,
 }

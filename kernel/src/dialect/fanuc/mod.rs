@@ -5,7 +5,9 @@
 //! brackets is limited.
 
 mod compile;
+mod cursor;
 mod expr;
+mod formula;
 mod key_words;
 pub(crate) mod loops;
 mod statement;

@@ -10,6 +10,8 @@ pub(crate) struct Line {
     pub(crate) sequence: Option<u32>,
     /// What it does.
     pub(crate) statement: Statement,
+    /// Place of the statement, behind the sequence number.
+    pub(crate) place: (u32, u32),
     /// Place of a program name in angle brackets.
     pub(crate) name: Option<(u32, u32)>,
     /// Places of its messages to the operator.

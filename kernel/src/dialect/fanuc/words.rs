@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Invariant: names are tried in the
 //! order in which the scanner of plain lines tries them.
 
-use super::compile::{Error, Parser};
+use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op};
 use super::statement::{Name, Number, Statement, TemplateWord};
 use crate::mcd::program::program_name;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Coolant, Diagnostic, Member, Release, Spindle, Wait};
+use crate::log::event::{Coolant, Diagnostic, Member, Origin, Release, Spindle, ToolData, Wait};
 
 fn event(kind: Kind) -> Event {
     Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }
@@ -120,6 +120,7 @@ fn every_field_counts() {
         Motion { feed_unit: FeedUnit::PerMinute, ..motion() },
         Motion { length: 2.7, ..motion() },
     ];
+    let said = Diagnostic { number: 1, severity: 4, text: "t".into(), ..Diagnostic::default() };
     let mut kinds: Vec<Kind> = motions.into_iter().map(Kind::Motion).collect();
     kinds.extend([
         Kind::Lifecycle(Phase::MachineStart),
@@ -129,6 +130,9 @@ fn every_field_counts() {
         Kind::Tool { action: ToolAction::Select, tool: 1, offset: 1 },
         Kind::Tool { action: ToolAction::Load, tool: 2, offset: 1 },
         Kind::Tool { action: ToolAction::Load, tool: 1, offset: 2 },
+        Kind::ToolData(Box::new(ToolData { tool: 1, radius: Some(0.0), ..ToolData::default() })),
+        Kind::ToolData(Box::new(ToolData { tool: 1, diameter: Some(0.0), ..ToolData::default() })),
+        Kind::ToolData(Box::new(ToolData { tool: 1, place: 1, ..ToolData::default() })),
         Kind::Spindle(spindle),
         Kind::Spindle(Spindle { spindle: 2, ..spindle }),
         Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),
@@ -156,19 +160,12 @@ fn every_field_counts() {
         Kind::Release(release.clone()),
         Kind::Release(Release { since_ns: 6, ..release.clone() }),
         Kind::Release(Release { meeting: 2, ..release }),
+        Kind::Diagnostic(Box::new(Diagnostic { severity: 4, ..said.clone() })),
+        Kind::Diagnostic(Box::new(Diagnostic { severity: 8, ..said.clone() })),
+        Kind::Diagnostic(Box::new(Diagnostic { origin: Some(Box::default()), ..said.clone() })),
         Kind::Diagnostic(Box::new(Diagnostic {
-            number: 1,
-            severity: 4,
-            text: "t".into(),
-            operation: "".into(),
-            kernel: "".into(),
-        })),
-        Kind::Diagnostic(Box::new(Diagnostic {
-            number: 1,
-            severity: 8,
-            text: "t".into(),
-            operation: "".into(),
-            kernel: "".into(),
+            origin: Some(Box::new(Origin { line: 1, ..Origin::default() })),
+            ..said
         })),
         Kind::Verdict(Box::new(verdict.clone())),
         Kind::Verdict(Box::new(Verdict { members: vec![], ..verdict.clone() })),

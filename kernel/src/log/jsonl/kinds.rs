@@ -3,7 +3,9 @@
 //! Invariant: positions are objects with every axis of the channel, in channel order.
 
 use super::{bare_float, boolean, field, float, integer, text, value};
-use crate::log::event::{Coolant, Direction, Event, Kind, Motion, MotionKind, Outlet, Position, Spindle, Verdict};
+use crate::log::event::{
+    Coolant, Direction, Event, Kind, Motion, MotionKind, Outlet, Position, Spindle, ToolData, Verdict,
+};
 use crate::log::geometry::Loop;
 use crate::log::info::{Axis, Info};
 
@@ -15,6 +17,7 @@ pub(super) fn name(kind: &Kind) -> &'static str {
         Kind::Motion(_) => "motion",
         Kind::Dwell => "dwell",
         Kind::Tool { .. } => "tool",
+        Kind::ToolData(_) => "tool_data",
         Kind::Spindle(_) => "spindle",
         Kind::Coolant(_) => "coolant",
         Kind::Function { .. } => "function",
@@ -45,6 +48,7 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             integer(out, "tool", i64::from(*tool));
             integer(out, "offset", i64::from(*offset));
         }
+        Kind::ToolData(data) => write_tool_data(data, out),
         Kind::Spindle(spindle) => write_spindle(spindle, out),
         Kind::Coolant(coolant) => write_coolant(coolant, out),
         Kind::Function { letter, value } => {
@@ -79,6 +83,9 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             }
             if !diagnostic.kernel.is_empty() {
                 text(out, "kernel", &diagnostic.kernel);
+            }
+            if let Some(origin) = &diagnostic.origin {
+                serial(out, "origin", origin);
             }
         }
         Kind::Trace { letter, text: line } => {
@@ -120,6 +127,22 @@ fn write_motion(axes: &[Axis], motion: &Motion, out: &mut Vec<u8>) {
     float(out, "length", motion.length);
     if motion.turns > 0 {
         integer(out, "turns", i64::from(motion.turns));
+    }
+}
+
+/// What is not known is left out.
+fn write_tool_data(data: &ToolData, out: &mut Vec<u8>) {
+    integer(out, "tool", i64::from(data.tool));
+    if !data.name.is_empty() {
+        text(out, "name", &data.name);
+    }
+    for (name, value) in [("diameter", data.diameter), ("radius", data.radius), ("length", data.length)] {
+        if let Some(value) = value {
+            float(out, name, value);
+        }
+    }
+    if data.place > 0 {
+        integer(out, "place", i64::from(data.place));
     }
 }
 

@@ -1,7 +1,9 @@
 //! Tests of the JSON lines.
 
 use super::write_event;
-use crate::log::event::{Direction, Kind, Member, Motion, MotionKind, Spindle, Verdict, VerdictKind};
+use crate::log::event::{
+    Diagnostic, Direction, Kind, Member, Motion, MotionKind, Origin, Spindle, ToolData, Verdict, VerdictKind,
+};
 use crate::log::testing::*;
 
 fn line(event: &crate::log::event::Event) -> String {
@@ -78,4 +80,23 @@ fn waits_and_verdicts() {
     let text = line(&at(0, 0, 9, 0, Kind::Verdict(Box::new(verdict))));
     assert!(text.starts_with(r#"{"seq":7,"t_ns":9,"dur_ns":0,"channel":0,"kind":"verdict","file":"","line":0,"verdict":"PARTNER_NEVER_STARTED","at_ns":9"#), "{text}");
     assert!(text.ends_with(r#""members":[{"channel":1,"file":"jobs/p1.nc","line":1,"waiting_for":[2]},{"channel":2,"file":"","line":0,"waiting_for":[]}]}"#), "{text}");
+}
+
+#[test]
+fn what_is_not_known_of_a_tool_and_no_macro_leave_their_fields_out() {
+    let data = ToolData { tool: 3, name: "END \"12\"".into(), diameter: Some(12.0), ..ToolData::default() };
+    let text = line(&at(1, 1, 0, 0, Kind::ToolData(Box::new(data))));
+    assert!(
+        text.ends_with(
+            r#""kind":"tool_data","file":"jobs/p1.nc","line":1,"tool":3,"name":"END \"12\"","diameter":12}"#
+        ),
+        "{text}"
+    );
+    let origin = Origin { name: "Fence".into(), file: "m/f.mac".into(), line: 2, statement: "A=1/0".into() };
+    let raised = Diagnostic { number: 7, severity: 8, origin: Some(Box::new(origin)), ..Diagnostic::default() };
+    let text = line(&at(1, 1, 0, 0, Kind::Diagnostic(Box::new(raised))));
+    assert!(
+        text.ends_with(r#""text":"","origin":{"macro":"Fence","file":"m/f.mac","line":2,"statement":"A=1/0"}}"#),
+        "{text}"
+    );
 }

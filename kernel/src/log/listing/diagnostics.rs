@@ -10,9 +10,9 @@ use crate::log::info::Info;
 /// Characters of a line before the text wraps.
 const WIDTH: usize = 110;
 
-/// The two lines of a diagnostic; more when its text is long.
+/// The two lines of a diagnostic; more when its text is long, and one for the macro that raised it.
 pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &mut dyn Write) -> Result<()> {
-    let word = ["Message", "Warning", "Error", "Fatal"].get(rank(diagnostic.severity)).copied().unwrap_or("Fatal");
+    let word = word(diagnostic.severity);
     let indent = word.len() + 2;
     for (index, line) in wrap(&diagnostic.text, WIDTH - indent).into_iter().enumerate() {
         if index == 0 {
@@ -20,6 +20,9 @@ pub(super) fn write(info: &Info, event: &Event, diagnostic: &Diagnostic, out: &m
         } else {
             writeln!(out, "{:indent$}{line}", "")?;
         }
+    }
+    if let Some(origin) = &diagnostic.origin {
+        writeln!(out, "  MACRO({}) LINE({}): {}", origin.name, origin.line, origin.statement)?;
     }
     let path = if event.line == 0 { "-" } else { info.file_name(event.file) };
     let file = path.rsplit('/').next().unwrap_or(path);
@@ -53,6 +56,11 @@ fn wrap(text: &str, width: usize) -> Vec<&str> {
         lines.push(rest);
     }
     lines
+}
+
+/// Type word of a severity.
+pub(super) fn word(severity: u8) -> &'static str {
+    ["Message", "Warning", "Error", "Fatal"].get(rank(severity)).copied().unwrap_or("Fatal")
 }
 
 fn rank(severity: u8) -> usize {

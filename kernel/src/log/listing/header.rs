@@ -1,6 +1,7 @@
 //! The identification header.
 //!
-//! Layout: reference listing-and-trace.md 2. Invariant: nothing in it depends on when or where the job ran.
+//! Layout: reference listing-and-trace.md 2; what a job does not have leaves its line out. Invariant: nothing in it
+//! depends on when or where the job ran.
 
 use std::io::{Result, Write};
 
@@ -9,14 +10,28 @@ use crate::log::info::Info;
 /// Version of the emulated system's definitions, the middle part of a definition's full name.
 const DEFINITION_VERSION: u32 = 260;
 
+/// Line of the project below its name.
+const LICENCE: &str = "(c) the Counterpoint project, MIT or Apache-2.0";
+
 pub(super) fn write(info: &Info, out: &mut dyn Write) -> Result<()> {
-    write!(out, "Counterpoint\n\nControl Emulator Counterpoint Version {}\n\n", env!("CARGO_PKG_VERSION"))?;
+    write!(out, "Counterpoint\n{LICENCE}\n\nControl Emulator Counterpoint Version {}\n\n", env!("CARGO_PKG_VERSION"))?;
     for channel in info.channels.iter().filter(|c| !c.program.is_empty()) {
         label(out, "Input:", &channel.program)?;
     }
     let (number, revision) = (info.machine_number, info.machine_revision);
-    label(out, "CE:", &format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine))?;
-    writeln!(out)
+    let mut name = format!("{},{number}.{DEFINITION_VERSION};{revision}", info.machine);
+    if !info.machine_created.is_empty() {
+        name.push_str(", Created ");
+        name.push_str(&info.machine_created);
+    }
+    label(out, "CE:", &name)?;
+    label(out, "Database:", &info.machine_file)?;
+    writeln!(out)?;
+    if !info.parameters.is_empty() {
+        label(out, "UPARAM:", &info.parameters)?;
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 /// A label of 14 characters and its value.

@@ -52,11 +52,13 @@ fn the_whole_listing_of_one_channel() {
     let info = lathe(&["%\nN10 G21 G90\n  N20 G1 X18. Z6.5 F.3 S950 M3 (FIRST CUT)"]);
     let expected = "\
 Counterpoint
+(c) the Counterpoint project, MIT or Apache-2.0
 
 Control Emulator Counterpoint Version 0.1.0
 
 Input:        jobs/p1.nc
 CE:           lathe2,2.260;1
+Database:     lathe2/machine.toml
 
 1! %
 2! N10 G21 G90

@@ -1,7 +1,7 @@
 //! The two tooling tables.
 //!
-//! Layout: reference listing-and-trace.md 7.1, rows in load order. Invariant: time counts for the tool in use when it
-//! passes; a tool change counts for the new tool.
+//! Layout: reference listing-and-trace.md 7.1, rows as the summary has them. Invariant: time counts for the tool in use
+//! when it passes; a tool change counts for the new tool.
 
 use std::io::{Result, Write};
 
@@ -9,10 +9,8 @@ use rustc_hash::FxHashMap;
 
 use super::time::clock;
 use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, ToolAction};
+use crate::log::summary::Tool;
 use crate::log::work::Work;
-
-/// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
-const MOST_OFFSETS: usize = 64;
 
 /// Smallest and largest value seen.
 #[derive(Debug, Default)]
@@ -33,10 +31,7 @@ impl Range {
 }
 
 #[derive(Debug, Default)]
-struct Tool {
-    number: u32,
-    length_offsets: Vec<u32>,
-    diameter_offsets: Vec<u32>,
+struct Used {
     feed: Range,
     rpm: Range,
     feed_ns: i64,
@@ -47,9 +42,8 @@ struct Tool {
 /// Collects the tools of a channel.
 #[derive(Debug)]
 pub(super) struct Tooling {
-    tools: Vec<Tool>,
-    rows: FxHashMap<u32, usize>,
-    current: Option<usize>,
+    tools: FxHashMap<u32, Used>,
+    current: u32,
     spindle: Option<Spindle>,
     end_ns: i64,
 }
@@ -57,15 +51,14 @@ pub(super) struct Tooling {
 impl Tooling {
     /// `end_ns`: when the channel ended; durations are cut there.
     pub(super) fn new(end_ns: i64) -> Self {
-        Self { tools: Vec::new(), rows: FxHashMap::default(), current: None, spindle: None, end_ns }
+        Self { tools: FxHashMap::default(), current: 0, spindle: None, end_ns }
     }
 
     /// Any event of the channel that is no motion.
     pub(super) fn event(&mut self, event: &Event) {
         match &event.kind {
             Kind::Tool { action: ToolAction::Select, .. } => {}
-            Kind::Tool { tool, offset, .. } => self.load(*tool, *offset),
-            Kind::Mode { text } => self.offset_mode(text),
+            Kind::Tool { tool, .. } if *tool != 0 => self.current = *tool,
             Kind::Spindle(spindle) => {
                 let turns = matches!(spindle.direction, Direction::Clockwise | Direction::CounterClockwise);
                 self.spindle = turns.then_some(*spindle);
@@ -95,33 +88,8 @@ impl Tooling {
         }
     }
 
-    fn tool(&mut self) -> Option<&mut Tool> {
-        self.current.and_then(|index| self.tools.get_mut(index))
-    }
-
-    fn load(&mut self, number: u32, offset: u32) {
-        if number == 0 {
-            return;
-        }
-        let index = *self.rows.entry(number).or_insert_with(|| {
-            self.tools.push(Tool { number, ..Tool::default() });
-            self.tools.len() - 1
-        });
-        self.current = Some(index);
-        if let Some(tool) = self.tool() {
-            note(&mut tool.length_offsets, offset);
-        }
-    }
-
-    /// `comp length n=3`, `comp diam left n=3`.
-    fn offset_mode(&mut self, text: &str) {
-        let Some(number) = text.rsplit_once("n=").and_then(|(_, n)| n.parse().ok()) else { return };
-        let Some(tool) = self.tool() else { return };
-        if text.starts_with("comp length") {
-            note(&mut tool.length_offsets, number);
-        } else if text.starts_with("comp diam") {
-            note(&mut tool.diameter_offsets, number);
-        }
+    fn tool(&mut self) -> Option<&mut Used> {
+        (self.current != 0).then(|| self.tools.entry(self.current).or_default())
     }
 
     fn time(&mut self, event: &Event) {
@@ -136,18 +104,24 @@ impl Tooling {
         }
     }
 
-    pub(super) fn write(&self, out: &mut dyn Write) -> Result<()> {
+    /// Both tables, with the rows of the summary.
+    pub(super) fn write(&self, tools: &[Tool], out: &mut dyn Write) -> Result<()> {
         write!(out, "\nTOOLING SUMMARY:\n\n")?;
         writeln!(out, "     TOOL  NAME              DIAMETER    RADIUS  LENGTH-OFFSETS  DIAM-OFFSETS")?;
-        for tool in &self.tools {
+        for tool in tools {
             let [length, diameter] = [&tool.length_offsets, &tool.diameter_offsets].map(|list| join(list));
-            writeln!(out, "{:>9}  {:<16}{:>10}{:>10}{length:>16}{diameter:>14}", tool.number, "NA", "NA", "NA")?;
+            let [wide, corner] = [tool.diameter, tool.radius].map(size);
+            let name = if tool.name.is_empty() { "NA" } else { &tool.name };
+            let name: String = name.chars().take(NAME).collect();
+            writeln!(out, "{:>9}  {name:<NAME$}{wide:>10}{corner:>10}{length:>16}{diameter:>14}", tool.tool)?;
         }
         writeln!(out)?;
         writeln!(out, "     TOOL   MIN-FEED   MAX-FEED  MIN-RPM  MAX-RPM      FEED     RAPID      MISC     TOTAL")?;
-        for tool in &self.tools {
+        let unused = Used::default();
+        for Tool { tool: number, .. } in tools {
+            let tool = self.tools.get(number).unwrap_or(&unused);
             let ([low, high], [slow, fast]) = (tool.feed.texts(4), tool.rpm.texts(0));
-            write!(out, "{:>9}{low:>11}{high:>11}{slow:>9}{fast:>9}", tool.number)?;
+            write!(out, "{number:>9}{low:>11}{high:>11}{slow:>9}{fast:>9}")?;
             let total = tool.feed_ns + tool.rapid_ns + tool.misc_ns;
             for ns in [tool.feed_ns, tool.rapid_ns, tool.misc_ns, total] {
                 write!(out, "{:>10}", clock(ns))?;
@@ -158,10 +132,11 @@ impl Tooling {
     }
 }
 
-fn note(list: &mut Vec<u32>, number: u32) {
-    if number != 0 && list.len() < MOST_OFFSETS && !list.contains(&number) {
-        list.push(number);
-    }
+/// Characters of a name; the summary has the whole of it.
+const NAME: usize = 16;
+
+fn size(value: Option<f64>) -> String {
+    value.map_or_else(|| "NA".to_owned(), |value| format!("{value:.4}"))
 }
 
 fn join(list: &[u32]) -> String {

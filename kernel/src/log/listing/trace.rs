@@ -10,7 +10,7 @@ use super::blocks;
 use crate::log::event::{Event, Kind};
 use crate::log::info::Info;
 use crate::machine::model::StoredFile;
-use crate::trace::LISTING;
+use crate::trace::{ACTION, DWELL, LISTING};
 
 /// Writes blocks and what the letters ask for.
 #[derive(Debug, Default)]
@@ -18,15 +18,19 @@ pub(super) struct Tracer {
     actions: Actions,
     /// A macro has switched the listing off: no blocks and no lines of the trace; diagnostics and summaries stay.
     off: bool,
+    /// What the next dwell does has been told in other words than its seconds.
+    told: bool,
 }
 
 impl Tracer {
+    /// The line of a block is shown.
+    pub(super) fn shows(&self, info: &Info, event: &Event) -> bool {
+        !self.off && (info.trace.has('Z') || !info.file_name(event.file).starts_with(StoredFile::ROOT))
+    }
+
     /// The line of a block.
     pub(super) fn block(&self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
-        if self.off {
-            return Ok(());
-        }
-        if !info.trace.has('Z') && info.file_name(event.file).starts_with(StoredFile::ROOT) {
+        if !self.shows(info, event) {
             return Ok(());
         }
         if info.trace.has('I') {
@@ -54,7 +58,11 @@ impl Tracer {
             _ => {}
         }
         match &event.kind {
-            Kind::Trace { text, .. } => writeln!(out, "{text}"),
+            Kind::Dwell if std::mem::take(&mut self.told) => Ok(()),
+            Kind::Trace { letter, text } => {
+                self.told = *letter == ACTION && text.contains(DWELL);
+                writeln!(out, "{text}")
+            }
             Kind::Message { text } if info.trace.has('S') => writeln!(out, "Display : {text}"),
             _ if info.trace.has('A') => {
                 let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);

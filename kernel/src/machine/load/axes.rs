@@ -5,7 +5,7 @@
 use super::defaults;
 use super::names::Names;
 use crate::machine::ident::{self, DataId};
-use crate::machine::model::{Axis, AxisRole, DataRow};
+use crate::machine::model::{Axis, AxisRole, DataRow, Turn};
 use crate::machine::toml::section::Section;
 
 /// Most axes of a machine.
@@ -50,6 +50,11 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
     let references = references(row);
     let limits = limits(row, home);
     let (vector, center) = super::kinematics::read_axis(row, data, role);
+    let turns = [("position", Turn::Position), ("shortest", Turn::Shortest), ("sign", Turn::Sign)];
+    let turn = row.choice("turn", &turns).unwrap_or(Turn::Position);
+    if turn != Turn::Position && !role.is_rotary() {
+        row.error("turn", "only a rotary axis takes the shortest way or the direction of a sign");
+    }
     Some(Axis {
         name: name?.to_owned(),
         letter: letter?.to_owned(),
@@ -63,6 +68,7 @@ fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
         limits,
         vector,
         center,
+        turn,
     })
 }
 

@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, head, initial, kinematics,
-    macros, overlap, paths, pump, registers,
+    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, initial,
+    kinematics, macros, overlap, paths, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -38,6 +38,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let arcs = paths::arcs(&mut top, head.unit);
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
+    let habits = habits::read(&mut top);
     let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
@@ -53,17 +54,19 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let subprograms = subprograms::read(&mut top, &around);
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
-    let macros = macros::read(&mut top, &names, &codes, files);
+    let storage = storage::read(&mut top, files);
+    let macros = macros::read(&mut top, &names, &codes, files, &storage);
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, check);
     let diagnostics = diagnostics::read(&mut top, files);
-    let storage = storage::read(&mut top, files);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
         name: head.name,
         number: head.number,
         revision: head.revision,
+        created: head.created,
+        file: merged.start.file.to_string(),
         author: head.author,
         description: head.description,
         unit: head.unit,
@@ -87,6 +90,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         threads,
         tool_direction,
         pump,
+        habits,
         compensation,
         variables,
         tool,

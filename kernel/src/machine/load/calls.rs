@@ -1,8 +1,8 @@
 //! `[[subprograms.calls]]`: words that call programs.
 //!
 //! Invariant: no word calls twice, none that calls, returns or waits by itself calls, and a variable that gets a value
-//! is a common one of the machine. Facts: reference control-emulator.md 5.4 (calls by G M T S B); that a word calls is a
-//! parameter of the control, so the machine says it.
+//! is a common one of the machine. Facts: reference control-emulator.md 5.4 (calls by G M T S B); that a word calls is
+//! a parameter of the control, so the machine says it.
 
 use super::word::{self, Word, Wrong};
 use crate::machine::ident::codes;
@@ -71,7 +71,7 @@ fn read_word(row: &mut Section<'_>, registers: &[Register]) -> Option<Word> {
     let text = row.text("word")?;
     let alone = (0u8..).zip(registers).find(|(_, register)| register.name == text);
     let parsed = match alone {
-        Some((register, _)) => Ok(Word { register, min: 0.0, max: f64::from(LARGEST) }),
+        Some((register, _)) => Ok(Word { register, min: f64::NEG_INFINITY, max: f64::INFINITY }),
         None => word::parse(text, registers),
     };
     match parsed {

@@ -103,6 +103,7 @@ fn heritage(mut parent: Table) -> Table {
     if let Some(ce) = parent.table_mut("ce") {
         ce.remove("name");
         ce.remove("description");
+        ce.remove("created");
     }
     parent
 }
@@ -110,7 +111,9 @@ fn heritage(mut parent: Table) -> Table {
 /// By what a child's row finds the parent's row it replaces.
 pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
     match path {
-        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" => row.text("name").map(str::to_owned),
+        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" => {
+            row.text("name").map(str::to_owned)
+        }
         "codes" => {
             let form = row.text("word").map(|word| format!("word {word}"));
             let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
@@ -118,10 +121,12 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
         }
         "subprograms.calls" => row.text("word").map(str::to_owned),
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
-        "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" => match &row.get("number")?.value {
-            Value::Integer(number) => Some(number.to_string()),
-            _ => None,
-        },
+        "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" | "tool.data" => {
+            match &row.get("number")?.value {
+                Value::Integer(number) => Some(number.to_string()),
+                _ => None,
+            }
+        }
         _ => None,
     }
 }

@@ -11,6 +11,7 @@ pub(super) struct Head {
     pub(super) name: String,
     pub(super) number: u32,
     pub(super) revision: u32,
+    pub(super) created: String,
     pub(super) author: String,
     pub(super) description: String,
     pub(super) unit: Unit,
@@ -24,6 +25,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Head {
         name: String::new(),
         number: 1,
         revision: 1,
+        created: String::new(),
         author: String::new(),
         description: String::new(),
         unit: Unit::Mm,
@@ -46,6 +48,7 @@ fn read_ce(mut section: Section<'_>, head: &mut Head) {
     head.name = section.name("name", 32).unwrap_or_default().to_owned();
     head.number = section.integer("number", 1..=999_999).unwrap_or(1) as u32;
     head.revision = section.integer("revision", 0..=999_999).unwrap_or(1) as u32;
+    head.created = section.name("created", 40).unwrap_or_default().to_owned();
     head.author = section.text("author").unwrap_or_default().to_owned();
     head.description = section.text("description").unwrap_or_default().to_owned();
     for key in ["author", "description"] {

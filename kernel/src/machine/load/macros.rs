@@ -11,7 +11,7 @@ use counterpoint_lang::source::Source;
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
-use crate::machine::model::CodeRow;
+use crate::machine::model::{CodeRow, StoredFile};
 use crate::machine::toml::node::Place;
 use crate::machine::toml::section::Section;
 use crate::macros::condition::{self, Condition, Item, Step};
@@ -27,13 +27,15 @@ pub(super) fn read(
     names: &Names<'_>,
     codes: &[CodeRow],
     files: &dyn Files,
+    stored: &[StoredFile],
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
     let strong = section.choice("strong", &words).unwrap_or_default();
+    let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
-    let mut compiler = Compiler { names, codes, files, program: &mut program, strong };
+    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong, uninitialised };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library);
@@ -53,8 +55,11 @@ struct Compiler<'a, 'n> {
     names: &'a Names<'n>,
     codes: &'a [CodeRow],
     files: &'a dyn Files,
+    stored: &'a [StoredFile],
     program: &'a mut Program,
     strong: Strong,
+    /// Variables that are read and never assigned are findings.
+    uninitialised: bool,
 }
 
 /// Kind of the macro of a hook, which decides what it may contain.
@@ -90,9 +95,14 @@ impl Compiler<'_, '_> {
                 return None;
             }
         };
-        let mut surroundings =
-            Surroundings { codes: &self.names.custom_codes, data: &self.names.custom_data, files: Some(self.files) };
-        let options = Options { strong: self.strong, place: kind, ..Options::default() };
+        let mut surroundings = Surroundings {
+            codes: &self.names.custom_codes,
+            data: &self.names.custom_data,
+            files: Some(self.files),
+            stored: self.stored,
+        };
+        let options =
+            Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
         let added = compile::add(self.program, &mut surroundings, Source::from_bytes(path, &bytes), options);
         for diagnostic in &added.diagnostics {
             let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();

@@ -16,6 +16,7 @@ mod defaults;
 mod diagnostics;
 mod dialogs;
 mod format;
+mod habits;
 mod head;
 mod initial;
 mod kinematics;

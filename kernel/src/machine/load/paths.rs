@@ -36,6 +36,7 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
 pub(super) fn threads(top: &mut Section<'_>) -> Threads {
     let mut threads = Threads {
         two_lines: false,
+        changes: false,
         infeed: 0,
         min_step: 0.0,
         finish_cuts: 0,
@@ -48,6 +49,8 @@ pub(super) fn threads(top: &mut Section<'_>) -> Threads {
     let Some(mut section) = top.table("threads", "[threads]") else { return threads };
     let forms = [("one-line", false), ("two-line", true)];
     threads.two_lines = section.choice("form", &forms).unwrap_or(threads.two_lines);
+    let leads = [("codes", false), ("words", true)];
+    threads.changes = section.choice("lead_change", &leads).unwrap_or(threads.changes);
     threads.infeed = section.integer("infeed", 0..=4).map_or(threads.infeed, |mode| mode as u8);
     threads.min_step = section.at_least_zero("min_step").unwrap_or(threads.min_step);
     threads.finish_cuts = section.integer("finish_cuts", 0..=99).map_or(threads.finish_cuts, |cuts| cuts as u16);

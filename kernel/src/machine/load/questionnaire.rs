@@ -53,12 +53,12 @@ impl Made<'_> {
         match &node.value {
             Value::Array(items) => items.iter().for_each(|item| self.answer(question, item)),
             Value::Text(text) if text.is_empty() => {}
-            Value::Text(text) => self.rows(question, text, &[], &node.place),
+            Value::Text(text) => self.rows(question, (form(question.kind, None), text), &[], &node.place),
             Value::Table(table) => {
-                let key = if matches!(question.kind, Kind::Data(_)) { "register" } else { "word" };
+                let key = form(question.kind, Some(table));
                 let (known, rest): (Vec<_>, Vec<_>) = table.entries.iter().cloned().partition(|e| e.key == key);
                 match known.first().map(|entry| &entry.node.value) {
-                    Some(Value::Text(text)) => self.rows(question, text, &rest, &node.place),
+                    Some(Value::Text(text)) => self.rows(question, (key, text), &rest, &node.place),
                     _ => {
                         let text = format!("an answer to `{}` that is a table needs `{key}`", question.key);
                         self.check.error(&node.place, text);
@@ -73,7 +73,7 @@ impl Made<'_> {
         }
     }
 
-    fn rows(&mut self, question: &Question, text: &str, rest: &[Entry], place: &Place) {
+    fn rows(&mut self, question: &Question, (form, text): (&str, &str), rest: &[Entry], place: &Place) {
         let word = Value::Text(text.to_owned());
         let row = |id: &str, key: &str, more: Vec<Entry>| {
             let mut entries = vec![entry("id", place, Value::Text(id.to_owned())), entry(key, place, word.clone())];
@@ -84,14 +84,23 @@ impl Made<'_> {
         };
         let as_data = |data: &str| entry("as_data", place, Value::Text(data.to_owned()));
         match question.kind {
-            Kind::Code(id) => self.codes.push(row(id, "word", Vec::new())),
-            Kind::AsData(id, data) => self.codes.push(row(id, "word", vec![as_data(data)])),
+            Kind::Code(id) => self.codes.push(row(id, form, Vec::new())),
+            Kind::AsData(id, data) => self.codes.push(row(id, form, vec![as_data(data)])),
             Kind::Numbered(id, data) => {
                 let add = ends(text).map_or(0.0, |(_, first, _)| 1.0 - first);
-                self.codes.push(row(id, "word", vec![as_data(data), entry("add", place, Value::Float(add))]));
+                self.codes.push(row(id, form, vec![as_data(data), entry("add", place, Value::Float(add))]));
             }
-            Kind::Data(ids) => self.data.extend(ids.iter().map(|id| row(id, "register", Vec::new()))),
+            Kind::Data(ids) => self.data.extend(ids.iter().map(|id| row(id, form, Vec::new()))),
         }
+    }
+}
+
+/// Key of the written form in an answer: a register for data, a word for codes, or a text for those without a value.
+fn form(kind: Kind, table: Option<&Table>) -> &'static str {
+    match kind {
+        Kind::Data(_) => "register",
+        Kind::Code(_) if table.is_some_and(|table| table.get("text").is_some()) => "text",
+        _ => "word",
     }
 }
 

@@ -69,6 +69,8 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("arc_space", "CODE_INTERP_ARC_3D"),
             code("thread", "CODE_INTERP_THREAD"),
             code("thread_changing", "CODE_INTERP_THREAD_VAR"),
+            code("thread_growing", "CODE_INTERP_THREAD_VAR_INC"),
+            code("thread_shrinking", "CODE_INTERP_THREAD_VAR_DEC"),
             code("thread_on", "CODE_INTERP_THREAD_ON"),
             code("thread_off", "CODE_INTERP_THREAD_OFF"),
             code("probe", "CODE_INTERP_SKIP"),
@@ -123,6 +125,8 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("surface_speed", "CODE_SPINDLE_CSS"),
             code("speed", "CODE_SPINDLE_RPM"),
             code("limit", "CODE_SPINDLE_MAXRPM"),
+            code("surface_main", "CODE_SPINDLE_CSS_MAIN"),
+            code("surface_side", "CODE_SPINDLE_CSS_SIDE"),
         ],
     },
     Subject {
@@ -182,6 +186,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("mirror", "CODE_LCS_MIRROR_ON"),
             code("mirror_add", "CODE_LCS_MIRROR_ADD"),
             code("mirror_off", "CODE_LCS_MIRROR_OFF"),
+            code("polar", "CODE_C2P_CART_ON"),
+            code("polar_off", "CODE_C2P_CART_OFF"),
+            code("tip", "CODE_RTCP_ON"),
+            code("tip_off", "CODE_RTCP_OFF"),
         ],
     },
     Subject {
@@ -236,6 +244,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             code("further", "CODE_GOHOME_NTH"),
             code("back", "CODE_GOHOME_RETURN"),
             code("tool_change", "CODE_TOOL_LOAD_POINT"),
+            code("tool_change_back", "CODE_TOOL_LOAD_RETURN"),
         ],
     },
     Subject {
@@ -260,7 +269,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
     Subject {
         key: "heads",
         title: "[questionnaire.heads]",
-        questions: &[code("main", "CODE_HEAD_MAIN"), code("side", "CODE_HEAD_SIDE")],
+        questions: &[code("main", "CODE_HEAD_MAIN"), code("side", "CODE_HEAD_SIDE"), code("number", "CODE_HEAD_ID")],
     },
     Subject {
         key: "sync",
@@ -297,6 +306,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             data("length_offset", &["REG_COMP_LENGTH"]),
             data("cutter_offset", &["REG_COMP_DIAM"]),
             data("reference", &["REG_GOHOME_NTH"]),
+            data("head", &["REG_HEAD_ID"]),
             data("called", &["REG_CALSUB_ID"]),
             data("repeat", &["REG_CALSUB_REPEAT"]),
             data("range_first", &["REG_CALSUB_BLOCK_START"]),

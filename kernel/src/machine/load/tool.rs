@@ -1,21 +1,24 @@
-//! `[tool]`, `[[tool.offsets]]` and `[[work_offsets]]`.
+//! `[tool]`, `[[tool.names]]`, `[[tool.data]]`, `[[tool.offsets]]` and `[[work_offsets]]`.
 //!
-//! Invariant: every offset has one value per axis of the machine; tool offsets stand in ascending number.
+//! Invariant: every offset has one value per axis of the machine; tools and tool offsets stand in ascending number.
 
 use super::values::{by_axis, some_by_axis};
-use crate::machine::model::{Axis, Tool, ToolOffset};
+use crate::machine::model::{Axis, Tool, ToolFacts, ToolOffset};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
 
 /// Most offsets of a kind.
 const MOST: usize = 1000;
 
+/// Characters of a tool's name.
+const LONGEST_NAME: usize = 80;
+
 /// Work offsets that always exist, G54 to G59.
 const STANDARD: usize = 6;
 
 /// Reads `[tool]`.
 pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool {
-    let mut tool = Tool { offset_digits: 0, offsets: Vec::new(), change_point: Vec::new(), change_motion: false };
+    let mut tool = Tool::default();
     let Some(mut section) = top.table("tool", "[tool]") else { return tool };
     tool.offset_digits = section.integer("offset_digits", 0..=4).unwrap_or(0) as u8;
     tool.change_point = some_by_axis(&mut section, "change_position", axes, check);
@@ -33,8 +36,40 @@ pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], check: &Check) -> Tool 
         row.finish();
     }
     tool.offsets.sort_by_key(|offset| offset.number);
+    for mut row in section.rows("names", "[[tool.names]]", MOST) {
+        row.require("name", "1 to 32 characters");
+        row.require("number", "the number of the tool");
+        let name = row.name("name", 32).map(str::to_ascii_uppercase);
+        let number = row.integer("number", 1..=99_999_999);
+        if let Some((name, number)) = name.zip(number) {
+            if tool.names.iter().any(|(other, _)| *other == name) {
+                row.error("name", format!("there is already a tool with the name \"{name}\""));
+            }
+            tool.names.push((name, number as u32));
+        }
+        row.finish();
+    }
+    for mut row in section.rows("data", "[[tool.data]]", MOST) {
+        if let Some(facts) = read_data(&mut row) {
+            if tool.data.iter().any(|other| other.number == facts.number) {
+                row.error("number", format!("there is already a tool {}", facts.number));
+            }
+            tool.data.push(facts);
+        }
+        row.finish();
+    }
+    tool.data.sort_by_key(|facts| facts.number);
     section.finish();
     tool
+}
+
+fn read_data(row: &mut Section<'_>) -> Option<ToolFacts> {
+    row.require("number", "a whole number from 1 to 99999999");
+    let number = row.integer("number", 1..=99_999_999).map(|number| number as u32);
+    let name = row.name("name", LONGEST_NAME).unwrap_or_default().to_owned();
+    let [diameter, radius, length] = ["diameter", "radius", "length"].map(|key| row.at_least_zero(key));
+    let offset = row.integer("offset", 1..=9999).map(|number| number as u32);
+    Some(ToolFacts { number: number?, name, diameter, radius, length, offset })
 }
 
 fn read_offset(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Option<ToolOffset> {

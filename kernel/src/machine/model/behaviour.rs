@@ -24,7 +24,7 @@ pub struct Subprograms {
 pub struct WordCall {
     /// Register of the word.
     pub register: u8,
-    /// Smallest value.
+    /// Smallest value, minus infinity for a letter alone.
     pub min: f64,
     /// Largest value.
     pub max: f64,
@@ -47,7 +47,7 @@ impl WordCall {
     #[must_use]
     pub fn program_of(&self, register: u8, value: f64) -> Option<u32> {
         let within = self.register == register && self.min <= value && value <= self.max;
-        if !within || self.min != self.max && value.fract() != 0.0 {
+        if !within || self.min != self.max && self.max.is_finite() && value.fract() != 0.0 {
             return None;
         }
         let step = if self.consecutive { (value - self.min) as u32 } else { 0 };
@@ -253,17 +253,47 @@ pub struct Variables {
     pub channel: Vec<(u32, u32)>,
 }
 
-/// Tool word and offsets.
-#[derive(Debug, Clone, PartialEq)]
+/// Tool word, tools and offsets.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tool {
     /// Digits at the end of the tool word that are the offset number (Fanuc lathe T0101: 2); 0 = tool number only.
     pub offset_digits: u8,
     /// Offsets by number: per machine axis, axis units, and nose radius.
     pub offsets: Vec<ToolOffset>,
+    /// What is known about tools, ascending by number.
+    pub data: Vec<ToolFacts>,
     /// Tool-change position in the machine frame, per machine axis, as programmed.
     pub change_point: Vec<Option<f64>>,
     /// The axes go there before a tool is loaded.
     pub change_motion: bool,
+    /// Tools by name, in capital letters.
+    pub names: Vec<(String, u32)>,
+}
+
+/// What the machine knows about a tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToolFacts {
+    /// Number.
+    pub number: u32,
+    /// Name, empty without one.
+    pub name: String,
+    /// Diameter.
+    pub diameter: Option<f64>,
+    /// Corner radius.
+    pub radius: Option<f64>,
+    /// Length.
+    pub length: Option<f64>,
+    /// Number of its offset.
+    pub offset: Option<u32>,
+}
+
+impl Tool {
+    /// What is known about a tool.
+    #[must_use]
+    pub fn facts(&self, number: u32) -> Option<&ToolFacts> {
+        let at = self.data.binary_search_by_key(&number, |facts| facts.number).ok()?;
+        self.data.get(at)
+    }
 }
 
 /// One tool offset.

@@ -23,6 +23,8 @@ pub struct Register {
     pub secondary: NumberFormat,
     /// Values may be negative.
     pub signed: bool,
+    /// The text between `before` and `after` may be a tool's name.
+    pub names: bool,
 }
 
 impl Register {

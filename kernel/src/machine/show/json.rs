@@ -41,7 +41,7 @@ pub fn json(machine: &Machine) -> Value {
             "corner_angle": machine.compensation.corner_angle,
         },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
-        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine) },
+        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })
 }
@@ -274,6 +274,20 @@ fn tool_offsets(machine: &Machine) -> Vec<Value> {
         })
     };
     machine.tool.offsets.iter().map(offset).collect()
+}
+
+fn tool_data(machine: &Machine) -> Vec<Value> {
+    let facts = |facts: &crate::machine::model::ToolFacts| {
+        json!({
+            "number": facts.number,
+            "name": facts.name,
+            "diameter": facts.diameter,
+            "radius": facts.radius,
+            "length": facts.length,
+            "offset": facts.offset,
+        })
+    };
+    machine.tool.data.iter().map(facts).collect()
 }
 
 /// Values with the names of their axes.

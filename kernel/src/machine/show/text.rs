@@ -68,7 +68,11 @@ pub(super) fn word_call(machine: &Machine, call: &WordCall) -> String {
     };
     let number = |number: u32| format!("{number:04}");
     let (first, last) = call.programs();
-    let words = range(letter, call.min.to_string(), call.max.to_string());
+    let words = if call.max.is_finite() {
+        range(letter, call.min.to_string(), call.max.to_string())
+    } else {
+        letter.to_owned()
+    };
     let how = match call.how {
         CallHow::Macro => "as a macro",
         CallHow::Subprogram => "as a subprogram",
@@ -124,6 +128,7 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("per channel", ranges(&machine.variables.channel));
     line("offset digits", machine.tool.offset_digits.to_string());
     line("tool offsets", machine.tool.offsets.len().to_string());
+    line("tools with data", machine.tool.data.len().to_string());
     line("initial", initial.join(", "));
     grid.text()
 }

@@ -65,7 +65,7 @@ impl Kernel<'_> {
         let Some(facts) = self.machine.codes.get(usize::from(row)) else { return false };
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
-        let firing = Firing { order: facts.order, row, value, implied: false };
+        let firing = Firing { order: facts.order, row, value, implied: false, fragile: false };
         let next = self.block.next.min(self.block.firings.len());
         let rest = self.block.firings.get(next..).unwrap_or(&[]);
         let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();

@@ -5,13 +5,13 @@
 
 use std::sync::Arc;
 
-use counterpoint_lang::diag::{Number, TABLE};
+use counterpoint_lang::diag::{self as language, Number, TABLE};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::{Diagnostic, Kind};
+use crate::log::event::{Diagnostic, Kind, Origin};
 use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 
@@ -36,9 +36,26 @@ impl Kernel<'_> {
         Some((changed.map_or(severity, |(severity, _)| *severity), text.to_owned()))
     }
 
+    /// The statement that raised a diagnostic. What ends a macro because of an error tells nothing that the error has
+    /// not told.
+    pub(super) fn origin_of(&self, diagnostic: &language::Diagnostic) -> Option<Box<Origin>> {
+        if diagnostic.number == Number::TERMAC_GENERATED {
+            return None;
+        }
+        let function = diagnostic.macro_name.as_deref().filter(|_| diagnostic.in_function);
+        Some(Box::new(Origin {
+            name: function.or_else(|| self.called_name()).unwrap_or_default().into(),
+            file: diagnostic.file.as_str().into(),
+            line: diagnostic.line,
+            statement: diagnostic.statement.as_deref().unwrap_or_default().into(),
+        }))
+    }
+
     /// A diagnostic on its way to the log, through everything macros may have changed about it.
-    pub(crate) fn issue(&mut self, number: u32, severity: u8, text: String) {
-        let Some(runtime) = self.macros.as_deref_mut() else { return self.put_diagnostic(number, severity, &text) };
+    pub(crate) fn issue(&mut self, (number, severity): (u32, u8), text: String, origin: Option<Box<Origin>>) {
+        let Some(runtime) = self.macros.as_deref_mut() else {
+            return self.put_diagnostic((number, severity), &text, origin);
+        };
         if !runtime.store.messages {
             return;
         }
@@ -51,8 +68,11 @@ impl Kernel<'_> {
         let before = *count;
         *count = count.saturating_add(1);
         match runtime.ready(Hook::Diagnostic) {
-            Some(code) => self.diagnostic_macro(code, (number, severity, on, before), text),
-            None if on => self.put_diagnostic(number, severity, &text),
+            Some(code) => {
+                runtime.origin = origin;
+                self.diagnostic_macro(code, (number, severity, on, before), text);
+            }
+            None if on => self.put_diagnostic((number, severity), &text, origin),
             None => {}
         }
     }
@@ -76,7 +96,7 @@ impl Kernel<'_> {
                 if flag.as_real() != Some(0.0) {
                     let values = [number.clone(), severity.clone(), text.clone()];
                     if let Err(fault) = self.output_diagnostic(&values) {
-                        self.put_diagnostic(fault.number.0, fault.number.severity(), &fault.message);
+                        self.put_diagnostic((fault.number.0, fault.number.severity()), &fault.message, None);
                     }
                 }
             }
@@ -89,12 +109,13 @@ impl Kernel<'_> {
         let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
         let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
         let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
-        self.put_diagnostic(index, severity as u8, text);
+        let origin = self.macros.as_deref().and_then(|runtime| runtime.origin.clone());
+        self.put_diagnostic((index, severity as u8), text, origin);
         Ok(())
     }
 
     /// Counts and logs.
-    fn put_diagnostic(&mut self, number: u32, severity: u8, text: &str) {
+    fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {
@@ -113,7 +134,8 @@ impl Kernel<'_> {
         let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let operation = self.operation_name().into();
         let kernel = self.kernel_name().into();
-        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text: text.into(), operation, kernel })));
+        let text = text.into();
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text, operation, kernel, origin })));
     }
 
     /// `$FERSEV`: severity before the change, −1 for an unknown number.

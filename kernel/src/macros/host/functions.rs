@@ -17,7 +17,7 @@ use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
 use crate::machine::model::{NumberFormat, Point, Zeros};
-use crate::macros::model::{FIRST_HOOK_ID, Hook};
+use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
 
 fn text(arguments: &[Value], at: usize) -> &str {
@@ -120,13 +120,16 @@ impl Kernel<'_> {
         let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
         let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
         let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
-        let all = named.chain(hooks);
+        let tools = FIRST_HOOK_ID + Hook::Tool as u32;
+        let select = macros.hook(Hook::Tool).map(|code| (code, tools, SELECT_TOOL));
+        let all = named.chain(hooks).chain(select);
         let expression = text(arguments, 0).trim_end();
         let mut found = Vec::new();
         if expression.is_empty() {
-            let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+            let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last());
+            let running = call.map(|call| call.code);
             for (_, id, name) in all.filter(|(code, ..)| Some(*code) == running).take(1) {
-                found.extend([Value::Real(f64::from(id)), Value::text(name)]);
+                found.extend([Value::Real(f64::from(id)), Value::text(self.called_name().unwrap_or(name))]);
             }
             return Ok(Value::sequence(found));
         }

@@ -162,7 +162,7 @@ impl Kernel<'_> {
         let row = runtime.operations.rows.get(at)?;
         let ended = row.times.1.is_some();
         Some(match column {
-            1 => row.tool.clone(),
+            1 => row.tool.as_real().map_or(Value::Null, |row| Value::Real(self.seen_tool_row(row))),
             2 => Value::Real(f64::from(row.head?)),
             5 => Value::text(row.name.as_str()),
             6 => Value::Real(row.times.0),

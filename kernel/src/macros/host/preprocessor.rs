@@ -31,17 +31,21 @@ impl Default for Settings {
     }
 }
 
-/// Settings of pre-processors that no machine here has.
+/// Settings that belong to other pre-processors than custom macro.
 const FOREIGN: &[(&str, &str)] = &[
     ("PROCESS,SUBPROGRAMS", "Okuma and Siemens"),
     ("PROCESS,SEQNAME", "Okuma"),
     ("APPLYFRAMES", "Siemens"),
     ("GLOBALDEF", "Siemens"),
     ("PROCESSGUDFILES", "Siemens"),
-    ("SETFILEROOT", "Siemens"),
+    ("SETFILEROOT", "Siemens and Heidenhain"),
     ("COLLAPSEASSIGNSPACES", "Siemens"),
     ("COLLAPSEASSIGNS", "Siemens"),
     ("SETALSEVERITY", "Siemens"),
+    ("CYCLEDEF", "Heidenhain"),
+    ("GRAMMAR", "Heidenhain"),
+    ("CONCATENATE", "Heidenhain"),
+    ("KEEPCYCLDEFQVARS", "Heidenhain"),
 ];
 
 impl Kernel<'_> {

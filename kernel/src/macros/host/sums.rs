@@ -115,6 +115,7 @@ impl Kernel<'_> {
     /// `$TLSUM(column,row)`, or `$OPSUM`.
     pub(super) fn sum_value(&self, of_tools: bool, at: &[i64]) -> Value {
         let (column, row) = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
+        let row = if of_tools { self.kept_tool_row(row) } else { row };
         let sums = self.macros.as_deref().map(|r| if of_tools { &r.tool_sums } else { &r.operation_sums });
         Value::Real(sums.map_or(0.0, |sums| sums.value(column, row, self.clock)))
     }

@@ -9,22 +9,23 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::macros::condition::Item;
+use crate::macros::model::{Hook, SELECT_TOOL};
 use crate::trace;
 
 impl Kernel<'_> {
     /// A macro of the machine begins.
     #[cold]
-    pub(crate) fn trace_entering(&mut self, code: u16) {
+    pub(crate) fn trace_entering(&mut self, code: u16, selects: bool) {
         self.trace(self.macro_letter(code), |kernel| {
-            trace::entering(kernel.macro_name(code), &kernel.matching_list(code))
+            trace::entering(kernel.macro_name(code, selects), &kernel.matching_list(code))
         });
     }
 
     /// A macro of the machine has ended.
     #[cold]
-    pub(crate) fn trace_leaving(&mut self, code: u16) {
+    pub(crate) fn trace_leaving(&mut self, code: u16, selects: bool) {
         self.trace(self.macro_letter(code), |kernel| {
-            trace::leaving(kernel.macro_name(code), &kernel.matching_list(code), kernel.running_name())
+            trace::leaving(kernel.macro_name(code, selects), &kernel.matching_list(code), kernel.running_name())
         });
     }
 
@@ -73,7 +74,13 @@ impl Kernel<'_> {
     /// The macro that goes on, innermost first; none if there is none.
     fn running_name(&self) -> Option<&str> {
         let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last())?;
-        Some(call.functions.last().map_or_else(|| self.macro_name(call.code), String::as_str))
+        Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))
+    }
+
+    /// The innermost macro of the machine that runs.
+    pub(super) fn called_name(&self) -> Option<&str> {
+        let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last())?;
+        Some(self.macro_name(call.code, call.task.selects()))
     }
 
     fn macro_letter(&self, code: u16) -> char {
@@ -81,8 +88,13 @@ impl Kernel<'_> {
         if named { 'M' } else { 'H' }
     }
 
-    fn macro_name(&self, code: u16) -> &str {
-        self.machine.macros.as_deref().and_then(|macros| macros.name_of(code)).unwrap_or("embedded code")
+    /// Name of a macro; the one of tools has two, by what happens to the tool.
+    fn macro_name(&self, code: u16, selects: bool) -> &str {
+        let macros = self.machine.macros.as_deref();
+        match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {
+            Some(tool) if tool == code => SELECT_TOOL,
+            _ => macros.and_then(|macros| macros.name_of(code)).unwrap_or("embedded code"),
+        }
     }
 
     /// The list of identifiers that a code macro matches, empty for all others.

@@ -121,10 +121,17 @@ impl Kernel<'_> {
         }
     }
 
+    fn travel_place(&self, of_tools: bool, at: &[i64]) -> Option<(usize, usize)> {
+        match at {
+            [column, row] if of_tools => place(&[*column, self.kept_tool_row(*row)]),
+            _ => place(at),
+        }
+    }
+
     /// `$TLMIN(column,row)` and the others.
     pub(super) fn travel_value(&self, of_tools: bool, end: End, at: &[i64]) -> Value {
         let travel = self.macros.as_deref().map(|r| if of_tools { &r.tool_travel } else { &r.operation_travel });
-        let found = travel.zip(place(at)).and_then(|(travel, (column, row))| {
+        let found = travel.zip(self.travel_place(of_tools, at)).and_then(|(travel, (column, row))| {
             let [low, high] = travel.rows.get(row)?.get(column)?;
             if end == End::Low { *low } else { *high }
         });
@@ -134,9 +141,9 @@ impl Kernel<'_> {
 
     /// Writes one of them.
     pub(super) fn set_travel_value(&mut self, of_tools: bool, end: End, at: &[i64], value: &Value) -> Outcome<()> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        let place = self.travel_place(of_tools, at);
+        let (Some(runtime), Some((column, row))) = (self.macros.as_deref_mut(), place) else { return Ok(()) };
         let travel = if of_tools { &mut runtime.tool_travel } else { &mut runtime.operation_travel };
-        let Some((column, row)) = place(at) else { return Ok(()) };
         if let Some([low, high]) = travel.row(row).and_then(|row| row.get_mut(column)) {
             *(if end == End::Low { low } else { high }) = value.as_real();
         }

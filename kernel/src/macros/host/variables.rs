@@ -90,6 +90,8 @@ pub(crate) struct Names {
     pub(crate) tool_table: u32,
     pub(crate) tool_row: u32,
     pub(crate) tool_rows: u32,
+    pub(crate) tool_sort: u32,
+    pub(crate) tool_length: u32,
     pub(crate) kernel_program: u32,
     pub(crate) kernel_name: u32,
     pub(crate) kernel_channel: u32,
@@ -99,6 +101,8 @@ pub(crate) struct Names {
     pub(crate) operation_merge: u32,
     pub(crate) operation_name: u32,
     pub(crate) extension: u32,
+    pub(crate) parameters: u32,
+    pub(crate) command_line: u32,
 }
 
 /// Those indices, found once.
@@ -119,6 +123,8 @@ pub(crate) fn names() -> &'static Names {
             tool_table: index("$TLTAB"),
             tool_row: index("$TI"),
             tool_rows: index("$TLSIZ"),
+            tool_sort: index("$TLSORT"),
+            tool_length: index("$TOZ"),
             kernel_program: index("$MCEMCD"),
             kernel_name: index("$MCENAM"),
             kernel_channel: index("$MCECHN"),
@@ -128,6 +134,8 @@ pub(crate) fn names() -> &'static Names {
             operation_merge: index("$OPMERGE"),
             operation_name: index("$OPNAME"),
             extension: index("$SUBEXT"),
+            parameters: index("$UPARAM"),
+            command_line: index("$PARAM"),
         }
     })
 }

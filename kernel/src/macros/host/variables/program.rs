@@ -174,6 +174,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$MACHIN" => (|k, _| Value::text(k.machine.name.as_str()), None),
         "$MCHNUM" => (|k, _| number(k.machine.number), None),
         "$MCHDSC" => (machine_text, None),
+        "$CEDATE" => (|k, _| Value::text(k.machine.created.as_str()), None),
+        "$DBFILE" => (|k, _| Value::text(k.machine.file.as_str()), None),
         // A job knows no clock.
         "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
         "$PREPROC" => (
@@ -189,6 +191,15 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             None,
         ),
         "$BACK" => (|k, _| Value::Logical(k.options.answers.is_empty() && !k.options.attended), None),
+        "$TUDQ" => {
+            (|k, at| answer(&k.machine.habits.texts, at, |text| Value::text(text.as_str()), Value::text("")), None)
+        }
+        "$IUDQ" => {
+            (|k, at| answer(&k.machine.habits.integers, at, |number| Value::Real(*number), Value::Real(0.0)), None)
+        }
+        "$WUDQ" => {
+            (|k, at| answer(&k.machine.habits.numbers, at, |number| Value::Real(*number), Value::Real(0.0)), None)
+        }
         "$UNIPRI" => (|k, _| unit(k, false), None),
         "$UNISEC" => (|k, _| unit(k, true), None),
         "$CEFILE" => (|k, _| Value::text(stored_name(k.machine)), None),
@@ -227,4 +238,10 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         _ => return None,
     };
     Some(row)
+}
+
+/// The answer to a question of the machine's own; one that was not answered is empty.
+fn answer<T>(answers: &[T], indices: &[i64], value: impl Fn(&T) -> Value, missing: Value) -> Value {
+    let index = indices.first().and_then(|index| usize::try_from(index - 1).ok());
+    index.and_then(|index| answers.get(index)).map_or(missing, value)
 }

@@ -129,6 +129,11 @@ fn whole(value: &Value) -> u32 {
     value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
 }
 
+/// A number that is kept.
+fn kept(kernel: &Kernel<'_>, index: u32) -> Option<f64> {
+    kernel.macros.as_deref().and_then(|runtime| runtime.store.get(index).as_real())
+}
+
 /// An end of the travel of tools or operations.
 fn travel<const TOOLS: bool>(end: End) -> (Read, Option<Write>) {
     match end {
@@ -262,6 +267,15 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$TLMAX" => travel::<true>(End::High),
         "$OPMIN" => travel::<false>(End::Low),
         "$OPMAX" => travel::<false>(End::High),
+        "$TLTAB" => (|k, at| k.tool_table_value(at), Some(|k, at, value| k.set_tool_table_value(at, value))),
+        "$TI" => (|k, _| number(kept(k, names().tool_row).map_or(1.0, |row| k.seen_tool_row(row))), None),
+        "$TLSORT" => (
+            |k, _| number(kept(k, names().tool_sort).unwrap_or(0.0)),
+            Some(|k, _, value| {
+                k.set_tool_sort(value);
+                Ok(())
+            }),
+        ),
         "$TLSUM" => (|k, at| k.sum_value(true, at), None),
         "$OPSUM" => (|k, at| k.sum_value(false, at), None),
         "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),

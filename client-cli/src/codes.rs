@@ -1,0 +1,66 @@
+//! Exit codes of `run --exit-code severity`: those of the emulated system.
+//!
+//! Facts: reference listing-and-trace.md 10. Decisions: a verdict or a cancelled job counts as fatal (16); a job that the
+//! kernel refuses to start is 200 where its programs are at fault, else 100; a file of answers counts as a job file
+//! (105); what is no fault of the job is an unexpected failure, 255 in place of -1.
+
+use counterpoint_proto::v1;
+use tonic::Code;
+
+use crate::error::Error;
+
+/// Severity that an end without a diagnostic of its own counts as.
+const FATAL: u32 = 16;
+
+/// How far a run had come when it failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Reading the programs.
+    Programs,
+    /// Looking for the machine.
+    Machine,
+    /// Handing the job over, and running it.
+    Submission,
+    /// Writing results.
+    Results,
+}
+
+/// Exit code of a run that failed.
+pub(crate) fn of_error(stage: Stage, error: &Error) -> u8 {
+    match (stage, error) {
+        (_, Error::Closed) => 0,
+        (_, Error::Connection(_)) => 255,
+        (Stage::Programs, _) => 200,
+        (Stage::Machine, _) => 201,
+        (Stage::Results, _) => 106,
+        (Stage::Submission, Error::File { .. }) => 105,
+        (Stage::Submission, Error::Refused(status)) => match status.code() {
+            Code::NotFound => 201,
+            Code::InvalidArgument | Code::FailedPrecondition | Code::AlreadyExists => 100,
+            _ => 255,
+        },
+        (Stage::Submission, Error::Usage(_)) => 100,
+    }
+}
+
+/// Exit code of a command line that cannot be understood, if it asks for these codes.
+pub(crate) fn of_command_line() -> Option<u8> {
+    let words: Vec<String> = std::env::args().collect();
+    let asked =
+        words.windows(2).any(|pair| matches!(pair, [key, value] if key == "--exit-code" && value == "severity"));
+    (asked || words.iter().any(|word| word == "--exit-code=severity")).then_some(100)
+}
+
+/// Exit code of a job that has ended.
+pub(crate) fn of_job(status: &v1::JobStatus) -> u8 {
+    if let Some(finding) = status.findings.iter().find(|finding| finding.error) {
+        return if finding.file == "job" { 100 } else { 200 };
+    }
+    if !status.error.is_empty() {
+        return 255;
+    }
+    let succeeded = status.state() == v1::JobState::Succeeded;
+    let told = status.highest_severity;
+    let severity = if succeeded || told >= 8 && status.verdict.is_empty() { told } else { told.max(FATAL) };
+    u8::try_from(severity.min(99)).unwrap_or(99)
+}

@@ -1,0 +1,110 @@
+//! What is known about the tools, told whenever it changes.
+//!
+//! Facts: reference listing-and-trace.md 7.1, system-variables.md 13. The first that knows counts: the tool table as
+//! macros have written it, the machine's tools, the offset in force while the tool was in use. Invariants: an event
+//! says all that is known about its tool, and is made only when that has changed; the tables of a run that comes to
+//! its end are told in the order of `$TLSORT`.
+
+use counterpoint_lang::value::Value;
+use rustc_hash::FxHashMap;
+
+use crate::channel::Kernel;
+use crate::channel::frames::offsets::Radii;
+use crate::channel::state::group;
+use crate::log::event::{Kind, ToolData};
+use crate::machine::ident::codes;
+use crate::macros::host::tools::column;
+
+/// Tools that are told of; the tool table of macros has fewer rows.
+const MOST: usize = 1000;
+
+/// Characters of a name.
+const LONGEST_NAME: usize = 80;
+
+/// What was told last, by tool.
+pub(crate) type Told = FxHashMap<u32, ToolData>;
+
+impl Kernel<'_> {
+    /// The tool in use has been loaded, or another offset is in force.
+    pub(crate) fn tell_tool(&mut self) {
+        let tables = &self.machine.tool;
+        let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.place.offsets.is_none();
+        if self.place.tool != 0 && !(nothing && self.macros.is_none()) {
+            self.tell(self.tool_data(self.place.tool));
+        }
+    }
+
+    /// Macros have written into the tool table.
+    #[cold]
+    pub(crate) fn tell_tools(&mut self) {
+        for at in 0.. {
+            let Some(tool) = self.macros.as_deref().and_then(|runtime| runtime.tools.get(at)).copied() else { break };
+            self.tell(self.tool_data(tool));
+        }
+    }
+
+    /// The program is over: the order of its tools, if `$TLSORT` asks for one.
+    pub(crate) fn tell_order(&mut self) {
+        if self.macros.as_deref_mut().is_some_and(|runtime| std::mem::take(&mut runtime.tools_changed)) {
+            self.tell_tools();
+        }
+        let column = self.tool_sort().abs();
+        if column == 0 {
+            return;
+        }
+        for (place, at) in (1..).zip(self.sorted_tools(column)) {
+            let tool = self.macros.as_deref().and_then(|runtime| runtime.tools.get(usize::from(at))).copied();
+            if let Some(tool) = tool {
+                self.tell(ToolData { place, ..self.tool_data(tool) });
+            }
+        }
+    }
+
+    fn tell(&mut self, data: ToolData) {
+        let told = &mut self.states.tools;
+        let known = match told.get(&data.tool) {
+            Some(before) => *before == data,
+            None => told.len() >= MOST || data == ToolData { tool: data.tool, ..ToolData::default() },
+        };
+        if known {
+            return;
+        }
+        told.insert(data.tool, data.clone());
+        self.emit(0, Kind::ToolData(Box::new(data)));
+    }
+
+    fn tool_data(&self, tool: u32) -> ToolData {
+        let facts = self.machine.tool.facts(tool);
+        let before = self.states.tools.get(&tool);
+        let written = |column| self.tool_cell(tool, column);
+        let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
+        let (diameter, radius) = if tool == self.place.tool { self.offset_in_force() } else { (None, None) };
+        let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
+        let name = name.or(facts.map(|facts| facts.name.as_str())).unwrap_or_default();
+        let name: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        ToolData {
+            tool,
+            name: name.into(),
+            diameter: number(column::DIAMETER).or_else(|| facts?.diameter).or(diameter).or_else(|| before?.diameter),
+            radius: facts.and_then(|facts| facts.radius).or(radius).or_else(|| before?.radius),
+            length: number(column::LENGTH).or_else(|| facts?.length),
+            place: 0,
+        }
+    }
+
+    /// Diameter and corner radius by the offset in force: a turning tool has its nose radius there, a cutter half its
+    /// diameter, and only while its path is compensated.
+    fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
+        let some = |value: f64| Some(value).filter(|value| *value > 0.0);
+        if self.machine.tool.offset_digits > 0 {
+            return (None, some(self.offset_radius(Radii::Cutter, self.place.tool_offset)));
+        }
+        let on = self.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+        let number = self.place.compensation.diameter;
+        if !on || number == 0 {
+            return (None, None);
+        }
+        let radius = |table| some(self.offset_radius(table, number));
+        (radius(Radii::Cutter).map(|radius| radius * 2.0), radius(Radii::Corner))
+    }
+}

@@ -1,0 +1,47 @@
+//! Absolute words of rotary axes that are angles: the shorter way, or the direction of the sign.
+//!
+//! Facts: reference control-emulator.md 1.5 (rotary axes #n11.10, #n11.20). Decisions: half a turn goes to the positive
+//! side; zero has the positive sign; a word of the angle at which the axis stands does not turn it. Positions go on
+//! beyond 360 degrees, codes that unwind bring them back.
+
+use crate::channel::Kernel;
+use crate::channel::state::Axis;
+use crate::machine::Machine;
+use crate::machine::model::Turn;
+
+/// Axes of a channel whose absolute words are angles, bit by axis.
+pub(crate) fn angles(machine: &Machine, axes: &[Axis]) -> u8 {
+    let is = |axis: &Axis| machine.axes.get(axis.machine).is_some_and(|axis| axis.turn != Turn::Position);
+    axes.iter().enumerate().filter(|(_, axis)| is(axis)).fold(0, |bits, (at, _)| bits | 1 << at)
+}
+
+impl Kernel<'_> {
+    /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the
+    /// position.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn turned_to(&self, axis: usize, from: f64, word: f64, away: f64) -> f64 {
+        let of = self.place.axes.get(axis).and_then(|axis| self.machine.axes.get(axis.machine));
+        let turn = of.map_or(Turn::Position, |axis| axis.turn);
+        // Polar interpolation takes the word as a length.
+        if turn == Turn::Position || self.polar().is_some() {
+            return word - away;
+        }
+        let angle = if turn == Turn::Sign { word.abs() } else { word };
+        // Ahead of where the axis stands: 0 up to 360.
+        let ahead = (angle - away - from).rem_euclid(360.0);
+        // Rounding may leave a whole turn in place of none.
+        let ahead = if (360.0 - ahead) < 1e-9 || ahead < 1e-9 { 0.0 } else { ahead };
+        let back = match turn {
+            Turn::Sign => word < 0.0,
+            _ => ahead > 180.0,
+        };
+        if ahead == 0.0 {
+            from
+        } else if back {
+            from + ahead - 360.0
+        } else {
+            from + ahead
+        }
+    }
+}

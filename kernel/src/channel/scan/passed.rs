@@ -1,0 +1,116 @@
+//! What a line holds that is no word: comments, messages, portions of optional skip, the end of the block.
+//!
+//! Facts: reference control-emulator.md 5.5 (block delete), 5.6 (comments). Invariant: a mark inside a comment or
+//! message is none.
+
+use super::{Scanner, marks};
+use crate::channel::block::{Block, odd};
+
+impl Scanner {
+    /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
+    /// brackets and in statements a skip character after the first word is a division.
+    pub(in crate::channel) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
+        block.clear();
+        out.clear();
+        out.extend_from_slice(line);
+        let (mut at, mut formula) = (0, marks::Formula::default());
+        while let Some(&byte) = line.get(at) {
+            let division = Some(byte) == self.opskip && formula.divides();
+            let next =
+                if formula.depth > 0 && byte == b'(' || division { None } else { self.skip(line, at, byte, block) };
+            if let Some(next) = next {
+                out.get_mut(at..next.min(line.len())).unwrap_or_default().fill(b' ');
+                at = next;
+                continue;
+            }
+            formula.read(self.names(), line, at);
+            at += 1;
+        }
+    }
+
+    /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
+    pub(super) fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
+        // The same start for both means a comment.
+        for (delimiters, message) in [(&self.comment, false), (&self.message, true)] {
+            let Some((start, end)) = delimiters else { continue };
+            if start.is_empty() || !line.get(at..).is_some_and(|rest| rest.starts_with(start)) {
+                continue;
+            }
+            let inside = at + start.len();
+            let close = if end.is_empty() { Some(line.len()) } else { find(line, inside, end) };
+            if message {
+                block.messages.push((inside as u32, close.unwrap_or(line.len()) as u32));
+            }
+            block.odd |= u8::from(close.is_none()) * odd::OPEN_COMMENT;
+            return Some(close.map_or(line.len(), |close| close + end.len()));
+        }
+        if Some(byte) == self.opskip {
+            let (level, next) = match line.get(at + 1) {
+                Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
+                _ => (self.opskip_default, at + 1),
+            };
+            if self.levels & (1 << level) == 0 {
+                return Some(next);
+            }
+            return Some(self.next_inactive_mark(line, next));
+        }
+        if Some(byte) == self.eob {
+            return Some(at + 1);
+        }
+        None
+    }
+
+    /// Start of the next skip mark of a level that is not active, or the end of the line.
+    fn next_inactive_mark(&self, line: &[u8], from: usize) -> usize {
+        let mut at = from;
+        while let Some(&byte) = line.get(at) {
+            if let Some(end) = self.comment_end(line, at) {
+                at = end;
+                continue;
+            }
+            if Some(byte) == self.opskip {
+                let level = match line.get(at + 1) {
+                    Some(digit @ b'1'..=b'9') => digit - b'0',
+                    _ => self.opskip_default,
+                };
+                if self.levels & (1 << level) == 0 {
+                    return at;
+                }
+            }
+            at += 1;
+        }
+        line.len()
+    }
+
+    /// Place of the first character that ends a block, outside comments and messages.
+    pub(in crate::channel) fn block_end(&self, line: &[u8]) -> Option<usize> {
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            if Some(byte) == self.eob {
+                return Some(at);
+            }
+            at = self.comment_end(line, at).unwrap_or(at + 1);
+        }
+        None
+    }
+
+    /// Position after the comment or message that begins at `at`: a mark inside is none.
+    pub(super) fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
+        let rest = line.get(at..)?;
+        let starts = |(start, _): &&(Vec<u8>, Vec<u8>)| !start.is_empty() && rest.starts_with(start);
+        let (start, end) = [&self.comment, &self.message].into_iter().flatten().find(starts)?;
+        let close = if end.is_empty() { None } else { find(line, at + start.len(), end) };
+        Some(close.map_or(line.len(), |close| close + end.len()))
+    }
+
+    pub(super) fn starts_comment(&self, line: &[u8], at: usize) -> bool {
+        [&self.comment, &self.message]
+            .into_iter()
+            .flatten()
+            .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
+    }
+}
+
+pub(super) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
+    memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
+}

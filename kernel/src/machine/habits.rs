@@ -1,0 +1,76 @@
+//! How a control does what its words leave open: answers of the questionnaire that are neither words nor formats.
+//!
+//! Facts: reference control-emulator.md 1.5. Invariant: a machine that says nothing has the habits it would have without
+//! the section.
+
+/// Habits of a control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Habits {
+    /// A speed word without a spindle code changes the speed; otherwise it waits for the next spindle code.
+    pub speed_word: bool,
+    /// How reference points and the tool-change position are reached.
+    pub home: Home,
+    /// What three angles of a rotation turn about.
+    pub rotations: Rotations,
+    /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
+    pub least_feed: Option<f64>,
+    /// Codes of heads divide a file into the programs of the heads.
+    pub heads_in_file: bool,
+    /// Answers to questions of the machine's own that are texts, `$TUDQ`.
+    pub texts: Vec<String>,
+    /// Those that are whole numbers, `$IUDQ`.
+    pub integers: Vec<f64>,
+    /// Those that are numbers, `$WUDQ`.
+    pub numbers: Vec<f64>,
+}
+
+/// How reference points are reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Home {
+    /// Via the given point of the work frame to the point of the machine.
+    Workpiece,
+    /// Straight to the given point of the machine frame, without words to the point of the machine.
+    Machine,
+}
+
+/// Axes that three angles turn about, each as the turns before have left it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rotations {
+    /// As `$LCSORD` tells them: A, B, C for X, Y, Z.
+    pub name: &'static str,
+    /// 0 X, 1 Y, 2 Z.
+    pub axes: [usize; 3],
+}
+
+impl Rotations {
+    /// All orders without a direction twice in a row.
+    pub const ALL: [Self; 12] = [
+        Self { name: "ABA", axes: [0, 1, 0] },
+        Self { name: "ABC", axes: [0, 1, 2] },
+        Self { name: "ACA", axes: [0, 2, 0] },
+        Self { name: "ACB", axes: [0, 2, 1] },
+        Self { name: "BAB", axes: [1, 0, 1] },
+        Self { name: "BAC", axes: [1, 0, 2] },
+        Self { name: "BCA", axes: [1, 2, 0] },
+        Self { name: "BCB", axes: [1, 2, 1] },
+        Self { name: "CAB", axes: [2, 0, 1] },
+        Self { name: "CAC", axes: [2, 0, 2] },
+        Self { name: "CBA", axes: [2, 1, 0] },
+        Self { name: "CBC", axes: [2, 1, 2] },
+    ];
+}
+
+impl Default for Habits {
+    fn default() -> Self {
+        Self {
+            speed_word: true,
+            home: Home::Workpiece,
+            rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
+            least_feed: None,
+            heads_in_file: false,
+            texts: Vec::new(),
+            integers: Vec::new(),
+            numbers: Vec::new(),
+        }
+    }
+}
