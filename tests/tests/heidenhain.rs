@@ -170,6 +170,43 @@ id = \"CODE_UNITS_SECONDARY\"
 text = \"INCH\"
 ";
 
+fn numbers(text: &str) -> Vec<u32> {
+    let machine = machine("fanuc-mill", "preprocessor = \"heidenhain\"\n");
+    let done = Work::texts(machine, &[text], options(1)).run(None).unwrap();
+    done.summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect()
+}
+
+#[test]
+fn what_has_no_end_comes_to_a_limit() {
+    for (text, number) in [
+        ("LBL 1\nCALL LBL 1\nLBL 0\n", 2900041),
+        ("CALL PGM p1.nc\n", 2900041),
+        ("LBL 1\nFN 9: IF 1 EQU 1 GOTO LBL 1\n", 2900070),
+        ("Q1 = 0\nLBL 1\nCALL LBL 1 REP 60000\n", 2900070),
+        ("CYCL DEF 12.0 PGM CALL\nCYCL DEF 12.1 PGM p1.nc\nM99\n", 2900041),
+    ] {
+        let found = numbers(text);
+        assert!(found.contains(&number), "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn deep_and_long_blocks_are_told_or_carried_out() {
+    let deep = |open: &str| format!("Q1 = {}1\n", open.repeat(1500));
+    for text in [deep("("), deep("SIN "), deep("-"), deep("HALF("), format!("Q1 = {}1\n", "1+".repeat(3000))] {
+        let found = numbers(&text);
+        assert!(found.iter().all(|number| [2900060, 2900016].contains(number)), "{found:?}");
+    }
+    let found = numbers(&"L X+1 ~\n".repeat(3000));
+    assert!(found.contains(&2900016), "{found:?}");
+    let found = numbers("Q1 = 10 ^ 400\n");
+    assert_eq!(found, [2900062]);
+    let found = numbers("Q1 = 1 / 0\n");
+    assert_eq!(found, [2900061]);
+    let found = numbers("Q5000 = 1\n");
+    assert_eq!(found, [2900063]);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -45,7 +45,7 @@ impl std::fmt::Display for Callee {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Callee::Program(number) => write!(f, "subprogram {number}"),
-            Callee::Named(name) => write!(f, "subprogram {name}"),
+            Callee::Named(name) => write!(f, "subprogram <{name}>"),
             Callee::Blocks(first, last) => write!(f, "the range N{first} to N{last}"),
             Callee::Labels(first, last) => write!(f, "the range from label {first} to label {last}"),
         }

@@ -1,7 +1,7 @@
 //! Circles of path blocks, and their centres.
 //!
-//! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a circle is
-//! told either by `CC` before it or by words of its own block, never by both.
+//! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
+//! circle is told either by `CC` before it or by words of its own block, never by both.
 
 use super::geometry::{Point, along, center_by_radius, left, minus, times};
 use super::path::{AXES, Position, Shape, Walk};
@@ -58,15 +58,14 @@ impl Walk<'_> {
             self.complain("a circle has no direction");
             return vec![self.verbatim(&[])];
         };
-        let mut more = Vec::new();
+        let mut centre = Vec::new();
         if shape == Shape::Arc {
             let Some(pole) = self.path.pole else {
                 self.complain("a circle has no centre");
                 return vec![self.verbatim(&[])];
             };
-            if !own {
-                more = self.center_words(pole);
-            } else if self.keeps_center() {
+            centre = self.center_words(pole);
+            if own && self.keeps_center() {
                 lines.push(self.pole_line(pole));
             }
             self.leave_circle(pole, to, clockwise);
@@ -80,7 +79,7 @@ impl Walk<'_> {
         let by_last = self.step.iso && self.path.mode == Some(5);
         let rewritten = base.is_some() && self.has_increments() || own && self.keeps_center() || by_last;
         if !rewritten {
-            lines.push(self.verbatim(&more));
+            lines.push(self.verbatim(if own { &[] } else { &centre }));
             return lines;
         }
         let (code, sign) = self.circle_code(self.step.shape.head(), clockwise);
@@ -88,7 +87,7 @@ impl Walk<'_> {
         let mut words = self.positions(&self.actual, &end);
         words.extend(self.others(&["I", "J", "K", "DR"]));
         words.extend(sign);
-        words.extend(more);
+        words.extend(centre);
         lines.push(joined(&code, &words));
         lines
     }

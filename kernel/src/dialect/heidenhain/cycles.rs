@@ -1,9 +1,9 @@
 //! Cycles: CYCL DEF of both kinds, and what calls them.
 //!
 //! Facts: Heidenhain pre-processor pages and release notes (cycles as subprograms of the machine by
-//! `$FCEPP('CYCLEDEF',…)`, KEEPCYCLDEFQVARS, cycle 12), programming manuals. Decisions: what a cycle does is said by the
-//! tables of the machine, which get `CYCL DEF` with its number and, of cycles of several lines, the words of all lines.
-//! Invariant: titles are texts for people and never reach the tables.
+//! `$FCEPP('CYCLEDEF',…)`, KEEPCYCLDEFQVARS, cycle 12), programming manuals. Decisions: what a cycle does is said by
+//! the tables of the machine, which get `CYCL DEF` with its number and, of cycles of several lines, the words of all
+//! lines. Invariant: titles are texts for people and never reach the tables.
 
 use std::sync::Arc;
 
@@ -199,8 +199,8 @@ impl Heidenhain {
         Ok(Some(joined(if host.is_code_text("L") { "L" } else { "G0" }, &seen)))
     }
 
-    /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the call
-    /// stays on the block, M89 as M99 on its own block and on all that follow.
+    /// M99, M89, G79 of a block, and what M89 has said before. A cycle that is a program is called; of any other the
+    /// call stays on the block, M89 as M99 on its own block and on all that follow.
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
         let modal = self.cycle.modal == Some(self.frames.len()) && moves;

@@ -1,8 +1,8 @@
 //! Values of formulas.
 //!
-//! Facts: reference control-emulator.md 4.3 (identification), programming manuals of the control: angles in degrees, SGN
-//! of zero is 1, positions in texts count from 0, STRCOMP is 0, 1 or -1, INSTR gives the length if nothing is found.
-//! Functions come from `libm`, so that every machine gives the same bits. Invariant: a value is finite.
+//! Facts: reference control-emulator.md 4.3 (identification), programming manuals of the control: angles in degrees,
+//! SGN of zero is 1, positions in texts count from 0, STRCOMP is 0, 1 or -1, INSTR gives the length if nothing is
+//! found. Functions come from `libm`, so that every machine gives the same bits. Invariant: a value is finite.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

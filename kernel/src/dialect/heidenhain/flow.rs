@@ -1,9 +1,9 @@
 //! Labels, repeats and calls.
 //!
-//! Facts: programming manuals of the control: CALL LBL without REP calls a subprogram that ends at LBL 0; with REP m the
-//! part from the label to the call runs m more times. Heidenhain pre-processor page: CALL PGM, TNC: and the file root.
-//! Decisions: REP with a label further down calls it that many times; the first label of a name counts. Invariant: a
-//! jump back and a call are counted by the kernel.
+//! Facts: programming manuals of the control: CALL LBL without REP calls a subprogram that ends at LBL 0; with REP m
+//! the part from the label to the call runs m more times. Heidenhain pre-processor page: CALL PGM, TNC: and the file
+//! root. Decisions: REP with a label further down calls it that many times; the first label of a name counts.
+//! Invariant: a jump back and a call are counted by the kernel.
 
 use std::sync::Arc;
 

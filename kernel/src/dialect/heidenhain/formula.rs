@@ -1,8 +1,8 @@
 //! Formulas: what stands behind the equal sign of a Q parameter.
 //!
-//! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act on
-//! the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from left to
-//! right; a sign belongs to its operand. Invariant: a compiled formula leaves one value on its stack.
+//! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act
+//! on the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from
+//! left to right; a sign belongs to its operand. Invariant: a compiled formula leaves one value on its stack.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! FN functions and their ISO forms D00 to D38.
 //!
-//! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16, FN 18,
-//! FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
+//! Facts: Heidenhain pre-processor pages (FN 0 to FN 14 with their examples, D00 to D14), programming manuals (FN 16,
+//! FN 18, FN 20, FN 38). Invariant: a function that is not emulated is a statement of its own, never nothing.
 
 use super::formula::{Formula, Function, Name, Op, Wrong, expected, parameter};
 use super::lex::Cursor;

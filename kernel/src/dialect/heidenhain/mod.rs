@@ -1,9 +1,9 @@
 //! Heidenhain: conversational and ISO programs.
 //!
 //! Facts: reference control-emulator.md 5.4, the pages of the emulated system's Heidenhain pre-processor, programming
-//! manuals of the control. Both forms of program are read block by block as they are written. What is left of a block are
-//! words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled once for
-//! each line that stands as it was read; frames here are those of the kernel, in the same order.
+//! manuals of the control. Both forms of program are read block by block as they are written. What is left of a block
+//! are words for the tables of the machine: [docs/preprocessors.md] says which. Invariants: a statement is compiled
+//! once for each line that stands as it was read; frames here are those of the kernel, in the same order.
 
 mod carry;
 mod circle;

@@ -1,8 +1,8 @@
 //! Path blocks: what the tables of a machine cannot say by themselves is reduced to straight lines and circles.
 //!
-//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block whose words
-//! say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant: positions
-//! are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
+//! Facts: programming manuals of the control (path functions, polar coordinates, corners). Decisions: a block whose
+//! words say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant:
+//! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
 use super::geometry::{Point, direction, minus};
 use super::words::{Seen, joined};

@@ -1,9 +1,9 @@
 //! What `$FCEPP` sets.
 //!
-//! Facts: Heidenhain pre-processor page (configurable options), reference functions.md 9. Decisions: blocks that end in `~`
-//! are joined unless CONCATENATE is switched off, definitions of cycles are in any case; parameters of a cycle stay on its
-//! block where a register of the machine takes them, until KEEPCYCLDEFQVARS says all or none. Invariant: a setting that
-//! cannot be made changes nothing.
+//! Facts: Heidenhain pre-processor page (configurable options), reference functions.md 9. Decisions: blocks that end in
+//! `~` are joined unless CONCATENATE is switched off, definitions of cycles are in any case; parameters of a cycle stay
+//! on its block where a register of the machine takes them, until KEEPCYCLDEFQVARS says all or none. Invariant: a
+//! setting that cannot be made changes nothing.
 
 use counterpoint_lang::value::Value;
 

@@ -1,8 +1,8 @@
 //! Q, QL, QR and QS parameters.
 //!
 //! Facts: Heidenhain pre-processor pages: Q and QS 0 to 1999, QL and QR 0 to 499; release notes: Q108 to Q111 and Q113
-//! are told by the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them, labels
-//! in it included, QR outlives a restart of the program. Invariant: an index in here is one that exists.
+//! are told by the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
+//! labels in it included, QR outlives a restart of the program. Invariant: an index in here is one that exists.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Words of a block: names with numbers, parameters or nothing behind them.
 //!
-//! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a number
-//! is left as it was written; what is no word is left as it stands, so that the tables of the machine decide.
+//! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
+//! number is left as it was written; what is no word is left as it stands, so that the tables of the machine decide.
 
 use std::sync::Arc;
 
