@@ -97,6 +97,8 @@ pub(crate) struct Flow {
     pub(crate) word_call: Option<Box<WordMacro>>,
     /// Macro that blocks call without saying so.
     pub(crate) modal_call: Option<Box<ModalCall>>,
+    /// The pre-processor of another control calls behind blocks that move.
+    pub(crate) modal_text: bool,
     pub(crate) pass: Pass,
     /// A line may run again, so compiled lines are worth keeping.
     pub(crate) caching: bool,
@@ -139,12 +141,16 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
-        if self.flow.pending.is_some() || self.flow.modal_call.is_some() { self.follow_up() } else { Ok(()) }
+        let flow = &self.flow;
+        if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }
 
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
+            if self.flow.modal_text && std::mem::take(&mut self.block.moved) {
+                self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
+            }
             self.call_modally();
         }
         match self.flow.pending.take() {

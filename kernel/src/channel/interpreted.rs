@@ -14,6 +14,7 @@ use crate::diag::{self, Facts};
 use crate::dialect::{Answer, Call, Host, Interpreter, Place};
 use crate::log::event::FileId;
 use crate::log::info::Unit;
+use crate::machine::number::written;
 use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
@@ -40,7 +41,11 @@ impl Kernel<'_> {
 
     /// The words that are left of a block act.
     fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
-        self.flow.pass.effects = true;
+        // A sequence number alone is nothing that a loop could wait for.
+        let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");
+        if number.is_empty() || !number.bytes().all(|byte| byte.is_ascii_digit()) {
+            self.flow.pass.effects = true;
+        }
         if text.trim().as_bytes() != whole.trim_ascii() {
             self.trace_left(text);
         }
@@ -50,16 +55,16 @@ impl Kernel<'_> {
         if text.trim().is_empty() {
             return Ok(());
         }
-        // Until the block is done its text is what was left; then it is the line again.
-        let as_read = self.edited.replace(Arc::from(text.as_bytes()));
+        let read = self.edited.replace(Arc::from(text.as_bytes()));
         let plan = self.plan;
         plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         if self.trace.is_some() {
             self.trace_words();
         }
-        let done = self.act_block();
-        self.edited = as_read;
-        done
+        let acted = self.act_block();
+        // The next block has a text of its own.
+        self.edited = read;
+        acted
     }
 
     /// Lets the interpreter work; it cannot be asked from within.
@@ -175,12 +180,20 @@ impl Host for Kernel<'_> {
         self.ask(Pending::CallText(Box::new(call)));
     }
 
+    fn calls_modally(&mut self, on: bool) {
+        self.flow.modal_text = on;
+    }
+
     fn give_back(&mut self) {
         self.ask(Pending::Return(None));
     }
 
     fn show(&mut self, text: &str) {
         self.display(text);
+    }
+
+    fn tells_messages(&self, text: &[u8]) -> bool {
+        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
@@ -210,6 +223,10 @@ impl Host for Kernel<'_> {
         })
     }
 
+    fn has_own_common(&self) -> bool {
+        self.machine.variables.own_common
+    }
+
     fn effect(&mut self) {
         self.flow.pass.effects = true;
     }
@@ -233,6 +250,22 @@ impl Host for Kernel<'_> {
         let mut registers = self.machine.registers.iter();
         registers
             .any(|register| is(&register.name) || is(&register.before) || register.second.as_deref().is_some_and(is))
+    }
+
+    fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
+        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
+        let mut registers = self.machine.registers.iter();
+        let (before, register) = registers.find_map(|register| match &register.second {
+            Some(second) if is(second) => Some((second, register)),
+            _ => is(&register.before).then_some((&register.before, register)),
+        })?;
+        let format = if self.secondary { &register.secondary } else { &register.format };
+        let number = spelled.map_or_else(|| written(value, format), str::to_owned);
+        Some(format!("{before}{number}{}", register.after))
+    }
+
+    fn is_inch(&self) -> bool {
+        (self.machine.unit == Unit::Inch) != self.secondary
     }
 
     fn is_code_text(&self, text: &str) -> bool {

@@ -118,6 +118,9 @@ diagnostics! {
     SECOND_CALL 2900170 8 false "call on a block with another call, a return or an end code";
     TEXT_OF_NO_PROGRAM 2900171 4 false "text of a file that belongs to no program";
     RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
+    OKUMA_UNKNOWN 2900180 8 false "variable or function that nobody knows (Okuma)";
+    OKUMA_CONTINUED 2900181 8 false "line that goes on with the block above it (Okuma)";
+    OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
 }
 
 #[cfg(test)]

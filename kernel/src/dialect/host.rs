@@ -39,6 +39,9 @@ pub(crate) trait Interpreter: Send {
     /// A subprogram has returned.
     fn left(&mut self, host: &mut dyn Host);
 
+    /// A block has moved, and modal calls are on ([`Host::calls_modally`]).
+    fn moved(&mut self, _host: &mut dyn Host) {}
+
     /// `$FCEGNCV`: value of a variable in native spelling; none if it does not exist or has no value.
     ///
     /// # Errors
@@ -142,11 +145,17 @@ pub(crate) trait Host {
     /// Calls a subprogram at the end of the block.
     fn call(&mut self, call: Call);
 
+    /// Behind every block that moves, [`Interpreter::moved`] is asked for a call.
+    fn calls_modally(&mut self, on: bool);
+
     /// Returns from the subprogram at the end of the block, or ends the main program.
     fn give_back(&mut self);
 
     /// A message to the operator.
     fn show(&mut self, text: &str);
+
+    /// The kernel itself has seen to a message of this block.
+    fn tells_messages(&self, text: &[u8]) -> bool;
 
     /// Something about the block is worth saying.
     fn diagnose(&mut self, facts: &'static Facts, text: String);
@@ -169,6 +178,9 @@ pub(crate) trait Host {
     /// The job was stopped.
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted;
 
+    /// The machine gives common variables to each channel instead of sharing them.
+    fn has_own_common(&self) -> bool;
+
     /// A variable of this channel has changed, or something else that the next pass of a loop could see.
     fn effect(&mut self);
 
@@ -180,6 +192,13 @@ pub(crate) trait Host {
 
     /// Words may begin with this text: a register of the machine has the name.
     fn is_register(&self, name: &str) -> bool;
+
+    /// The word of a register with a value: as it is spelled, else so that the register reads this value, rounded to its
+    /// digits. None if no register has the name, with or without `=` at its end.
+    fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String>;
+
+    /// Lengths are in inches.
+    fn is_inch(&self) -> bool;
 
     /// A literal text of the machine's code table, letter case ignored.
     fn is_code_text(&self, text: &str) -> bool;

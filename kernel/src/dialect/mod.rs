@@ -7,7 +7,7 @@
 pub(crate) mod fanuc;
 mod heidenhain;
 mod host;
-mod okuma;
+pub(crate) mod okuma;
 mod siemens;
 
 pub(crate) use host::{Answer, Call, Host, Interpreter, Place, Setting};

@@ -34,6 +34,8 @@ pub struct Field {
     pub default: Option<Value>,
     /// An empty value is refused.
     pub required: bool,
+    /// Variable that has to be set, or must not be, for the control to take anything.
+    pub enabled: Option<(String, bool)>,
 }
 
 /// What a control takes.
@@ -141,6 +143,9 @@ fn evaluate(dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> O
     let mut values = Vec::new();
     if button.kind == ButtonKind::Ok {
         for field in dialog.bound() {
+            if !field.is_enabled(dialog, answer, current) {
+                continue;
+            }
             let value = answer.value(&field.variable).cloned().or_else(|| field.start(current));
             let value = field.accept(value).map_err(|why| format!("dialog '{}': {why}", dialog.name))?;
             values.extend(value.map(|value| (field.variable.clone(), value)));
@@ -176,6 +181,21 @@ impl Dialog {
 }
 
 impl Field {
+    /// It takes values: the variable that decides, as it is entered in the same dialog or stands, is set or not.
+    fn is_enabled(&self, dialog: &Dialog, answer: &Answer, current: &mut dyn FnMut(&str) -> Option<Value>) -> bool {
+        let Some((variable, wanted)) = &self.enabled else { return true };
+        let shown = dialog.bound().find(|field| field.variable.eq_ignore_ascii_case(variable));
+        let value = shown.and_then(|field| answer.value(variable).cloned().or_else(|| field.start(current)));
+        let value = value.or_else(|| current(variable));
+        let set = match value {
+            Some(Value::Flag(flag)) => flag,
+            Some(Value::Number(number)) => number != 0.0,
+            Some(Value::Text(text)) => !text.is_empty(),
+            None => false,
+        };
+        set == *wanted
+    }
+
     /// The value it begins with: that of its variable, else its default.
     fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Option<Value> {
         current(&self.variable).filter(|value| !value.is_empty()).or_else(|| self.default.clone())

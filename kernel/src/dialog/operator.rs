@@ -110,7 +110,8 @@ mod tests {
     fn dialog(name: &str, variable: &str, buttons: &[(&str, ButtonKind)]) -> Dialog {
         let kind = FieldKind::Number { min: 1.0, max: 9.0, whole: true };
         let default = Some(Value::Number(3.0));
-        let field = Field { label: variable.into(), variable: variable.into(), kind, default, required: true };
+        let field =
+            Field { label: variable.into(), variable: variable.into(), kind, default, required: true, enabled: None };
         let button = |(label, kind): &(&str, ButtonKind)| Button { label: (*label).into(), kind: kind.clone() };
         let buttons = buttons.iter().map(button).collect();
         Dialog { name: name.into(), title: name.into(), fields: vec![field], buttons }

@@ -4,7 +4,7 @@ use super::answers::{check, nth};
 use super::*;
 
 fn field(variable: &str, kind: FieldKind, default: Option<Value>) -> Field {
-    Field { label: variable.into(), variable: variable.into(), kind, default, required: false }
+    Field { label: variable.into(), variable: variable.into(), kind, default, required: false, enabled: None }
 }
 
 fn dialogs() -> Vec<Dialog> {

@@ -259,7 +259,8 @@ fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
     }
     let mut called = Called::default();
     ranges.iter().for_each(|&range| callers.called(source, range, &mut called));
-    let is_main = |range: Range| !called.has(source, range) && !callers.by_word(range);
+    let is_main =
+        |range: Range| !called.has(source, range) && !callers.by_word(range) && !callers.returns(source, range);
     let mut mains: Vec<Range> = ranges.iter().copied().filter(|&range| is_main(range)).collect();
     if let [heading, next, ..] = ranges
         && source.is_plain(*heading)

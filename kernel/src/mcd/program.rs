@@ -1,10 +1,11 @@
-//! Programs inside a file: from a definition (`O2101`, `:2101`, `<NAME>`) to the next one.
+//! Programs inside a file: from a definition (`O2101`, `:2101`, `<NAME>`, `ONAME` on Okuma controls) to the next one.
 //!
 //! Facts: reference control-emulator.md 5.4 (`<name>`), 5.7. The text before the first definition, behind a rewind-stop
 //! if there is one, is a program of its own without a number; blank lines and comments are no text. Invariant: every
 //! line of text behind that rewind-stop belongs to exactly one program.
 
 use super::source::Source;
+use crate::dialect::okuma;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, Preprocessor};
@@ -25,6 +26,8 @@ pub struct Range {
 pub struct Shape {
     /// Programs may have names in angle brackets.
     names: bool,
+    /// Programs may have names of letters and digits behind O.
+    okuma: bool,
     /// Comments and messages, start and end.
     remarks: Vec<(Vec<u8>, Vec<u8>)>,
     rws: Vec<u8>,
@@ -33,7 +36,13 @@ pub struct Shape {
 
 impl Default for Shape {
     fn default() -> Self {
-        Self { names: false, remarks: vec![(b"(".to_vec(), b")".to_vec())], rws: b"%".to_vec(), eob: None }
+        Self {
+            names: false,
+            okuma: false,
+            remarks: vec![(b"(".to_vec(), b")".to_vec())],
+            rws: b"%".to_vec(),
+            eob: None,
+        }
     }
 }
 
@@ -46,6 +55,7 @@ impl Shape {
         let taken = remarks.clone().any(|(start, _)| start.starts_with('<'));
         Self {
             names: machine.preprocessor == Preprocessor::Fanuc && !taken,
+            okuma: machine.preprocessor == Preprocessor::Okuma,
             remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
             rws: format.rws.clone().into(),
             eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
@@ -60,7 +70,8 @@ impl Shape {
     /// Something stands in a line besides blanks, comments and a rewind-stop.
     pub(super) fn has_text(&self, line: &[u8]) -> bool {
         let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
-        !self.is_stop(line) && !self.words(line).iter().all(blank)
+        let header = self.okuma && okuma::is_header(line);
+        !self.is_stop(line) && !header && !self.words(line).iter().all(blank)
     }
 
     /// A line without its comments and messages, in capitals.
@@ -83,6 +94,9 @@ impl Shape {
 
     /// The name that a line defines a program by.
     pub(super) fn name<'l>(&self, line: &'l [u8]) -> Option<&'l [u8]> {
+        if self.okuma {
+            return okuma::program_name(line);
+        }
         let at = line.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'/')).filter(|_| self.names)?;
         line.get(at + 1..program_name(line, at)? - 1)
     }
@@ -150,6 +164,8 @@ pub(crate) struct Callers {
     end_texts: Vec<String>,
     /// First and last number of the programs that single words call.
     numbers: Vec<(u32, u32)>,
+    /// Statements call by name.
+    okuma: bool,
 }
 
 /// Programs that a text calls.
@@ -203,7 +219,7 @@ impl Callers {
                 CodeForm::NotApplicable => {}
             }
         }
-        Self { words, ends, end_texts, numbers }
+        Self { words, ends, end_texts, numbers, okuma: machine.preprocessor == Preprocessor::Okuma }
     }
 
     /// A line of a range ends a program or returns.
@@ -223,6 +239,13 @@ impl Callers {
     pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
         for line in range.first..=range.last {
             let text = source.words(line);
+            if let Some(name) = okuma::called(&text).filter(|_| self.okuma) {
+                match name.parse() {
+                    Ok(number) => into.numbers.push(number),
+                    Err(_) => into.names.push(name.into()),
+                }
+                continue;
+            }
             if !self.words.iter().any(|word| memchr::memmem::find(&text, word.as_bytes()).is_some()) {
                 continue;
             }
@@ -236,6 +259,11 @@ impl Callers {
                 into.names.extend(name.map(<[u8]>::to_vec));
             }
         }
+    }
+
+    /// The program says itself that it is a subprogram.
+    pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
+        self.okuma && (range.first..=range.last).any(|line| okuma::returns(source.line(line)))
     }
 
     /// A word by itself calls this program.
@@ -253,7 +281,7 @@ mod tests {
 
     fn callers() -> Callers {
         let ends = vec![(b'M', 2), (b'M', 30)];
-        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new() }
+        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new(), okuma: false }
     }
 
     #[test]

@@ -93,12 +93,11 @@ fn end(core: &Arc<Core>, live: &Live, change: Change) {
 }
 
 fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
+    // Durable, then visible: a run that takes the server down has been counted.
+    let begun = core.ledger.begin_blocking(live.id.clone(), now_ms())?;
     let record = live.change(|record| {
-        record.state = State::Running;
-        record.attempt += 1;
-        record.started_ms = now_ms();
+        (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
     });
-    core.ledger.update_blocking(record.clone())?;
     let files = Sandbox::new(core.blobs.clone(), &record.files);
     let prepared = match prepare(core, &record, &files)? {
         Ok(prepared) => prepared,

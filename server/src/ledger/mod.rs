@@ -189,6 +189,20 @@ impl Ledger {
         answered.blocking_recv().map_err(|_| storage("closed"))?
     }
 
+    /// Counts a run of a job, from a thread that may block; the record as it is kept then.
+    pub(crate) fn begin_blocking(&self, id: String, now_ms: i64) -> Result<Record, Refusal> {
+        let (operation, begun) = Self::operation(move |txn| {
+            let mut record = get(txn, &id)?.ok_or_else(|| storage("a job that runs is not kept"))?;
+            record.state = State::Running;
+            record.attempt += 1;
+            record.started_ms = now_ms;
+            put(txn, &record)?;
+            Ok(record)
+        });
+        self.operations()?.blocking_send(operation).map_err(|_| storage("closed"))?;
+        begun.blocking_recv().map_err(|_| storage("closed"))?
+    }
+
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
         self.write(move |txn| {

@@ -41,6 +41,7 @@ home = 100
 [[axes]]
 name = \"A\"
 rapid = 6000
+turn = \"shortest\"
 center = [0, 0, -50]
 limits = [-120, 120]
 

@@ -52,7 +52,7 @@ impl Scanner {
             formula.read(self.names(), line, at);
             let end = match self.comment_end(line, at) {
                 Some(end) => end,
-                None if byte == mark && !(self.macros && formula.divides()) => {
+                None if byte == mark && !(self.macros && formula.divides()) && !self.divides(line, at) => {
                     let mut scratch = Block::default();
                     let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
                     let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
@@ -68,13 +68,19 @@ impl Scanner {
         found.map(|active| (active, out))
     }
 
+    /// On a line for the pre-processor of another control a skip character behind the begin of the block divides.
+    fn divides(&self, line: &[u8], at: usize) -> bool {
+        self.foreign.is_some_and(|concerns| concerns(line))
+            && line.get(..at).unwrap_or_default().iter().any(|byte| matches!(byte, b'=' | b'['))
+    }
+
     /// Level of the first mark of a line, none without one.
     pub(in crate::channel) fn first_mark(&self, line: &[u8]) -> Option<u8> {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, line).is_some())?;
         let (mut at, mut formula) = (0, Formula::default());
         while let Some(&byte) = line.get(at) {
             formula.read(self.names(), line, at);
-            if byte == mark && !(self.macros && formula.divides()) {
+            if byte == mark && !(self.macros && formula.divides()) && !self.divides(line, at) {
                 return Some(match line.get(at + 1) {
                     Some(digit @ b'1'..=b'9') => digit - b'0',
                     _ => self.opskip_default,

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Coolant, Diagnostic, Member, Origin, Release, Spindle, ToolData, Wait};
+use crate::log::event::{
+    Coolant, Diagnostic, Direction, Member, Origin, Outlet, Phase, Primitive, Release, Spindle, Stop, ToolAction,
+    ToolData, Verdict, VerdictKind, Wait,
+};
 
 fn event(kind: Kind) -> Event {
     Event { t_ns: 7, micro: 1, dur_ns: 3, channel: 2, file: 1, line: 40, kind }

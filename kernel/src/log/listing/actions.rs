@@ -14,6 +14,8 @@ use crate::log::info::Axis;
 #[derive(Debug, Default)]
 pub(super) struct Actions {
     rate: Option<(FeedUnit, u64, bool)>,
+    /// Spindles as they were, those that have not turned yet left out.
+    spindles: Vec<Spindle>,
 }
 
 impl Actions {
@@ -29,7 +31,7 @@ impl Actions {
                 ToolAction::Load => format!("load tool n={tool}"),
                 ToolAction::Offset => format!("tool offset n={offset}"),
             }),
-            Kind::Spindle(spindle) => one(turning(spindle)),
+            Kind::Spindle(spindle) => one(self.spindle(spindle)),
             Kind::Coolant(coolant) => one(coolant.to_string()),
             Kind::Function { letter, value } => {
                 one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
@@ -48,6 +50,28 @@ impl Actions {
             Kind::Release(release) => one(format!("sync mark={} go", mark(&release.key))),
             _ => Vec::new(),
         }
+    }
+
+    /// What a spindle does; its limit alone when nothing else is new.
+    fn spindle(&mut self, now: &Spindle) -> String {
+        let standing =
+            Spindle { direction: Direction::Off, css: false, speed: 0.0, limit: f64::INFINITY, angle: 0.0, ..*now };
+        let known = self.spindles.iter_mut().find(|known| known.spindle == now.spindle);
+        let before = match known {
+            Some(known) => std::mem::replace(known, *now),
+            None => {
+                self.spindles.push(*now);
+                standing
+            }
+        };
+        let same = |a: &Spindle, b: &Spindle| {
+            a.direction == b.direction
+                && (a.direction == Direction::Off || (a.css, a.speed, a.angle) == (b.css, b.speed, b.angle))
+        };
+        if !now.css && now.limit.is_finite() && now.limit != before.limit && same(&before, now) {
+            return numbered(now, format!("spindle max={}", wildcard_text(now.limit)));
+        }
+        turning(now)
     }
 
     fn motion(&mut self, axes: &[Axis], motion: &Motion) -> Vec<String> {
@@ -101,7 +125,7 @@ impl Actions {
     }
 }
 
-/// State of a spindle; those beyond the first one are told with their number.
+/// State of a spindle.
 fn turning(spindle: &Spindle) -> String {
     let number = wildcard_text;
     let text = match spindle.direction {
@@ -117,6 +141,11 @@ fn turning(spindle: &Spindle) -> String {
         Direction::Clockwise => format!("spindle clw, rpm={}", number(spindle.speed)),
         Direction::CounterClockwise => format!("spindle ccw, rpm={}", number(spindle.speed)),
     };
+    numbered(spindle, text)
+}
+
+/// With the number of the spindle, unless it is the first one.
+fn numbered(spindle: &Spindle, text: String) -> String {
     match spindle.spindle {
         0 | 1 => text,
         other if text.contains('=') => format!("{text}, n={other}"),

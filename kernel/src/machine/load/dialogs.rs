@@ -124,7 +124,12 @@ fn read_field(mut row: Section<'_>, check: &Check) -> Option<Field> {
     if kind == FieldKind::Choice(Vec::new()) {
         row.error("choices", "a choice needs `choices`");
     }
-    let mut field = Field { label, variable, kind, default: None, required };
+    let when = row.name("when", 32).map(|variable| (variable.to_owned(), true));
+    let unless = row.name("unless", 32).map(|variable| (variable.to_owned(), false));
+    if when.is_some() && unless.is_some() {
+        row.error("unless", "a field has `when` or `unless`, not both");
+    }
+    let mut field = Field { label, variable, kind, default: None, required, enabled: when.or(unless) };
     match field.accept(default.clone()) {
         Ok(accepted) => field.default = accepted,
         Err(why) if default.is_some() => row.error("default", why),

@@ -15,11 +15,12 @@ const LAST: i64 = 99_999;
 
 /// Reads the section.
 pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Variables {
-    let mut variables = Variables { shared: Vec::new(), channel: Vec::new() };
+    let mut variables = Variables { shared: Vec::new(), channel: Vec::new(), own_common: false };
     let Some(mut section) = top.table("variables", "[variables]") else { return variables };
     let mut taken: Vec<(u32, u32)> = Vec::new();
     variables.shared = ranges(&mut section, "shared", &mut taken, check);
     variables.channel = ranges(&mut section, "channel", &mut taken, check);
+    variables.own_common = section.flag("own_common").unwrap_or(false);
     section.finish();
     variables
 }

@@ -251,6 +251,8 @@ pub struct Variables {
     pub shared: Vec<(u32, u32)>,
     /// Ranges of common variables of each channel's own.
     pub channel: Vec<(u32, u32)>,
+    /// Common variables with names (VC1) are each channel's own too.
+    pub own_common: bool,
 }
 
 /// Tool word, tools and offsets.

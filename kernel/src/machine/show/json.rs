@@ -40,7 +40,8 @@ pub fn json(machine: &Machine) -> Value {
             "arcs": machine.compensation.arcs,
             "corner_angle": machine.compensation.corner_angle,
         },
-        "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel },
+        "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
+            "own_common": machine.variables.own_common },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
         "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
     })

@@ -126,6 +126,9 @@ pub(super) fn summary(machine: &Machine) -> String {
     }
     line("shared", ranges(&machine.variables.shared));
     line("per channel", ranges(&machine.variables.channel));
+    if machine.variables.own_common {
+        line("named", "per channel".to_owned());
+    }
     line("offset digits", machine.tool.offset_digits.to_string());
     line("tool offsets", machine.tool.offsets.len().to_string());
     line("tools with data", machine.tool.data.len().to_string());

@@ -1,0 +1,446 @@
+//! A block of the pre-processor, read.
+//!
+//! Facts: reference control-emulator.md 5.4, 5.5. Decisions: marks of optional skip stand at the begin of the block and
+//! directly behind its sequence number or name, the last of them decides over what follows; everywhere else `/`
+//! divides.
+
+use super::cursor::{Cursor, Mistake};
+use super::expr::{Expr, Reader, Variable, name_text, number_text};
+use super::names::{self, Local};
+use super::text::Prepared;
+
+/// A block.
+#[derive(Debug, Default)]
+pub(super) struct Line {
+    /// Marks and the sequence number or name before everything else.
+    pub(super) head: Vec<Head>,
+    pub(super) statement: Statement,
+    pub(super) messages: Vec<String>,
+    /// A comment has no end.
+    pub(super) open: bool,
+}
+
+/// What stands before a statement.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Head {
+    /// A mark of optional skip with its level.
+    Mark(Option<u8>),
+    /// A sequence number, as written.
+    Number(String),
+    /// A sequence name, as written.
+    Name(String),
+    /// The name of a program.
+    Program(String),
+}
+
+/// What a block says.
+#[derive(Debug, Default, PartialEq)]
+pub(super) enum Statement {
+    /// Nothing more.
+    #[default]
+    Nothing,
+    /// It goes on with a line above it, which is not understood.
+    Continued,
+    /// Go to a block, if something is true.
+    Goto(Option<Expr>, Target),
+    Call(Call),
+    ModIn(Call),
+    ModOut,
+    Return,
+    /// Words and assignments.
+    Items(Vec<Item>),
+}
+
+/// A block to go to.
+#[derive(Debug, PartialEq)]
+pub(super) enum Target {
+    /// By its sequence number or name, without N.
+    Named(String),
+    /// By a number that is computed.
+    Computed(Expr),
+}
+
+/// A call of a subprogram.
+#[derive(Debug, PartialEq)]
+pub(super) struct Call {
+    /// Its name, with O.
+    pub(super) name: String,
+    /// How often it is repeated.
+    pub(super) repeats: Option<Expr>,
+    pub(super) arguments: Vec<(Local, Expr)>,
+}
+
+/// A part of a block.
+#[derive(Debug, PartialEq)]
+pub(super) enum Item {
+    /// Text for the machine's tables.
+    Plain(String),
+    /// A value for a word or a variable.
+    Set {
+        /// Name of the word or variable, in capitals.
+        name: String,
+        /// The variable that it could be; none for the letter of a word with its value in brackets.
+        variable: Option<Variable>,
+        value: Expr,
+        /// The value as written, if it is a number and nothing else.
+        spelled: Option<String>,
+        /// The item as written.
+        raw: String,
+    },
+}
+
+/// What is taken off blocks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted {
+    /// CALL, MODIN and MODOUT.
+    pub(super) subprograms: bool,
+}
+
+/// Reads a block.
+pub(super) fn read(prepared: Prepared, wanted: Wanted) -> Result<Line, Mistake> {
+    let Prepared { plain, upper, messages, open } = prepared;
+    let mut reading = Reading { plain: &plain, cursor: Cursor::new(&upper) };
+    if let Some(header) = reading.of_the_file() {
+        return Ok(Line { head: Vec::new(), statement: header, messages, open });
+    }
+    let head = reading.head();
+    let statement = reading.statement(wanted)?;
+    Ok(Line { head, statement, messages, open })
+}
+
+/// A block that is being read.
+struct Reading<'a> {
+    plain: &'a [u8],
+    cursor: Cursor<'a>,
+}
+
+impl Reading<'_> {
+    /// The text as written from a place up to another.
+    fn raw(&self, start: usize, end: usize) -> String {
+        String::from_utf8_lossy(self.plain.get(start..end).unwrap_or_default()).into_owned()
+    }
+
+    /// A line that begins with `$`: the name of the file (`$NAME.MIN%`), or the rest of the line above.
+    fn of_the_file(&mut self) -> Option<Statement> {
+        let is = self.cursor.peek() == Some(b'$');
+        is.then(|| if is_header(self.plain) { Statement::Nothing } else { Statement::Continued })
+    }
+
+    fn head(&mut self) -> Vec<Head> {
+        let mut head = Vec::new();
+        let mut has_name = false;
+        loop {
+            match self.cursor.peek() {
+                Some(b'/') => {
+                    self.cursor.at += 1;
+                    let level = self.cursor.here().filter(|byte| (b'1'..=b'9').contains(byte));
+                    self.cursor.at += usize::from(level.is_some());
+                    head.push(Head::Mark(level.map(|digit| digit - b'0')));
+                }
+                Some(letter @ (b'N' | b'O')) if !has_name => match self.named(letter) {
+                    Some(name) => {
+                        head.push(name);
+                        has_name = true;
+                    }
+                    None => break,
+                },
+                _ => break,
+            }
+        }
+        head
+    }
+
+    /// The sequence number or name, or the name of a program.
+    fn named(&mut self, letter: u8) -> Option<Head> {
+        let mut ahead = self.cursor.clone();
+        let start = ahead.at;
+        ahead.at += 1;
+        let name = ahead.run(|byte| byte.is_ascii_digit() || byte.is_ascii_uppercase());
+        let digits = name.bytes().take_while(u8::is_ascii_digit).count();
+        let program = letter == b'O';
+        if name.is_empty() || matches!(ahead.here(), Some(b'=' | b'[')) && digits == 0 {
+            return None;
+        }
+        if matches!(self.plain.get(start..ahead.at), Some(word) if is_statement(word)) {
+            return None;
+        }
+        // N10G0X5: a number ends where a letter begins.
+        if !program && digits > 0 {
+            ahead.at = start + 1 + digits;
+        }
+        self.cursor = ahead;
+        let text = self.raw(start, self.cursor.at);
+        Some(match program {
+            true => Head::Program(text),
+            false if digits > 0 => Head::Number(text),
+            false => Head::Name(text),
+        })
+    }
+
+    fn statement(&mut self, wanted: Wanted) -> Result<Statement, Mistake> {
+        let cursor = &mut self.cursor;
+        if cursor.peek().is_none() {
+            return Ok(Statement::Nothing);
+        }
+        if cursor.word("MSG") || cursor.word("NMSG") {
+            cursor.end()?;
+            return Ok(Statement::Nothing);
+        }
+        if cursor.word("RTS") {
+            cursor.end()?;
+            return Ok(Statement::Return);
+        }
+        if cursor.word("NOEX") {
+            return self.items();
+        }
+        if cursor.key_word("GOTO") {
+            let target = self.target()?;
+            return Ok(Statement::Goto(None, target));
+        }
+        let start = cursor.at;
+        if cursor.key_word("IF") {
+            if cursor.peek() == Some(b'[') || cursor.key_word("VPBR") {
+                cursor.at = start + 2;
+                return self.condition();
+            }
+            cursor.at = start;
+        }
+        if wanted.subprograms {
+            if cursor.word("MODOUT") {
+                cursor.end()?;
+                return Ok(Statement::ModOut);
+            }
+            if cursor.key_word("MODIN") {
+                return self.call().map(Statement::ModIn);
+            }
+            if cursor.key_word("CALL") {
+                return self.call().map(Statement::Call);
+            }
+        } else if ["MODOUT", "MODIN", "CALL"].into_iter().any(|word| cursor.key_word(word)) {
+            cursor.at = start;
+            let (start, end) = cursor.rest();
+            return Ok(Statement::Items(vec![Item::Plain(self.raw(start, end))]));
+        }
+        self.items()
+    }
+
+    fn condition(&mut self) -> Result<Statement, Mistake> {
+        let cursor = &mut self.cursor;
+        let condition = if cursor.peek() == Some(b'[') {
+            cursor.at += 1;
+            let condition = Reader::new(cursor).expression()?;
+            cursor.expect(b']', "']'")?;
+            condition
+        } else {
+            let name = name_text(cursor);
+            Expr::Variable(Reader::new(cursor).variable(name)?)
+        };
+        cursor.key_word("GOTO");
+        let target = self.target()?;
+        Ok(Statement::Goto(Some(condition), target))
+    }
+
+    fn target(&mut self) -> Result<Target, Mistake> {
+        let cursor = &mut self.cursor;
+        cursor.expect(b'N', "a sequence name")?;
+        let target = if cursor.here() == Some(b'[') {
+            cursor.at += 1;
+            let number = Reader::new(cursor).expression()?;
+            cursor.expect(b']', "']'")?;
+            Target::Computed(number)
+        } else {
+            let name = cursor.run(|byte| byte.is_ascii_digit() || byte.is_ascii_uppercase());
+            if name.is_empty() {
+                return Err(Mistake::Expected("a sequence name", cursor.at + 1));
+            }
+            Target::Named(normal(name))
+        };
+        cursor.end()?;
+        Ok(target)
+    }
+
+    fn call(&mut self) -> Result<Call, Mistake> {
+        let cursor = &mut self.cursor;
+        cursor.expect(b'O', "the name of a program")?;
+        let start = cursor.at - 1;
+        if cursor.run(|byte| byte.is_ascii_digit() || byte.is_ascii_uppercase()).is_empty() {
+            return Err(Mistake::Expected("the name of a program", cursor.at + 1));
+        }
+        let name = cursor.between(start).to_owned();
+        let (mut repeats, mut arguments) = (None, Vec::new());
+        loop {
+            while cursor.take(b',') {}
+            if cursor.peek().is_none() {
+                return Ok(Call { name, repeats, arguments });
+            }
+            let start = cursor.at;
+            cursor.run(|byte| byte.is_ascii_uppercase());
+            if cursor.between(start) == "Q" && repeats.is_none() {
+                let digits = !cursor.take(b'=') && matches!(cursor.peek(), Some(b'0'..=b'9'));
+                repeats = Some(match digits {
+                    true => Expr::Number(number_text(cursor).parse().unwrap_or(f64::MAX)),
+                    false => Reader::new(cursor).expression()?,
+                });
+                continue;
+            }
+            cursor.run(|byte| byte.is_ascii_digit());
+            let Some(local) = names::local(cursor.between(start)) else {
+                return Err(Mistake::Expected("a local variable", start + 1));
+            };
+            cursor.expect(b'=', "'='")?;
+            arguments.push((local, Reader::new(cursor).expression()?));
+        }
+    }
+
+    /// Words and assignments.
+    fn items(&mut self) -> Result<Statement, Mistake> {
+        let mut items = Vec::new();
+        let mut plain: Option<usize> = None;
+        while let Some(byte) = self.cursor.peek() {
+            let start = self.cursor.at;
+            if byte == b',' {
+                self.flush(&mut plain, start, &mut items);
+                self.cursor.at += 1;
+                continue;
+            }
+            if let Some(item) = self.item(start)? {
+                self.flush(&mut plain, start, &mut items);
+                items.push(item);
+                continue;
+            }
+            plain.get_or_insert(start);
+        }
+        let end = self.cursor.at;
+        self.flush(&mut plain, end, &mut items);
+        Ok(Statement::Items(items))
+    }
+
+    fn flush(&self, plain: &mut Option<usize>, end: usize, items: &mut Vec<Item>) {
+        if let Some(start) = plain.take() {
+            items.push(Item::Plain(self.raw(start, end).trim().to_owned()));
+        }
+    }
+
+    /// The next item, or none after passing over a word of plain text.
+    fn item(&mut self, start: usize) -> Result<Option<Item>, Mistake> {
+        let name = name_text(&mut self.cursor);
+        if name.is_empty() {
+            self.cursor.at += 1;
+            self.cursor.run(|byte| !byte.is_ascii_uppercase() && !matches!(byte, b' ' | b','));
+            return Ok(None);
+        }
+        let letter = name.len() == 1;
+        let opens = self.cursor.here() == Some(b'[');
+        if letter && opens && name != "V" {
+            return self.set(start, name, None).map(Some);
+        }
+        let mut ahead = self.cursor.clone();
+        if opens || ahead.peek() == Some(b'=') {
+            let variable = Reader::new(&mut self.cursor).variable(name)?;
+            if self.cursor.take(b'=') {
+                return self.set(start, name, Some(variable)).map(Some);
+            }
+            return Err(Mistake::Expected("'='", self.cursor.at + 1));
+        }
+        // The rest of a number, as in.
+        self.cursor.run(|byte| !byte.is_ascii_uppercase() && !matches!(byte, b' ' | b',' | b'=' | b'['));
+        Ok(None)
+    }
+
+    fn set(&mut self, start: usize, name: &str, variable: Option<Variable>) -> Result<Item, Mistake> {
+        self.cursor.peek();
+        let from = self.cursor.at;
+        let value = Reader::new(&mut self.cursor).expression()?;
+        let end = self.cursor.at;
+        let written = self.raw(from, end).trim().to_owned();
+        let raw = self.raw(start, end).trim().to_owned();
+        let is_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+');
+        let spelled = Some(written).filter(|text| matches!(value, Expr::Number(_)) && text.bytes().all(is_number));
+        Ok(Item::Set { name: name.to_owned(), variable, value, spelled, raw })
+    }
+}
+
+/// A word that only looks like a name.
+fn is_statement(word: &[u8]) -> bool {
+    [b"NOEX".as_slice(), b"NMSG"].into_iter().any(|known| word.eq_ignore_ascii_case(known))
+}
+
+/// A line with the name of its file: `$NAME.MIN%`.
+pub(crate) fn is_header(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    line.first() == Some(&b'$') && line.last() == Some(&b'%')
+}
+
+/// A sequence number or program name as it is compared: zeros before a number do not count.
+pub(super) fn normal(name: &str) -> String {
+    let name = name.to_ascii_uppercase();
+    if name.bytes().all(|byte| byte.is_ascii_digit()) {
+        let number = name.trim_start_matches('0');
+        return if number.is_empty() { "0".to_owned() } else { number.to_owned() };
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::text::prepare;
+    use super::*;
+
+    fn line(text: &str) -> Result<Line, Mistake> {
+        read(prepare(text.as_bytes()), Wanted { subprograms: true })
+    }
+
+    fn plain(text: &str) -> Vec<String> {
+        let Statement::Items(items) = line(text).unwrap().statement else { panic!("{text} has no items") };
+        let text = |item| match item {
+            Item::Plain(text) => format!("'{text}'"),
+            Item::Set { raw, .. } => raw,
+        };
+        items.into_iter().map(text).collect()
+    }
+
+    #[test]
+    fn items_of_a_block() {
+        assert_eq!(plain("G1X=5Y-2.5 z[la1]M8"), ["'G1'", "X=5", "'Y-2.5'", "z[la1]", "'M8'"]);
+        assert_eq!(plain("VC[1] = 2 ,LA=3"), ["VC[1] = 2", "LA=3"]);
+        assert_eq!(plain("GOTP N1"), ["'GOTP N1'"]);
+        assert_eq!(plain("IFA=1"), ["IFA=1"]);
+        assert_eq!(plain("X=VC1EQ 1"), ["X=VC1EQ 1"]);
+    }
+
+    #[test]
+    fn heads_of_a_block() {
+        let head = |text: &str| line(text).unwrap().head;
+        let (number, name) = (|text: &str| Head::Number(text.to_owned()), |text: &str| Head::Name(text.to_owned()));
+        assert_eq!(head("/ N10/2 X5"), [Head::Mark(None), number("N10"), Head::Mark(Some(2))]);
+        assert_eq!(head("N10G0X5"), [number("N10")]);
+        assert_eq!(head("nLAP1 G0"), [name("nLAP1")]);
+        assert_eq!(head("oab"), [Head::Program("oab".to_owned())]);
+        assert!(head("NOEX LA=1").is_empty() && head("NMSG").is_empty() && head("X5").is_empty());
+    }
+
+    #[test]
+    fn statements() {
+        let statement = |text: &str| line(text).unwrap().statement;
+        let named = |name: &str| Target::Named(name.to_owned());
+        assert_eq!(statement("GOTO N0100"), Statement::Goto(None, named("100")));
+        assert!(matches!(statement("IF[VC1 EQ 1]NA"), Statement::Goto(Some(_), target) if target == named("A")));
+        assert!(matches!(statement("IF VPBR2 GOTO N7"), Statement::Goto(Some(_), target) if target == named("7")));
+        let Statement::Call(call) = statement("CALL O1 Q2 LA=1 LB=[2+3]") else { panic!("no call") };
+        assert_eq!((call.name.as_str(), call.repeats, call.arguments.len()), ("O1", Some(Expr::Number(2.0)), 2));
+        assert_eq!(statement("$A.MIN%"), Statement::Nothing);
+        assert_eq!(statement("$ X5"), Statement::Continued);
+    }
+
+    #[test]
+    fn mistakes() {
+        for text in
+            ["X=", "X=[1", "X=1+", "IF [1] 5", "GOTO 5", "CALL 5", "CALL O", "RTS X5", "LA1[5", "X=SIN 5", "X=SIN[1,2]"]
+        {
+            assert!(line(text).is_err(), "{text}");
+        }
+        assert!(matches!(line(&format!("X={}1", "-".repeat(1000))), Err(Mistake::TooLong(_))));
+        assert!(matches!(line(&format!("X=1{}", "+1".repeat(1000))), Err(Mistake::TooLong(_))));
+        assert!(matches!(line(&format!("X={}", "[".repeat(100_000))), Err(Mistake::TooLong(_))));
+    }
+}

@@ -1,0 +1,98 @@
+//! Names of variables and what they stand for.
+//!
+//! Decisions: a local variable has letters and then digits, two to four characters, and begins with none of O, N and V,
+//! which begin the names of programs, sequences and the control's own variables. Common variables are VC1 to VC200 on
+//! machining centres and V1 to V200 on lathes; both are understood, and they are different ones. Facts: reference
+//! control-emulator.md 5.4.
+
+/// Number of common variables of each kind.
+const COMMON: f64 = 200.0;
+
+/// Words that are no names.
+const RESERVED: &[&str] = &[
+    "EQ", "NE", "GT", "GE", "LT", "LE", "AND", "OR", "EOR", "NOT", "MOD", "IF", "GOTO", "CALL", "RTS", "NOEX", "MSG",
+    "NMSG", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "SQRT", "ABS", "BIN", "BCD", "FIX", "FUP", "DFIX", "DFUP",
+    "EXP", "LN",
+];
+
+/// A local variable: its name, filled up with zeros.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Local([u8; 4]);
+
+impl std::fmt::Display for Local {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.iter().filter(|byte| **byte != 0).try_for_each(|byte| write!(f, "{}", char::from(*byte)))
+    }
+}
+
+/// The two kinds of common variables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Family {
+    /// VC1 and so on.
+    Vc,
+    /// V1 and so on.
+    V,
+}
+
+impl Family {
+    pub(super) fn prefix(self) -> &'static str {
+        match self {
+            Family::Vc => "VC",
+            Family::V => "V",
+        }
+    }
+
+    /// The name of a common variable; none if there is no such one.
+    pub(super) fn name(self, index: f64) -> Option<String> {
+        let exists = (1.0..=COMMON).contains(&index) && index.fract() == 0.0;
+        exists.then(|| format!("{}{index}", self.prefix()))
+    }
+}
+
+/// The local variable of a name.
+pub(super) fn local(name: &str) -> Option<Local> {
+    let letters = name.bytes().take_while(u8::is_ascii_uppercase).count();
+    let digits = name.bytes().skip(letters).take_while(u8::is_ascii_digit).count();
+    let fits = letters > 0 && letters + digits == name.len() && (2..=4).contains(&name.len());
+    if !fits || name.starts_with(['O', 'N', 'V']) || RESERVED.contains(&name) {
+        return None;
+    }
+    let mut bytes = [0; 4];
+    bytes.iter_mut().zip(name.bytes()).for_each(|(slot, byte)| *slot = byte);
+    Some(Local(bytes))
+}
+
+/// The kind of common variable that a name with or without its number means, and the number.
+pub(super) fn common(name: &str) -> Option<(Family, Option<f64>)> {
+    let (family, number) = match name.strip_prefix("VC") {
+        Some(number) => (Family::Vc, number),
+        None => (Family::V, name.strip_prefix('V')?),
+    };
+    if number.is_empty() {
+        return Some((family, None));
+    }
+    let digits = number.len() <= 9 && number.bytes().all(|byte| byte.is_ascii_digit());
+    digits.then(|| (family, number.parse().ok()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_variables() {
+        for name in ["LA1", "LA", "A1", "DIA1", "PX", "XYZ", "ABCD"] {
+            assert_eq!(local(name).unwrap().to_string(), name);
+        }
+        for name in ["A", "OA", "N1", "VA", "SIN", "A1B", "ABCDE", "LA123", "1A", "", "EQ"] {
+            assert!(local(name).is_none(), "{name}");
+        }
+        assert_eq!(common("VC12"), Some((Family::Vc, Some(12.0))));
+        assert_eq!(common("V7"), Some((Family::V, Some(7.0))));
+        assert_eq!(common("V"), Some((Family::V, None)));
+        assert_eq!(common("VSIOX"), None);
+        assert_eq!(common("VCX"), None);
+        assert_eq!(Family::Vc.name(200.0).as_deref(), Some("VC200"));
+        assert_eq!((Family::V.name(0.0), Family::V.name(201.0), Family::V.name(1.5)), (None, None, None));
+    }
+}
