@@ -267,6 +267,8 @@ impl Heidenhain {
         place: Place,
     ) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        // Old programs show what they do not say.
+        seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
         self.functions_of(&seen);
         let moves = seen.iter().any(|word| {
             word.value.is_some()

@@ -79,7 +79,14 @@ pub(super) fn path(words: Vec<Word>) -> Statement {
         Operand::None => false,
         _ => axis(&word.name).is_some() || matches!(&*word.name, "I" | "J" | "K"),
     };
-    if words.iter().any(moves) {
+    // Words of frames, cycles and the like take the positions of their block.
+    let takes = |word: &Word| match &word.operand {
+        Operand::Number(_, value) if &*word.name == "G" => {
+            value.fract() != 0.0 || matches!(*value as u32, 4 | 28 | 30..=39 | 50..=69 | 72..=78 | 80..=89 | 92..=99)
+        }
+        _ => false,
+    };
+    if words.iter().any(moves) && !words.iter().any(takes) {
         return Statement::Path { shape: Shape::Iso, iso: true, words };
     }
     Statement::Words(words)
@@ -134,10 +141,6 @@ impl Walk<'_> {
                 number @ (0..=3 | 5..=7 | 10..=13 | 15 | 16) => own = Some(number),
                 24 => return Shape::Chamfer,
                 25 => return Shape::Round,
-                26 | 27 => {
-                    self.complain("G26 and G27 are not emulated, the move to the contour is made by its positions");
-                    return Shape::Iso;
-                }
                 29 => return Shape::Pole,
                 _ => {}
             }
@@ -205,6 +208,7 @@ mod tests {
         assert!(matches!(path(words_of("G01 X+5")), Statement::Path { .. }));
         assert!(matches!(path(words_of("I+5 J+3")), Statement::Path { .. }));
         assert!(matches!(path(words_of("G40 M3")), Statement::Words(_)));
+        assert!(matches!(path(words_of("G54 X+5")), Statement::Words(_)));
         assert!(matches!(path(words_of("G200 Q200=2")), Statement::CycleDefinition(_)));
     }
 }

@@ -207,6 +207,10 @@ impl Walk<'_> {
     fn lines(&mut self) -> Result<Vec<String>, Halt> {
         self.note_words();
         let step = self.step;
+        if step.seen.iter().any(|word| word.is("G") && matches!(word.value, Some(26.0 | 27.0))) {
+            self.complain("G26 and G27 are not emulated, the contour is reached and left without an arc");
+            return Ok(Vec::new());
+        }
         let shape = if step.shape == Shape::Iso { self.iso_shape() } else { step.shape };
         // A corner is made by the very next block or not at all.
         let corner = self.path.corner.take();
