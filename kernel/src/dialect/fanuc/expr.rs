@@ -4,7 +4,7 @@
 //! that counts as zero in arithmetic and equals only itself. Functions come from `libm`, so that every machine gives
 //! the same bits.
 
-use std::f64::consts::PI;
+use crate::dialect::numeric::{DEGREES, away, cosine, from_bcd, sine, tangent, to_bcd};
 
 /// The vacant value.
 pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
@@ -185,35 +185,22 @@ fn is_unary(op: Op) -> bool {
 }
 
 fn unary(op: Op, v: f64) -> Result<f64, Fault> {
-    let degrees = 180.0 / PI;
     Ok(match op {
         Op::Neg => -v,
-        Op::Sin => exact_trig(v, libm::sin, 0.0),
-        Op::Cos => exact_trig(v, libm::cos, 90.0),
-        Op::Tan => {
-            let cosine = exact_trig(v, libm::cos, 90.0);
-            if cosine == 0.0 {
-                return Err(Fault::Domain("TAN", v));
-            }
-            exact_trig(v, libm::sin, 0.0) / cosine
-        }
+        Op::Sin => sine(v),
+        Op::Cos => cosine(v),
+        Op::Tan => tangent(v).ok_or(Fault::Domain("TAN", v))?,
         Op::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
-        Op::Asin => libm::asin(v) * degrees,
+        Op::Asin => libm::asin(v) * DEGREES,
         Op::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
-        Op::Acos => libm::acos(v) * degrees,
-        Op::Atan => libm::atan(v) * degrees,
+        Op::Acos => libm::acos(v) * DEGREES,
+        Op::Atan => libm::atan(v) * DEGREES,
         Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
         Op::Sqrt => v.sqrt(),
         Op::Abs => v.abs(),
         Op::Round => v.round(),
         Op::Fix => v.trunc(),
-        Op::Fup => {
-            if v < 0.0 {
-                v.floor()
-            } else {
-                v.ceil()
-            }
-        }
+        Op::Fup => away(v),
         Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
         Op::Ln => libm::log(v),
         Op::Exp => libm::exp(v),
@@ -221,34 +208,6 @@ fn unary(op: Op, v: f64) -> Result<f64, Fault> {
         Op::Bcd => to_bcd(v),
         _ => v,
     })
-}
-
-/// Sine or cosine of degrees, exact at multiples of 90°; `zero` is an angle where the function is zero.
-fn exact_trig(degrees: f64, function: fn(f64) -> f64, zero: f64) -> f64 {
-    if (degrees - zero).rem_euclid(180.0) == 0.0 {
-        return 0.0;
-    }
-    function(degrees * PI / 180.0)
-}
-
-fn from_bcd(v: f64) -> f64 {
-    let (mut rest, mut out, mut weight) = (v.abs() as u64, 0.0, 1.0);
-    while rest > 0 {
-        out += (rest & 15) as f64 * weight;
-        weight *= 10.0;
-        rest >>= 4;
-    }
-    out.copysign(v)
-}
-
-fn to_bcd(v: f64) -> f64 {
-    let (mut rest, mut out, mut shift) = (v.abs() as u64, 0_u64, 0_u32);
-    while rest > 0 && shift < 64 {
-        out |= (rest % 10) << shift;
-        rest /= 10;
-        shift += 4;
-    }
-    (out as f64).copysign(v)
 }
 
 fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
@@ -276,7 +235,7 @@ fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
         Op::Both => truth(a != 0.0 && b != 0.0),
         Op::Either => truth(a != 0.0 || b != 0.0),
         Op::Xor => ((a as i64) ^ (b as i64)) as f64,
-        Op::Atan2 => libm::atan2(a, b) * 180.0 / PI,
+        Op::Atan2 => libm::atan2(a, b) * DEGREES,
         _ => a,
     })
 }

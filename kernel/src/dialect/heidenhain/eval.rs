@@ -4,7 +4,6 @@
 //! SGN of zero is 1, positions in texts count from 0, STRCOMP is 0, 1 or -1, INSTR gives the length if nothing is
 //! found. Functions come from `libm`, so that every machine gives the same bits. Invariant: a value is finite.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value as Given;
@@ -14,6 +13,7 @@ use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
 use crate::channel::Halt;
 use crate::diag::{self, Facts};
+use crate::dialect::numeric::{DEGREES, cosine, sine, tangent};
 use crate::dialect::{Answer, Host};
 
 /// Longest text.
@@ -270,27 +270,15 @@ fn shown(function: Function) -> &'static str {
     }
 }
 
-/// Sine or cosine of degrees, exact at multiples of 90°.
-pub(super) fn sine(degrees: f64) -> f64 {
-    if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
-}
-
-/// The same for the cosine.
-pub(super) fn cosine(degrees: f64) -> f64 {
-    if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
-}
-
 fn apply(function: Function, value: f64) -> Option<f64> {
-    let degrees = 180.0 / PI;
     Some(match function {
         Function::Minus => -value,
         Function::Sin => sine(value),
         Function::Cos => cosine(value),
-        Function::Tan if cosine(value) == 0.0 => return None,
-        Function::Tan => sine(value) / cosine(value),
-        Function::Asin => libm::asin(value) * degrees,
-        Function::Acos => libm::acos(value) * degrees,
-        Function::Atan => libm::atan(value) * degrees,
+        Function::Tan => tangent(value)?,
+        Function::Asin => libm::asin(value) * DEGREES,
+        Function::Acos => libm::acos(value) * DEGREES,
+        Function::Atan => libm::atan(value) * DEGREES,
         Function::Square => value * value,
         Function::Root => value.sqrt(),
         Function::Ln => libm::log(value),
@@ -321,7 +309,7 @@ fn combine(op: &Op, left: f64, right: f64) -> Option<f64> {
         Op::Power => libm::pow(left, right),
         Op::Legs => libm::sqrt(left * left + right * right),
         // The first leg lies opposite to the angle, 0 to 360 degrees.
-        Op::Angle => (libm::atan2(left, right) * 180.0 / PI).rem_euclid(360.0),
+        Op::Angle => (libm::atan2(left, right) * DEGREES).rem_euclid(360.0),
         _ => 0.0,
     })
 }

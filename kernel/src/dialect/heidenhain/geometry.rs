@@ -2,6 +2,8 @@
 //!
 //! Invariant: what cannot be told is none, never a number that is none.
 
+use crate::dialect::numeric::{cosine, sine};
+
 /// A point or a vector.
 pub(super) type Point = [f64; 2];
 
@@ -66,7 +68,7 @@ pub(super) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) ->
 
 /// A vector turned by degrees, to the left.
 pub(super) fn turned(a: Point, degrees: f64) -> Point {
-    let (sine, cosine) = (super::eval::sine(degrees), super::eval::cosine(degrees));
+    let (sine, cosine) = (sine(degrees), cosine(degrees));
     [a[0] * cosine - a[1] * sine, a[0] * sine + a[1] * cosine]
 }
 

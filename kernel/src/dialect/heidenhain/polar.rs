@@ -3,10 +3,10 @@
 //! Facts: programming manuals of the control (LP, CP, CTP; G10 to G16). Decision: circles of more than 270 degrees are
 //! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
 
-use super::eval::{cosine, sine};
 use super::geometry::{Point, along, minus};
 use super::path::{Position, Walk};
 use super::words::joined;
+use crate::dialect::numeric::{cosine, sine};
 
 impl Walk<'_> {
     const POLAR: [&'static str; 6] = ["PR", "IPR", "PA", "IPA", "H", "R"];

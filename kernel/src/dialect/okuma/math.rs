@@ -4,7 +4,7 @@
 //! the bits of whole numbers, NOT turns a truth round and the bits of any other number; ATAN2 has the height first. The
 //! functions come from `libm`, so that every machine gives the same bits.
 
-use std::f64::consts::PI;
+use crate::dialect::numeric::{DEGREES, away, cosine, from_bcd, sine, tangent, to_bcd};
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -102,26 +102,19 @@ impl Function {
 
     /// Value; `unit` is how many of the smallest steps of the control a unit of length has.
     pub(super) fn apply(self, v: f64, second: f64, unit: f64) -> Result<f64, Fault> {
-        let degrees = 180.0 / PI;
         Ok(match self {
             Function::Minus => -v,
             Function::Not => !(v as i64) as f64,
             Function::NotTrue => truth(v == 0.0),
-            Function::Sin => exact(v, libm::sin, 0.0),
-            Function::Cos => exact(v, libm::cos, 90.0),
-            Function::Tan => {
-                let cosine = exact(v, libm::cos, 90.0);
-                if cosine == 0.0 {
-                    return Err(Fault::Domain("TAN", v));
-                }
-                exact(v, libm::sin, 0.0) / cosine
-            }
+            Function::Sin => sine(v),
+            Function::Cos => cosine(v),
+            Function::Tan => tangent(v).ok_or(Fault::Domain("TAN", v))?,
             Function::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
-            Function::Asin => libm::asin(v) * degrees,
+            Function::Asin => libm::asin(v) * DEGREES,
             Function::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
-            Function::Acos => libm::acos(v) * degrees,
-            Function::Atan => libm::atan(v) * degrees,
-            Function::Atan2 => libm::atan2(v, second) * degrees,
+            Function::Acos => libm::acos(v) * DEGREES,
+            Function::Atan => libm::atan(v) * DEGREES,
+            Function::Atan2 => libm::atan2(v, second) * DEGREES,
             Function::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
             Function::Sqrt => v.sqrt(),
             Function::Abs => v.abs(),
@@ -129,10 +122,10 @@ impl Function {
             Function::Bcd => to_bcd(v),
             Function::Round => v.round(),
             Function::Fix => v.trunc(),
-            Function::Fup => up(v),
+            Function::Fup => away(v),
             Function::Dround => (v * unit).round() / unit,
             Function::Dfix => (v * unit).trunc() / unit,
-            Function::Dfup => up(v * unit) / unit,
+            Function::Dfup => away(v * unit) / unit,
             Function::Exp => libm::exp(v),
             Function::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
             Function::Ln => libm::log(v),
@@ -171,36 +164,6 @@ impl Binary {
 /// A truth as a number.
 pub(super) fn truth(is: bool) -> f64 {
     if is { 1.0 } else { 0.0 }
-}
-
-/// Away from zero.
-fn up(v: f64) -> f64 {
-    if v < 0.0 { v.floor() } else { v.ceil() }
-}
-
-/// Sine or cosine of degrees, exact at multiples of 90 degrees; `zero` is an angle where the function is zero.
-fn exact(degrees: f64, function: fn(f64) -> f64, zero: f64) -> f64 {
-    if (degrees - zero).rem_euclid(180.0) == 0.0 { 0.0 } else { function(degrees * PI / 180.0) }
-}
-
-fn from_bcd(v: f64) -> f64 {
-    let (mut rest, mut out, mut weight) = (v.abs() as u64, 0.0, 1.0);
-    while rest > 0 {
-        out += (rest & 15) as f64 * weight;
-        weight *= 10.0;
-        rest >>= 4;
-    }
-    out.copysign(v)
-}
-
-fn to_bcd(v: f64) -> f64 {
-    let (mut rest, mut out, mut shift) = (v.abs() as u64, 0_u64, 0_u32);
-    while rest > 0 && shift < 64 {
-        out |= (rest % 10) << shift;
-        rest /= 10;
-        shift += 4;
-    }
-    (out as f64).copysign(v)
 }
 
 #[cfg(test)]

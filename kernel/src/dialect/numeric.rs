@@ -1,0 +1,71 @@
+//! What functions of numbers mean on every control that has them.
+//!
+//! Angles are degrees. Invariants: sine and cosine are exact at multiples of 90 degrees; functions come from `libm`, so
+//! that every machine gives the same bits.
+
+use std::f64::consts::PI;
+
+/// Degrees of a radian.
+pub(super) const DEGREES: f64 = 180.0 / PI;
+
+/// Sine.
+pub(super) fn sine(degrees: f64) -> f64 {
+    if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
+}
+
+/// Cosine.
+pub(super) fn cosine(degrees: f64) -> f64 {
+    if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
+}
+
+/// Tangent; none where there is none.
+pub(super) fn tangent(degrees: f64) -> Option<f64> {
+    let cosine = cosine(degrees);
+    (cosine != 0.0).then(|| sine(degrees) / cosine)
+}
+
+/// The whole number away from zero.
+pub(super) fn away(value: f64) -> f64 {
+    if value < 0.0 { value.floor() } else { value.ceil() }
+}
+
+/// The number whose decimal digits are the groups of four bits.
+pub(super) fn from_bcd(value: f64) -> f64 {
+    let (mut rest, mut out, mut weight) = (value.abs() as u64, 0.0, 1.0);
+    while rest > 0 {
+        out += (rest & 15) as f64 * weight;
+        weight *= 10.0;
+        rest >>= 4;
+    }
+    out.copysign(value)
+}
+
+/// The number whose groups of four bits are the decimal digits.
+pub(super) fn to_bcd(value: f64) -> f64 {
+    let (mut rest, mut out, mut shift) = (value.abs() as u64, 0_u64, 0_u32);
+    while rest > 0 && shift < 64 {
+        out |= (rest % 10) << shift;
+        rest /= 10;
+        shift += 4;
+    }
+    (out as f64).copysign(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_angles_are_exact() {
+        for (degrees, sin, cos) in [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (180.0, 0.0, -1.0), (-90.0, -1.0, 0.0)] {
+            assert_eq!((sine(degrees), cosine(degrees)), (sin, cos), "{degrees}");
+        }
+        assert_eq!((tangent(180.0), tangent(-90.0), tangent(450.0)), (Some(-0.0), None, None));
+    }
+
+    #[test]
+    fn decimals_in_bits() {
+        assert_eq!((to_bcd(25.0), from_bcd(37.0), from_bcd(-37.0)), (37.0, 25.0, -25.0));
+        assert_eq!((away(2.1), away(-2.1)), (3.0, -3.0));
+    }
+}
