@@ -145,10 +145,10 @@ impl Scanner {
         self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
     }
 
-    /// Splits `line` into `block` (which is cleared first).
+    /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
     #[inline(always)]
-    pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
-        if self.foreign.is_some_and(|concerns| concerns(line)) {
+    pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> Kind {
+        if self.foreign.is_some_and(|concerns| watched || concerns(line)) {
             return Kind::Macro;
         }
         self.split(line, secondary, block, self.macros)
