@@ -128,7 +128,7 @@ impl Siemens {
         for line in range.first..=range.last.min(source.lines()) {
             let text = String::from_utf8_lossy(source.line(line));
             let text = bare(&text).trim();
-            if text.is_empty() || text.starts_with('%') {
+            if text.is_empty() || super::jumps::is_head(text) {
                 continue;
             }
             return match read(text).ok()?.items.into_iter().next()? {

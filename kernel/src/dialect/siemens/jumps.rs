@@ -62,6 +62,11 @@ pub(super) fn bare(text: &str) -> &str {
     without_comment(text)
 }
 
+/// The head of a program of an archive; `%` alone is none.
+pub(super) fn is_head(text: &str) -> bool {
+    text.trim().strip_prefix('%').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+}
+
 fn step(text: &str, cursor: &Cursor<'_>) -> Option<Step> {
     let word = cursor.peeked_name()?.to_ascii_uppercase();
     Some(match word.as_str() {
@@ -90,7 +95,7 @@ impl Places {
         for line in 1..=source.lines() {
             let text = String::from_utf8_lossy(source.line(line));
             let text = bare(&text);
-            if let Some(name) = text.trim_start().strip_prefix('%') {
+            if let Some(name) = text.trim_start().strip_prefix('%').filter(|_| is_head(text)) {
                 open.clear();
                 if let Some(previous) = places.programs.last_mut() {
                     previous.2 = line - 1;

@@ -58,7 +58,7 @@ impl Siemens {
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Option<String>> {
         let Some(text) = skipped(host, text) else { return Ok(None) };
         let place = host.place();
-        if text.starts_with('%') {
+        if super::jumps::is_head(text) {
             return self.program_head(host).map(|()| None);
         }
         let kept = place.as_read && self.defines.is_empty();
@@ -303,10 +303,19 @@ impl Siemens {
     fn unknown(&mut self, host: &mut dyn Host, asked: &str, written: &str, left: &mut Left) -> Outcome<()> {
         match self.ask(host, asked, None)? {
             Answer::Drop => {}
-            Answer::Instead(text) => left.add(text.trim()),
+            Answer::Instead(text) => return self.block_instead(host, &text, left),
             Answer::Keep | Answer::Unknown => left.add(written),
         }
         Ok(())
+    }
+
+    /// A macro has given a text for a part of the block; it is not asked about what stands in it.
+    fn block_instead(&mut self, host: &mut dyn Host, text: &str, left: &mut Left) -> Outcome<()> {
+        let line = read(text).or_else(syntax)?;
+        let before = std::mem::replace(&mut self.quiet, true);
+        let done = line.items.iter().try_for_each(|item| self.item(host, item, left).map(|_| ()));
+        self.quiet = before;
+        done
     }
 
     fn call_text(

@@ -11,6 +11,7 @@ use super::line::{Assigned, Way};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
+use crate::diag;
 use crate::dialect::{AxisPlace, Host};
 
 /// Largest value of a word.
@@ -28,6 +29,12 @@ impl Siemens {
         let is = |text: &str| text.eq_ignore_ascii_case(&address);
         let axis = axes.iter().find(|axis| is(&axis.letter) || is(&axis.name));
         left.moves |= axis.is_some();
+        let has_word = host.is_register(&address) || host.is_register(&format!("{address}="));
+        let address = match axis {
+            // The name of an axis stands for the letter by which the channel programs it.
+            Some(axis) if !has_word => axis.letter.clone(),
+            _ => address,
+        };
         let text = match value {
             Assigned::One(_, text) if is_number(text) => text.clone(),
             Assigned::One(value, _) => self.evaluate(host, value)?.word(),
@@ -57,8 +64,14 @@ impl Siemens {
                 }
             }
         };
-        let sign = self.sign(host, &address);
-        left.add(&format!("{address}{sign}{text}"));
+        let word = format!("{address}{}{text}", self.sign(host, &address));
+        if address.len() > 1 && splits(&address) && !has_word && !host.is_code_text(&word) {
+            // The scanner would read a word of the letter and its extension.
+            let text = format!("{word} not recognised in '{}'", host.block_text());
+            host.diagnose(&diag::NOT_RECOGNISED, text);
+            return Ok(());
+        }
+        left.add(&word);
         Ok(())
     }
 
@@ -95,6 +108,11 @@ impl Siemens {
         let known = name.name == "R" || name.name.starts_with('$') || self.variables.knows(&name.name);
         known && !(name.index.is_empty() && words_name(host, &name.name) && !self.variables.knows(&name.name))
     }
+}
+
+/// A letter with a number behind it.
+fn splits(address: &str) -> bool {
+    address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
 }
 
 /// A number as it is written in a program.
