@@ -162,7 +162,10 @@ impl Kernel<'_> {
     pub(crate) fn queue_by_data(&mut self, group: u16) {
         let before = self.block.firings.len();
         self.queue_modal(group);
-        if let Some(firing) = self.block.firings.get_mut(before) {
+        // Alone on its block it finds what fires it.
+        if (before > 0 || !self.modal.refires.is_empty() || self.macros.is_some())
+            && let Some(firing) = self.block.firings.get_mut(before)
+        {
             firing.fragile = true;
         }
     }
