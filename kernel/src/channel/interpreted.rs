@@ -33,7 +33,9 @@ impl Kernel<'_> {
         let text = text.to_vec();
         self.block.clear();
         match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, &text)) {
-            Some(left) => left?.map_or(Ok(()), |left| self.left_words(&left)),
+            Some(left) => {
+                left?.map_or(Ok(()), |left| left.split('\n').try_for_each(|left| self.left_words(left, &text)))
+            }
             None => {
                 let text = format!("'{}' comes while the pre-processor asks a macro, it is dropped", self.block_text());
                 self.diagnose(&diag::PREPROCESSOR_ASKS, text);
@@ -43,21 +45,15 @@ impl Kernel<'_> {
     }
 
     /// The words that are left of a block act.
-    fn left_words(&mut self, text: &str) -> Acted {
-        // Each line of what is left is a block of its own.
-        let mut blocks = text.lines();
-        let first = blocks.next().unwrap_or_default();
-        self.left_block(first)?;
-        blocks.try_for_each(|block| self.left_block(block))
-    }
-
-    fn left_block(&mut self, text: &str) -> Acted {
+    fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
         // A sequence number alone is nothing that a loop could wait for.
         let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");
         if number.is_empty() || !number.bytes().all(|byte| byte.is_ascii_digit()) {
             self.flow.pass.effects = true;
         }
-        self.trace_left(text);
+        if text.trim().as_bytes() != whole.trim_ascii() {
+            self.trace_left(text);
+        }
         if self.macros.is_some() {
             return self.text_block(text);
         }
@@ -285,6 +281,14 @@ impl Host for Kernel<'_> {
         let axes = self.place.axes.iter().filter_map(|axis| self.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
         axes.zip(values).map(|(axis, (work, machine))| (axis.name.clone(), *work, *machine)).collect()
+    }
+
+    fn length_factor(&self) -> f64 {
+        match (self.machine.unit, self.secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            (_, false) => 1.0,
+        }
     }
 
     fn clock(&self) -> i64 {

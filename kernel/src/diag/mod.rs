@@ -95,6 +95,12 @@ diagnostics! {
     SIEMENS_ALARM 2900204 0 false "alarm that the program sets";
     SIEMENS_IGNORED 2900205 4 false "part of a statement that is not carried out";
     SIEMENS_FILE 2900206 4 false "definition file that does not exist";
+    STATEMENT_UNKNOWN 2900240 8 false "statement of a control that its pre-processor does not understand";
+    PARAMETER_UNSET 2900241 4 false "Q parameter that is read before it has a value";
+    PATH_NOT_MADE 2900242 8 false "path block of a pre-processor that cannot be made";
+    TOOL_NAME 2900243 8 false "tool name without a number";
+    SYSTEM_DATA_UNKNOWN 2900244 8 false "system data that the control does not tell";
+    PRINT_MASK 2900245 4 false "mask of a print that is not there";
     CYCLE_NOT_CANCELLED 2900090 4 false "cycle that should have been cancelled before";
     NO_CYCLE 2900091 8 false "cycle switched on before any was defined";
     CYCLE_STEPS 2900092 8 false "cycle with too many steps";

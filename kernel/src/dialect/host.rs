@@ -19,8 +19,8 @@ use crate::mcd::source::Source;
 
 /// The pre-processor of one kernel, with its variables.
 pub(crate) trait Interpreter: Send {
-    /// Carries out a block that is not plain words: the text of the words that are left of it, none behind a statement.
-    /// Several lines are blocks that act one after the other.
+    /// Carries out a block that is not plain words: the text of the words that are left of it, none behind a statement;
+    /// several blocks stand in lines of their own.
     /// The words act when the interpreter has done its part, so nothing of it runs while a block of its own is worked.
     ///
     /// # Errors
@@ -225,6 +225,9 @@ pub(crate) trait Host {
 
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
     fn positions(&self) -> Vec<(String, f64, f64)>;
+
+    /// Units of positions in one unit of the program's lengths.
+    fn length_factor(&self) -> f64;
 
     /// Simulated time, ns.
     fn clock(&self) -> i64;

@@ -1,4 +1,5 @@
-//! What the scanner looks for before it reads a word by its letter: special registers and texts that look like words.
+//! What the scanner looks for before it reads a word by its letter: special registers, second names of more than a
+//! letter, and texts that look like words.
 //!
 //! Facts: reference control-emulator.md 1.2 (ALT string), 1.4 (special registers). Lines with expressions look for the
 //! same (`dialect`). Invariant: longer texts are tried
@@ -57,10 +58,13 @@ impl Early {
     /// What a machine has of them.
     pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let mut registers = Vec::new();
-        for (register, definition) in (0u8..).zip(&machine.registers).filter(|(_, r)| !r.is_regular()) {
+        for (register, definition) in (0u8..).zip(&machine.registers) {
+            let regular = definition.is_regular();
             let after = definition.after.clone().into_bytes();
-            let first = Some((&definition.before, false));
+            let first = Some((&definition.before, false)).filter(|_| !regular);
             let second = definition.second.as_ref().map(|second| (second, true));
+            // A letter is found as one.
+            let second = second.filter(|(second, _)| !(regular && second.len() == 1));
             for (before, incremental) in [first, second].into_iter().flatten() {
                 let before = before.clone().into_bytes();
                 let names = definition.names;

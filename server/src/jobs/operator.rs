@@ -114,6 +114,10 @@ impl Operator for Desk {
         if let Some(answer) = recorded {
             return answer;
         }
+        // Nobody is to see a question that nothing can answer any more.
+        if inner.closed {
+            return None;
+        }
         inner.last_id += 1;
         let id = inner.last_id;
         let open = Open { channel: question.channel, question: wire(id, question), claimed: false, answer: None };
@@ -255,6 +259,8 @@ mod tests {
         assert_eq!(ask(&desk, 1), None, "no patience at all");
         desk.set_patience(Duration::from_secs(3600));
         desk.close();
+        let changes = desk.follow();
         assert_eq!(ask(&desk, 1), None, "the run is over");
+        assert!(!changes.has_changed().unwrap(), "so nobody sees a question");
     }
 }

@@ -38,11 +38,14 @@ const FOREIGN: &[(&str, &str)] = &[
     ("APPLYFRAMES", "Siemens"),
     ("GLOBALDEF", "Siemens"),
     ("PROCESSGUDFILES", "Siemens"),
-    ("SETFILEROOT", "Siemens"),
+    ("SETFILEROOT", "Siemens and Heidenhain"),
     ("COLLAPSEASSIGNSPACES", "Siemens"),
     ("COLLAPSEASSIGNS", "Siemens"),
     ("SETALSEVERITY", "Siemens"),
     ("CYCLEDEF", "Heidenhain"),
+    ("GRAMMAR", "Heidenhain"),
+    ("CONCATENATE", "Heidenhain"),
+    ("KEEPCYCLDEFQVARS", "Heidenhain"),
 ];
 
 impl Kernel<'_> {

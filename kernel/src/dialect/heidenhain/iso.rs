@@ -1,0 +1,214 @@
+//! What ISO programs write in their own way: functions by D, labels by G98, calls by L, motion by modal G words.
+//!
+//! Facts: Heidenhain ISO pre-processor page, programming manual (DIN/ISO). Invariant: a block of which nothing is
+//! evaluated is left as it is.
+
+use super::formula::{Formula, Op, Wrong, expected};
+use super::lex::Cursor;
+use super::path::{Shape, Walk, axis};
+use super::statement::{Label, Statement};
+use super::words::{Operand, Word};
+
+/// A statement of ISO programs.
+pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+    let mut ahead = cursor.clone();
+    if ahead.take(b'D')
+        && let Some(number) = ahead.whole()
+        && matches!(ahead.peek(), Some(b'Q' | b'P' | b'"'))
+    {
+        return super::functions::read_iso(number, &mut ahead).map(Some);
+    }
+    let mut ahead = cursor.clone();
+    if ahead.take_text("G98") && ahead.take(b'L') {
+        let label = match ahead.quoted() {
+            Some(name) => Label::Name(name.to_owned()),
+            None => Label::Number(ahead.whole().ok_or_else(|| expected(&ahead, "the number of a label"))?),
+        };
+        if !ahead.is_over() {
+            return Err(expected(&ahead, "the end of the block"));
+        }
+        return Ok(Some(if label == Label::Number(0) { Statement::EndOfLabel } else { Statement::Label(label) }));
+    }
+    let mut ahead = cursor.clone();
+    if ahead.take_text("G39") {
+        ahead.take_text("P01");
+        let text = format!("PGM {}", ahead.all());
+        return Ok(Some(Statement::CyclePart { cycle: 12, part: 1, words: Vec::new(), text }));
+    }
+    call(cursor)
+}
+
+/// `L5`, `L5,2`, `L5.2`, `L"NAME"`: nothing else stands on such a block.
+fn call(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+    let mut ahead = cursor.clone();
+    if !ahead.take(b'L') {
+        return Ok(None);
+    }
+    let label = match (ahead.next_byte(), ahead.clone().quoted()) {
+        (Some(b'"'), Some(name)) => {
+            ahead.quoted();
+            Formula(vec![Op::Text(name.into())])
+        }
+        (Some(b'0'..=b'9'), _) => Formula::number(f64::from(ahead.whole().unwrap_or(u32::MAX))),
+        _ => return Ok(None),
+    };
+    let repeat = if matches!(ahead.peek(), Some(b',' | b'.')) {
+        ahead.bump();
+        Some(Formula::operand(&mut ahead)?)
+    } else {
+        None
+    };
+    if !ahead.is_over() {
+        return Err(expected(&ahead, "the end of the block"));
+    }
+    Ok(Some(Statement::CallLabel { label, repeat }))
+}
+
+/// Words, or a block that moves.
+pub(super) fn path(words: Vec<Word>) -> Statement {
+    let cycle = words.iter().position(|word| word.name.starts_with('Q') && word.name.ends_with('='));
+    if let Some(first) = cycle
+        && let Some(word) = words.first().filter(|word| &*word.name == "G").cloned()
+    {
+        return Statement::CycleDefinition(std::iter::once(word).chain(words.into_iter().skip(first)).collect());
+    }
+    let moves = |word: &Word| match &word.operand {
+        Operand::Number(_, value) if &*word.name == "G" => {
+            matches!(*value as u32, 0..=3 | 5..=7 | 10..=19 | 24..=29 | 90 | 91) && value.fract() == 0.0
+        }
+        Operand::None => false,
+        _ => axis(&word.name).is_some() || matches!(&*word.name, "I" | "J" | "K"),
+    };
+    // Words of frames, cycles and the like take the positions of their block.
+    let takes = |word: &Word| match &word.operand {
+        Operand::Number(_, value) if &*word.name == "G" => {
+            value.fract() != 0.0 || matches!(*value as u32, 4 | 28 | 30..=39 | 50..=69 | 72..=78 | 80..=89 | 92..=99)
+        }
+        _ => false,
+    };
+    if words.iter().any(moves) && !words.iter().any(takes) {
+        return Statement::Path { shape: Shape::Iso, iso: true, words };
+    }
+    Statement::Words(words)
+}
+
+/// Whether a plain block has to be looked at: it moves, or says what later blocks depend on.
+pub(in crate::dialect) fn concerns(text: &[u8]) -> bool {
+    let mut at = text.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+    if matches!(text.get(at), None | Some(b';')) {
+        return false;
+    }
+    while let Some(&byte) = text.get(at) {
+        at += 1;
+        let letter = match byte.to_ascii_uppercase() {
+            b' ' | b'\t' => continue,
+            b';' => return false,
+            letter @ (b'G' | b'M' | b'S' | b'F' | b'T' | b'H') => letter,
+            _ => return true,
+        };
+        let digits = text.get(at..).unwrap_or_default();
+        let length = digits.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let number = digits.get(..length).unwrap_or_default();
+        let number = number
+            .iter()
+            .fold(0_u32, |value, digit| value.saturating_mul(10).saturating_add(u32::from(digit.wrapping_sub(b'0'))));
+        at += length;
+        let plain = match letter {
+            _ if length == 0 => false,
+            b'G' => matches!(number, 30..=38 | 40..=69 | 72..=78 | 80..=89 | 92..=97),
+            b'M' => !matches!(number, 3..=5 | 8 | 9 | 13 | 14 | 89 | 99),
+            _ => true,
+        };
+        if !plain {
+            return true;
+        }
+        if text.get(at) == Some(&b'.') {
+            at += 1;
+            at += text.get(at..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_digit()).count();
+        }
+    }
+    false
+}
+
+impl Walk<'_> {
+    /// Shape of a block by its G words.
+    pub(super) fn iso_shape(&mut self) -> Shape {
+        let seen = &self.step.seen;
+        let numbers = || seen.iter().filter(|word| word.is("G")).filter_map(|word| word.value);
+        let mut own = None;
+        for number in numbers() {
+            match number as u32 {
+                number @ (0..=3 | 5..=7 | 10..=13 | 15 | 16) => own = Some(number),
+                24 => return Shape::Chamfer,
+                25 => return Shape::Round,
+                29 => return Shape::Pole,
+                _ => {}
+            }
+        }
+        let moves = seen.iter().any(|word| axis(&word.name).is_some() && word.value.is_some());
+        let polar = seen.iter().any(|word| matches!(&*word.name, "R" | "H"));
+        let centers = seen.iter().any(|word| matches!(&*word.name, "I" | "J" | "K"));
+        if own.is_some() {
+            self.path.mode = own;
+        }
+        let mode = self.path.mode;
+        match mode {
+            Some(2) => self.path.clockwise = Some(true),
+            Some(3) => self.path.clockwise = Some(false),
+            Some(12) => self.path.clockwise = Some(true),
+            Some(13) => self.path.clockwise = Some(false),
+            _ => {}
+        }
+        match mode {
+            _ if centers && !moves && own.is_none() => Shape::Pole,
+            _ if !(moves || polar || centers && own.is_some()) => Shape::Iso,
+            Some(2 | 3 | 5) if seen.iter().any(|word| word.is("R")) => Shape::Radius,
+            Some(2 | 3 | 5) => Shape::Arc,
+            Some(6) => Shape::Tangent,
+            Some(10 | 11) if polar || !moves => Shape::PolarLine,
+            Some(12 | 13 | 15) if polar || !moves => Shape::PolarArc,
+            Some(16) if polar || !moves => Shape::PolarTangent,
+            _ => Shape::Line,
+        }
+    }
+
+    /// The motion word that says what a mode does with positions.
+    pub(super) fn plain_mode(&self, mode: u32) -> u32 {
+        match mode {
+            0 | 10 => 0,
+            2 | 3 => mode,
+            5 if self.path.clockwise == Some(true) => 2,
+            5 => 3,
+            _ => 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words_of(text: &str) -> Vec<Word> {
+        super::super::words::words(&mut Cursor::new(text))
+    }
+
+    #[test]
+    fn plain_words_are_left_alone() {
+        for text in ["M30", "  S3000 T5", "G54 M8 ; X", "; X+5", "", "F200.5"] {
+            assert_eq!(concerns(text.as_bytes()), text == "G54 M8 ; X", "{text}");
+        }
+        for text in ["L X+5", "12 M30", "N10 M30", "Q1 = 2", "%A", "X+5", "M99", "G1", "G91", "M30 *", "G", "\"", "Ü"]
+        {
+            assert!(concerns(text.as_bytes()), "{text}");
+        }
+    }
+
+    #[test]
+    fn blocks_that_move_are_told_from_words() {
+        assert!(matches!(path(words_of("G01 X+5")), Statement::Path { .. }));
+        assert!(matches!(path(words_of("I+5 J+3")), Statement::Path { .. }));
+        assert!(matches!(path(words_of("G40 M3")), Statement::Words(_)));
+        assert!(matches!(path(words_of("G54 X+5")), Statement::Words(_)));
+        assert!(matches!(path(words_of("G200 Q200=2")), Statement::CycleDefinition(_)));
+    }
+}

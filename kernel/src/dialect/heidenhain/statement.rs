@@ -1,0 +1,327 @@
+//! Blocks as statements.
+//!
+//! Facts: Heidenhain pre-processor pages, programming manuals of the control. Conversational and ISO forms of a
+//! statement are one. Invariant: a block that is no statement is words; reading never fails but for what begins as a
+//! statement.
+
+use super::formula::{Formula, Name, Op, Wrong, expected, parameter};
+use super::lex::Cursor;
+use super::path::Shape;
+use super::words::{Word, words};
+
+/// Label of a place in the program.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Label {
+    Number(u32),
+    Name(String),
+}
+
+impl std::fmt::Display for Label {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "LBL {number}"),
+            Self::Name(name) => write!(f, "LBL \"{name}\""),
+        }
+    }
+}
+
+/// What a branch tests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Test {
+    Equal,
+    NotEqual,
+    Greater,
+    Less,
+}
+
+/// Condition of a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Condition {
+    Compare(Formula, Test, Formula),
+    /// The parameter has a value, or has none.
+    Defined(Name, bool),
+}
+
+/// A statement.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Statement {
+    Nothing,
+    Words(Vec<Word>),
+    Assign(Name, Formula),
+    Branch(Condition, Formula),
+    Error(Formula),
+    /// What FN 16 prints: the mask, and where to.
+    Print(String),
+    /// What FN 38 sends.
+    Send(String),
+    SysRead {
+        to: Name,
+        id: Formula,
+        number: Formula,
+        index: Option<Formula>,
+    },
+    Label(Label),
+    EndOfLabel,
+    CallLabel {
+        label: Formula,
+        repeat: Option<Formula>,
+    },
+    CallProgram(Formula),
+    SelectProgram(Formula),
+    CallSelected,
+    Begin {
+        iso: bool,
+        inch: Option<bool>,
+        words: Vec<Word>,
+    },
+    End,
+    CycleDefinition(Vec<Word>),
+    /// A line of a cycle of several lines: number, part, words behind the title.
+    CyclePart {
+        cycle: u32,
+        part: u32,
+        words: Vec<Word>,
+        text: String,
+    },
+    CycleCall {
+        kind: Call,
+        words: Vec<Word>,
+    },
+    ToolCall {
+        tool: Option<Formula>,
+        words: Vec<Word>,
+    },
+    ToolDefinition {
+        tool: Formula,
+        words: Vec<Word>,
+    },
+    Stop(Vec<Word>),
+    Path {
+        shape: Shape,
+        iso: bool,
+        words: Vec<Word>,
+    },
+    /// A statement of the control that is not emulated, unless the machine has a code for it.
+    Foreign(Vec<Word>),
+}
+
+/// Form of CYCL CALL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Call {
+    Here,
+    Position,
+    Pattern,
+}
+
+/// Key words of statements that are not emulated.
+const FOREIGN: [&str; 29] = [
+    "PLANE",
+    "FUNCTION",
+    "TRANS",
+    "PATTERN",
+    "FPOL",
+    "FL",
+    "FLT",
+    "FC",
+    "FCT",
+    "FSELECT",
+    "TCH",
+    "SEL",
+    "CONTOUR",
+    "SPL",
+    "LN",
+    "MONITORING",
+    "POLARKIN",
+    "OPEN",
+    "ACTIVATE",
+    "SQL",
+    "RAPTO",
+    "WHILE",
+    "FOR",
+    "IF",
+    "ELSE",
+    "END",
+    "CASE",
+    "CALL",
+    "GOTO",
+];
+
+/// Reads a block without number and comment.
+pub(super) fn read(text: &str) -> Result<Statement, Wrong> {
+    let mut cursor = Cursor::new(text);
+    match cursor.peek() {
+        None => return Ok(Statement::Nothing),
+        Some(b'%') => return Ok(percent(&mut cursor)),
+        Some(b'Q') => {
+            let mut ahead = cursor.clone();
+            if let Some(name) = parameter(&mut ahead)
+                && ahead.take(b'=')
+            {
+                return Ok(Statement::Assign(name, whole_formula(&mut ahead)?));
+            }
+        }
+        _ => {}
+    }
+    if let Some(statement) = key_word(&mut cursor)? {
+        return Ok(statement);
+    }
+    if let Some(statement) = super::iso::read(&mut cursor)? {
+        return Ok(statement);
+    }
+    for (word, shape) in Shape::WORDS {
+        if path_word(&mut cursor, word) {
+            return Ok(Statement::Path { shape, iso: false, words: words(&mut cursor) });
+        }
+    }
+    let foreign = FOREIGN.iter().any(|word| cursor.clone().keyword(word));
+    let words = words(&mut cursor);
+    Ok(match foreign {
+        true => Statement::Foreign(words),
+        false => super::iso::path(words),
+    })
+}
+
+/// The key word of a path block: one letter has to stand alone.
+fn path_word(cursor: &mut Cursor<'_>, word: &str) -> bool {
+    let mut ahead = cursor.clone();
+    if !ahead.keyword(word) {
+        return false;
+    }
+    let alone = word.len() > 1 && !matches!(word, "CR" | "CT" | "CC")
+        || matches!(ahead.next_byte(), None | Some(b' '))
+            && !matches!(ahead.peek(), Some(b'0'..=b'9' | b'+' | b'-' | b'.' | b'=' | b'Q'));
+    if alone {
+        *cursor = ahead;
+    }
+    alone
+}
+
+/// A formula up to the end of the block.
+pub(super) fn whole_formula(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    let formula = Formula::parse(cursor)?;
+    if cursor.is_over() { Ok(formula) } else { Err(expected(cursor, "the end of the formula")) }
+}
+
+/// A statement that begins with key words.
+fn key_word(cursor: &mut Cursor<'_>) -> Result<Option<Statement>, Wrong> {
+    if cursor.keyword("FN") {
+        return super::functions::read(cursor).map(Some);
+    }
+    Ok(Some(if cursor.keyword("DECLARE STRING") || cursor.keyword("DECLAR STRING") {
+        let name = parameter(cursor).ok_or_else(|| expected(cursor, "a parameter"))?;
+        if !cursor.take(b'=') {
+            return Err(expected(cursor, "an equal sign"));
+        }
+        Statement::Assign(name, whole_formula(cursor)?)
+    } else if cursor.keyword("LBL") {
+        return label(cursor).map(Some);
+    } else if cursor.keyword("CALL LBL") {
+        let label = Formula::operand(cursor)?;
+        let repeat = if cursor.keyword("REP") { Some(repeat(cursor)?) } else { None };
+        if !cursor.is_over() {
+            return Err(expected(cursor, "REP or the end of the block"));
+        }
+        Statement::CallLabel { label, repeat }
+    } else if cursor.keyword("CALL PGM") {
+        Statement::CallProgram(program_name(cursor)?)
+    } else if cursor.keyword("CALL SELECTED PGM") {
+        Statement::CallSelected
+    } else if cursor.keyword("SEL PGM") {
+        Statement::SelectProgram(program_name(cursor)?)
+    } else if cursor.keyword("BEGIN PGM") {
+        let inch = cursor.all().split_whitespace().last().and_then(|unit| match unit {
+            "INCH" => Some(true),
+            "MM" => Some(false),
+            _ => None,
+        });
+        Statement::Begin { iso: false, inch, words: Vec::new() }
+    } else if cursor.keyword("END PGM") {
+        Statement::End
+    } else if cursor.keyword("BLK FORM") {
+        Statement::Nothing
+    } else if cursor.keyword("TOOL CALL") {
+        let named = matches!(cursor.peek(), Some(b'0'..=b'9' | b'"' | b'Q'));
+        let tool = if named { Some(Formula::operand(cursor)?) } else { None };
+        Statement::ToolCall { tool, words: words(cursor) }
+    } else if cursor.keyword("TOOL DEF") {
+        let tool = Formula::operand(cursor)?;
+        Statement::ToolDefinition { tool, words: words(cursor) }
+    } else if cursor.keyword("CYCL DEF") {
+        return super::cycles::read(cursor).map(Some);
+    } else if cursor.keyword("CYCL CALL") {
+        let kind = if cursor.keyword("POS") {
+            Call::Position
+        } else if cursor.keyword("PAT") {
+            Call::Pattern
+        } else {
+            Call::Here
+        };
+        Statement::CycleCall { kind, words: words(cursor) }
+    } else if cursor.keyword("STOP") {
+        Statement::Stop(words(cursor))
+    } else {
+        return Ok(None);
+    }))
+}
+
+/// How often a section is repeated; `REP 3` and `REP 3/2` of listings that show what is left.
+fn repeat(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    let repeat = Formula::operand(cursor)?;
+    if cursor.take(b'/') {
+        cursor.whole();
+    }
+    Ok(repeat)
+}
+
+fn label(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
+    let label = match cursor.quoted() {
+        Some(name) => Label::Name(name.to_owned()),
+        None => Label::Number(cursor.whole().ok_or_else(|| expected(cursor, "the number or name of a label"))?),
+    };
+    if !cursor.is_over() {
+        return Err(expected(cursor, "the end of the block"));
+    }
+    Ok(if label == Label::Number(0) { Statement::EndOfLabel } else { Statement::Label(label) })
+}
+
+/// A label that a statement goes to: `LBL 5`, `LBL "NAME"`, `LBL QS5`.
+pub(super) fn target(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    cursor.keyword("LBL");
+    let target = Formula::operand(cursor)?;
+    if cursor.is_over() { Ok(target) } else { Err(expected(cursor, "the end of the block")) }
+}
+
+/// Name of a program: a text, a text parameter, or as it stands.
+pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
+    let mut ahead = cursor.clone();
+    if let Some(name) = parameter(&mut ahead)
+        && ahead.is_over()
+    {
+        return Ok(Formula(vec![Op::Variable(name)]));
+    }
+    let name = match cursor.quoted() {
+        Some(name) => name,
+        None => cursor.all(),
+    };
+    if name.trim().is_empty() {
+        return Err(expected(cursor, "the name of a program"));
+    }
+    Ok(Formula(vec![Op::Text(name.trim().into())]))
+}
+
+/// `%NAME G71` begins an ISO program, or ends it behind a number; `%NAME` calls one.
+fn percent(cursor: &mut Cursor<'_>) -> Statement {
+    cursor.take(b'%');
+    let text = cursor.all();
+    let (name, unit) = text.rsplit_once(' ').map_or((text, ""), |(name, unit)| (name.trim(), unit));
+    let words = || words(&mut Cursor::new(unit));
+    match unit {
+        "G70" => Statement::Begin { iso: true, inch: Some(true), words: words() },
+        "G71" => Statement::Begin { iso: true, inch: Some(false), words: words() },
+        _ if text.is_empty() => Statement::Nothing,
+        _ => {
+            let name = if unit.is_empty() { name } else { text };
+            Statement::CallProgram(Formula(vec![Op::Text(name.trim_matches('"').into())]))
+        }
+    }
+}

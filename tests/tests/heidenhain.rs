@@ -1,0 +1,226 @@
+//! Random programs for the Heidenhain pre-processor: whatever is written, the run ends within its limits, and neither
+//! scheduling nor the lack of a log changes anything.
+
+use counterpoint_kernel::options::{Limits, Options};
+use counterpoint_tests::{Work, machine};
+use proptest::prelude::*;
+
+fn options(threads: u16) -> Options {
+    let limits = Limits { blocks: 3_000, zero_time_blocks: 1_000, events: 30_000, ..Limits::default() };
+    Options { limits, threads, ..Options::default() }
+}
+
+/// Formulas.
+fn value() -> impl Strategy<Value = String> {
+    let leaves =
+        ["Q1", "QL2", "QR3", "QS1", "Q108", "Q109", "Q2000", "1", "-2.5", "0", "90", "99999999999", "PI", "\"A\""];
+    let leaf = prop::sample::select(leaves.to_vec()).prop_map(str::to_owned);
+    leaf.prop_recursive(4, 12, 3, |inner| {
+        let operators = [" + ", " - ", " * ", " / ", " % ", " ^ ", " || "];
+        let functions =
+            ["", "-", "SIN ", "TAN ", "SQRT ", "INT ", "EXP ", "LN ", "ACOS ", "SQ ", "FRAC ", "NEG ", "HALF"];
+        prop_oneof![
+            (inner.clone(), prop::sample::select(operators.to_vec()), inner.clone())
+                .prop_map(|(a, operator, b)| format!("{a}{operator}{b}")),
+            (prop::sample::select(functions.to_vec()), inner.clone()).prop_map(|(name, a)| format!("{name}({a})")),
+            inner.clone().prop_map(|a| format!("TOCHAR ( DAT{a} DECIMALS3 )")),
+            (inner.clone(), inner).prop_map(|(a, b)| format!("SUBSTR ( SRC_{a} BEG{b} LEN2 )")),
+        ]
+    })
+}
+
+/// Blocks, good and bad.
+fn block() -> impl Strategy<Value = String> {
+    let fixed = [
+        "BEGIN PGM A MM",
+        "BEGIN PGM A INCH",
+        "END PGM A MM",
+        "LBL 1",
+        "LBL 2",
+        "LBL 0",
+        "LBL \"A\"",
+        "CALL LBL 1",
+        "CALL LBL 2 REP 3",
+        "CALL LBL \"A\" REP Q1",
+        "CALL PGM p1",
+        "CALL PGM TNC:\\x.h",
+        "FN 9: IF Q1 EQU Q2 GOTO LBL 1",
+        "FN 12: IF Q1 LT 3 GOTO LBL 2",
+        "FN 1: Q1 = Q1 + 1",
+        "FN 18: SYSREAD Q1 = ID270 NR1 IDX1",
+        "FN 16: F-PRINT p1.nc / SCREEN:",
+        "FN 14: ERROR = 1",
+        "D01 Q1 P01 Q1 P02 1",
+        "TOOL CALL 5 Z S2000 F300",
+        "TOOL CALL \"A\"",
+        "TOOL DEF 3 L+10 R+4",
+        "CC X+10 Y+10",
+        "CC",
+        "L X+10 Y+5 R0 F500 M3",
+        "L IX+1 IY-2 FMAX",
+        "L X+20 F AUTO",
+        "C X+20 Y+10 DR+",
+        "CR X+5 Y+5 R-10 DR-",
+        "CT X+7 Y-3",
+        "LP PR+20 PA+30",
+        "CP IPA+800 IZ+3 DR-",
+        "CP PA+30",
+        "CTP PR+9 PA+200",
+        "RND R2 F100",
+        "CHF 1",
+        "APPR LCT X+3 Y+4 R2 RL",
+        "APPR LT X+3 Y+4 LEN5 RR F100",
+        "APPR CT X+3 Y+4 CCA180 R+2 RL",
+        "DEP LCT X+30 Y+4 R2",
+        "DEP CT CCA200 R+2",
+        "DEP LN LEN+3",
+        "CYCL DEF 200 X ~",
+        "  Q200=2 ~",
+        "CYCL DEF 12.0 PGM CALL",
+        "CYCL DEF 12.1 PGM p1.nc",
+        "CYCL DEF 7.0",
+        "CYCL DEF 7.1 X+Q1",
+        "CYCL CALL",
+        "CYCL CALL POS X+1",
+        "L X+1 M99",
+        "L X+2 M89",
+        "STOP M5",
+        "%A G71 *",
+        "N5 %A G71 *",
+        "%p1.nc",
+        "G98 L3",
+        "G98 L0",
+        "L3,2",
+        "N10 G01 X+5 *",
+        "N10 G02 I+5 J+5 X+10 *",
+        "G11 R5 H30",
+        "G13 H400",
+        "G16 R5 H3",
+        "G06 X+3 Y+8",
+        "G91",
+        "G90 G18",
+        "G25 R3",
+        "X+3",
+        "C+90",
+        "/ 5 X+3",
+        "/1 Q1 = 3",
+        "* - structure",
+        "~",
+        "M30",
+    ];
+    prop_oneof![
+        8 => prop::sample::select(fixed.to_vec()).prop_map(str::to_owned),
+        2 => value().prop_map(|value| format!("Q1 = {value}")),
+        1 => value().prop_map(|value| format!("QS1 = {value}")),
+        1 => value().prop_map(|value| format!("QL2 = {value}")),
+        1 => value().prop_map(|value| format!("FN 38: SEND /\"%5.2F\"/{value}")),
+        1 => prop::sample::select(vec!["X", "IY", "F", "S", "PR", "M", "R"]).prop_map(|name| format!("L {name}Q1 Y-QL2")),
+        1 => "[A-Z0-9=+*/,.() %;~\"-]{0,16}",
+        1 => any::<String>(),
+    ]
+}
+
+fn program() -> impl Strategy<Value = String> {
+    prop::collection::vec(block(), 1..30)
+        .prop_map(|blocks| format!("{}\nM30\nLBL 1\nL IX+1\nLBL 0\n", blocks.join("\n")))
+}
+
+/// Tables of a conversational machine, or those of the family alone.
+const CONVERSATIONAL: &str = "
+[[registers]]
+index = 4
+name = \"X\"
+second = \"IX\"
+whole = 5
+frac = 3
+signed = true
+
+[[codes]]
+id = \"CODE_INTERP_LINEAR\"
+text = \"L\"
+
+[[codes]]
+id = \"CODE_RAPID\"
+text = \"FMAX\"
+order = 490
+modality = \"non-modal\"
+
+[[codes]]
+id = \"CODE_INTERP_DEF_CENTER\"
+text = \"CC\"
+
+[[codes]]
+id = \"CODE_INTERP_ARC_CENTER\"
+text = \"C\"
+
+[[codes]]
+id = \"CODE_INTERP_ARC_RADIUS\"
+text = \"CR\"
+
+[[codes]]
+id = \"CODE_COMP_DIAM_LEFT\"
+text = \"RL\"
+
+[[codes]]
+id = \"CODE_COMP_DIAM_OFF\"
+text = \"R0\"
+
+[[codes]]
+id = \"CODE_UNITS_SECONDARY\"
+text = \"INCH\"
+";
+
+fn numbers(text: &str) -> Vec<u32> {
+    let machine = machine("fanuc-mill", "preprocessor = \"heidenhain\"\n");
+    let done = Work::texts(machine, &[text], options(1)).run(None).unwrap();
+    done.summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect()
+}
+
+#[test]
+fn what_has_no_end_comes_to_a_limit() {
+    for (text, number) in [
+        ("LBL 1\nCALL LBL 1\nLBL 0\n", 2900041),
+        ("CALL PGM p1.nc\n", 2900041),
+        ("LBL 1\nFN 9: IF 1 EQU 1 GOTO LBL 1\n", 2900070),
+        ("Q1 = 0\nLBL 1\nCALL LBL 1 REP 60000\n", 2900070),
+        ("CYCL DEF 12.0 PGM CALL\nCYCL DEF 12.1 PGM p1.nc\nM99\n", 2900041),
+    ] {
+        let found = numbers(text);
+        assert!(found.contains(&number), "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn deep_and_long_blocks_are_told_or_carried_out() {
+    let deep = |open: &str| format!("Q1 = {}1\n", open.repeat(1500));
+    for text in [deep("("), deep("SIN "), deep("-"), deep("HALF("), format!("Q1 = {}1\n", "1+".repeat(3000))] {
+        let found = numbers(&text);
+        assert!(found.iter().all(|number| [2900060, 2900016].contains(number)), "{found:?}");
+    }
+    let found = numbers(&"L X+1 ~\n".repeat(3000));
+    assert!(found.contains(&2900016), "{found:?}");
+    let found = numbers("Q1 = 10 ^ 400\n");
+    assert_eq!(found, [2900062]);
+    let found = numbers("Q1 = 1 / 0\n");
+    assert_eq!(found, [2900061]);
+    let found = numbers("Q5000 = 1\n");
+    assert_eq!(found, [2900063]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_programs_end_in_one_way(text in program(), conversational in any::<bool>()) {
+        let tables = if conversational { CONVERSATIONAL } else { "" };
+        let machine = machine("fanuc-mill", &format!("preprocessor = \"heidenhain\"\n{tables}"));
+        let work = |threads| Work::texts(machine.clone(), &[&text], options(threads));
+        // What cannot begin has no log.
+        if let Ok(one) = work(1).run(None) {
+            let many = work(0).run(None).unwrap();
+            prop_assert_eq!(&one.events, &many.events);
+            let (results, ..) = work(0).results(None).unwrap();
+            prop_assert_eq!(one.summary, results.summary);
+        }
+    }
+}
