@@ -137,7 +137,11 @@ impl Kernel<'_> {
         };
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
-        match scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess) {
+        let kind = match preprocess && self.flow.watched {
+            true => LineKind::Macro,
+            false => scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess),
+        };
+        match kind {
             LineKind::Words => {
                 if self.trace.is_some() && !self.has_embedded(1) {
                     self.trace_deleted(bytes);

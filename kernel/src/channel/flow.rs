@@ -108,6 +108,8 @@ pub(crate) struct Flow {
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Plain words are for the pre-processor too.
+    pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been told of, by file and line.
     pub(crate) told: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.

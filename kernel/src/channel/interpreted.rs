@@ -9,11 +9,16 @@ use counterpoint_lang::value::Value;
 
 use super::custom_calls::{Called, Callee};
 use super::flow::{Frame, Pending};
+use super::frames::affine::Affine;
+use super::frames::offsets::Table;
+use super::state::group;
 use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
-use crate::dialect::{Answer, Call, Host, Interpreter, Place};
+use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
 use crate::log::info::Unit;
+use crate::machine::ident::codes;
+use crate::machine::model::Dimension;
 use crate::machine::number::written;
 use crate::macros::model::Hook;
 use crate::mcd::program::Range;
@@ -67,6 +72,13 @@ impl Kernel<'_> {
         acted
     }
 
+    /// Factor from positions as the program counts them to those of an axis.
+    fn program_factor(&self, axis: usize) -> f64 {
+        let turns = self.place.axes.get(axis).is_some_and(|axis| axis.rotary);
+        let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
+        length * self.factor_across(axis)
+    }
+
     /// Lets the interpreter work; it cannot be asked from within.
     pub(crate) fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
         let mut interpreter = self.interpreter.take()?;
@@ -114,18 +126,8 @@ impl Kernel<'_> {
         };
         let (next, repeats) = (range.first, passes.saturating_sub(1));
         let name = (*name).into();
-        self.enter(Frame {
-            file,
-            range,
-            next,
-            offset: 0,
-            repeats,
-            closes,
-            own_variables: false,
-            called,
-            by: None,
-            name,
-        });
+        let (by, own_variables) = (None, false);
+        self.enter(Frame { file, range, next, offset: 0, repeats, closes, own_variables, called, by, name });
         Ok(())
     }
 }
@@ -295,5 +297,83 @@ impl Host for Kernel<'_> {
 
     fn channel(&self) -> u16 {
         self.rank
+    }
+
+    fn watch(&mut self, on: bool) {
+        self.flow.watched = on;
+    }
+
+    fn axes(&self) -> Vec<AxisPlace> {
+        let programmed = self.programmed();
+        let machine = self.machine_point(&self.place.position);
+        let values = programmed.iter().zip(machine.iter());
+        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), (work, machine))| {
+            let named = self.machine.axes.get(axis.machine)?;
+            let factor = self.program_factor(at);
+            Some(AxisPlace {
+                name: named.name.clone(),
+                letter: named.letter.clone(),
+                diameter: self.factor_across(at) * axis.scale < 1.0,
+                work: work / factor,
+                machine: machine / factor,
+            })
+        });
+        places.collect()
+    }
+
+    fn relative(&self) -> bool {
+        self.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+    }
+
+    fn second(&self, register: &str) -> Option<String> {
+        let found = self.machine.registers.iter().find(|found| found.name.eq_ignore_ascii_case(register))?;
+        found.second.clone()
+    }
+
+    fn local_frame(&self) -> [f64; 12] {
+        let map = self.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+        let mut rows = <[f64; 12]>::try_from(map.cells()).unwrap_or_default();
+        for (row, axis) in self.place.cartesian.iter().enumerate() {
+            let Some(at) = axis.map(usize::from) else { continue };
+            let scale = self.place.axes.get(at).map_or(1.0, |axis| axis.scale);
+            if let Some(shift) = rows.get_mut(row * 4 + 3) {
+                *shift /= scale * self.program_factor(at);
+            }
+        }
+        rows
+    }
+
+    fn work_offset(&self) -> u32 {
+        self.place.work_offset
+    }
+
+    fn offset(&self, number: u32) -> Vec<f64> {
+        let values = self.offset_values(Table::Work, number);
+        let values = values.iter().take(self.place.axes.len()).enumerate();
+        values.map(|(at, value)| value / self.program_factor(at)).collect()
+    }
+
+    fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
+        let mut offset = self.offset_values(Table::Work, number);
+        for (at, (slot, value)) in offset.iter_mut().zip(values).enumerate() {
+            *slot = value * self.program_factor(at);
+        }
+        Kernel::set_offset(self, Table::Work, number, offset)
+    }
+
+    fn tool(&self) -> u32 {
+        self.place.tool
+    }
+
+    fn modes(&self) -> Modes {
+        Modes(self.modal.saved())
+    }
+
+    fn restore_modes(&mut self, modes: &Modes) {
+        self.put_modes_back(&modes.0);
+    }
+
+    fn report(&mut self, facts: &'static Facts, severity: u8, text: String) {
+        Kernel::diagnose(self, &Facts { severity, ..*facts }, text);
     }
 }

@@ -76,7 +76,7 @@ impl Kernel<'_> {
             self.custom_block(None)?;
             return self.follow();
         }
-        match self.plan.scanner.scan(text, self.secondary, &mut self.block) {
+        match self.plan.scanner.scan(text, self.secondary, &mut self.block, self.flow.watched) {
             LineKind::Words => {
                 if self.trace.is_some() {
                     self.trace_deleted(text);

@@ -39,6 +39,8 @@ pub(crate) struct Scanner {
     macros: bool,
     /// Which blocks are not plain words, for the pre-processor of another control.
     foreign: Option<fn(&[u8]) -> bool>,
+    /// Names are left on blocks, which are no words however they are spelled.
+    names_stay: bool,
     /// Active optional-skip levels, bit n.
     levels: u16,
     sequence: Option<u8>,
@@ -93,6 +95,7 @@ impl Scanner {
             reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
             foreign: crate::dialect::concerns(machine.preprocessor),
+            names_stay: machine.preprocessor == crate::machine::model::Preprocessor::Siemens,
             levels: levels(machine, opskip),
             sequence,
             letters,
@@ -145,10 +148,10 @@ impl Scanner {
         self.letters.get(usize::from(letter)).copied().filter(|&(register, _)| register != NONE)
     }
 
-    /// Splits `line` into `block` (which is cleared first).
+    /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
     #[inline(always)]
-    pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block) -> Kind {
-        if self.foreign.is_some_and(|concerns| concerns(line)) {
+    pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> Kind {
+        if self.foreign.is_some_and(|concerns| watched || concerns(line)) {
             return Kind::Macro;
         }
         self.split(line, secondary, block, self.macros)
@@ -222,7 +225,7 @@ impl Scanner {
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
-        let mut end = at + 1;
+        let mut end = if self.names_stay { marks::name_end(line, at) } else { at }.max(at + 1);
         while let Some(&next) = line.get(end) {
             if next <= b' ' || Some(next) == self.opskip || self.starts_comment(line, end) || starts_word(line, end) {
                 break;

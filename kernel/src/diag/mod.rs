@@ -88,6 +88,13 @@ diagnostics! {
     TOOL_TABLE 2900087 8 false "more tools than the tool table has rows";
     NO_RESTART 2900120 8 false "machine that Machine Shutdown cannot start again";
     PREPROCESSOR_ASKS 2900121 8 false "block for the pre-processor while it asks a macro";
+    SIEMENS_TYPE 2900200 12 true "value that does not fit its variable, operator or function";
+    SIEMENS_DEFINITION 2900201 12 true "variable that cannot be defined";
+    SIEMENS_ARGUMENTS 2900202 12 true "arguments that do not fit the subprogram";
+    SIEMENS_FRAME 2900203 8 false "frame that the machine has no words for";
+    SIEMENS_ALARM 2900204 0 false "alarm that the program sets";
+    SIEMENS_IGNORED 2900205 4 false "part of a statement that is not carried out";
+    SIEMENS_FILE 2900206 4 false "definition file that does not exist";
     STATEMENT_UNKNOWN 2900240 8 false "statement of a control that its pre-processor does not understand";
     PARAMETER_UNSET 2900241 4 false "Q parameter that is read before it has a value";
     PATH_NOT_MADE 2900242 8 false "path block of a pre-processor that cannot be made";

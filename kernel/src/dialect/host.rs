@@ -13,6 +13,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::{Acted, Halt};
 use crate::diag::Facts;
 use crate::log::event::FileId;
+use crate::machine::ident::CodeId;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
 
@@ -109,6 +110,25 @@ pub(crate) enum Answer {
     /// The text stays on the block as it is.
     Keep,
 }
+
+/// An axis of the channel.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AxisPlace {
+    /// Name on the machine.
+    pub(crate) name: String,
+    /// Name in the programs of the channel.
+    pub(crate) letter: String,
+    /// Programmed as a diameter.
+    pub(crate) diameter: bool,
+    /// Where it is in the frame of the program, as the program counts now.
+    pub(crate) work: f64,
+    /// Where it is in the machine frame, as the program counts now.
+    pub(crate) machine: f64,
+}
+
+/// The active codes of all groups.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Modes(pub(crate) Vec<(u16, CodeId, u16)>);
 
 /// What an interpreter can ask of its kernel.
 pub(crate) trait Host {
@@ -214,4 +234,41 @@ pub(crate) trait Host {
 
     /// Channel number.
     fn channel(&self) -> u16;
+
+    /// Plain words are for the interpreter too, or no longer.
+    fn watch(&mut self, on: bool);
+
+    /// Axes of the channel, in its order.
+    fn axes(&self) -> Vec<AxisPlace>;
+
+    /// Positions count from where the axes stand.
+    fn relative(&self) -> bool;
+
+    /// Name of the incremental form of a register.
+    fn second(&self, register: &str) -> Option<String>;
+
+    /// From the program to the work frame: three rows of a linear part and a shift, in the order X, Y, Z; shifts as the
+    /// program counts now.
+    fn local_frame(&self) -> [f64; 12];
+
+    /// Number of the work offset in force, 0 for none.
+    fn work_offset(&self) -> u32;
+
+    /// Values of a work offset by axis, as the program counts now; 0 is the base.
+    fn offset(&self, number: u32) -> Vec<f64>;
+
+    /// Sets a work offset, which acts at once; whether it was set.
+    fn set_offset(&mut self, number: u32, values: &[f64]) -> bool;
+
+    /// Number of the tool that is loaded.
+    fn tool(&self) -> u32;
+
+    /// The active codes, to be restored later.
+    fn modes(&self) -> Modes;
+
+    /// Makes such codes active again.
+    fn restore_modes(&mut self, modes: &Modes);
+
+    /// Something is worth saying with a severity of its own.
+    fn report(&mut self, facts: &'static Facts, severity: u8, text: String);
 }

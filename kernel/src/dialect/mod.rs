@@ -11,7 +11,7 @@ mod numeric;
 pub(crate) mod okuma;
 mod siemens;
 
-pub(crate) use host::{Answer, Call, Host, Interpreter, Place, Setting};
+pub(crate) use host::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place, Setting};
 
 use crate::machine::model::Preprocessor;
 

@@ -26,6 +26,8 @@ pub struct Range {
 pub struct Shape {
     /// Programs may have names in angle brackets.
     names: bool,
+    /// `O` and `:` with a number define programs; elsewhere `:` is the number of a main block.
+    numbers: bool,
     /// Programs may have names of letters and digits behind O.
     okuma: bool,
     /// Comments and messages, start and end.
@@ -38,6 +40,7 @@ impl Default for Shape {
     fn default() -> Self {
         Self {
             names: false,
+            numbers: true,
             okuma: false,
             remarks: vec![(b"(".to_vec(), b")".to_vec())],
             rws: b"%".to_vec(),
@@ -55,6 +58,7 @@ impl Shape {
         let taken = remarks.clone().any(|(start, _)| start.starts_with('<'));
         Self {
             names: machine.preprocessor == Preprocessor::Fanuc && !taken,
+            numbers: machine.preprocessor != Preprocessor::Siemens,
             okuma: machine.preprocessor == Preprocessor::Okuma,
             remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
             rws: format.rws.clone().into(),
@@ -116,7 +120,7 @@ pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let last = source.lines();
     for line in 1..=last {
         let text = source.line(line);
-        let number = leading_number(text, b'O').or_else(|| leading_number(text, b':'));
+        let number = leading_number(text, b'O').or_else(|| leading_number(text, b':')).filter(|_| shape.numbers);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
                 previous.last = line - 1;

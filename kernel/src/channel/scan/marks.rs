@@ -33,6 +33,28 @@ impl Formula {
     }
 }
 
+/// Where a name of two letters or more that begins at `at` ends, with what is in parentheses, brackets and quotation
+/// marks behind it; `at` if there is none.
+pub(super) fn name_end(line: &[u8], at: usize) -> usize {
+    let rest = line.get(at..).unwrap_or_default();
+    let letters = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    if !(rest.len() > 1 && rest.iter().take(2).all(letters)) {
+        return at;
+    }
+    let (mut depth, mut quoted) = (0_usize, false);
+    for (length, byte) in rest.iter().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            _ if quoted => {}
+            b'(' | b'[' => depth += 1,
+            b')' | b']' => depth = depth.saturating_sub(1),
+            b' ' | b'\t' if depth == 0 => return at + length,
+            _ => {}
+        }
+    }
+    line.len()
+}
+
 impl Scanner {
     /// For text that no optional skip applies to: its mark is a character like any other.
     pub(in crate::channel) fn without_marks(machine: &Machine) -> Self {

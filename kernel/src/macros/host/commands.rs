@@ -12,8 +12,10 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
+use crate::machine::ident::{CodeId, codes};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 
@@ -32,6 +34,15 @@ pub(super) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
 }
 
 impl Kernel<'_> {
+    /// Makes codes active again that were saved.
+    pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
+        self.modal.restore(saved);
+        self.follow_cycle();
+        self.follow_spindle();
+        self.follow_clamps();
+        self.secondary = self.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
+    }
+
     pub(super) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         match command {
             Command::Match(on) => {
@@ -62,12 +73,7 @@ impl Kernel<'_> {
                 let Some(groups) = saved else {
                     return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
                 };
-                self.modal.restore(&groups);
-                self.follow_cycle();
-                self.follow_spindle();
-                self.follow_clamps();
-                self.secondary = self.modal.code(crate::channel::state::group::UNITS)
-                    == Some(crate::machine::ident::codes::UNITS_SECONDARY);
+                self.put_modes_back(&groups);
             }
             Command::Listing(on) => self.control_listing(if on { "on" } else { "off" }.into()),
             Command::Skip(lines) if lines > 0 => {

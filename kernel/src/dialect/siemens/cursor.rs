@@ -1,0 +1,214 @@
+//! A place in the text of a block, and the small pieces that are read there.
+//!
+//! Invariant: the place moves forward only, and always stands between two characters of the text.
+
+/// A place in a text.
+#[derive(Debug, Clone)]
+pub(super) struct Cursor<'a> {
+    text: &'a str,
+    at: usize,
+    /// Parentheses, brackets and arguments around the place.
+    pub(super) depth: usize,
+    /// Operators of the expression so far.
+    pub(super) operators: usize,
+}
+
+/// A byte that may begin a name.
+pub(super) fn begins_name(byte: u8) -> bool {
+    byte.is_ascii_alphabetic() || byte == b'_' || byte == b'$'
+}
+
+/// A byte that may stand inside a name.
+pub(super) fn in_name(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+impl<'a> Cursor<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { text, at: 0, depth: 0, operators: 0 }
+    }
+
+    /// The same depth in a part of the text.
+    pub(super) fn inside(&self, text: &'a str) -> Self {
+        Self { text, at: 0, depth: self.depth + 1, operators: self.operators }
+    }
+
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Goes back to a place that [`Cursor::at`] gave.
+    pub(super) fn back_to(&mut self, at: usize) {
+        self.at = at;
+    }
+
+    pub(super) fn rest(&self) -> &'a str {
+        self.text.get(self.at..).unwrap_or_default()
+    }
+
+    /// Text from a place up to here.
+    pub(super) fn since(&self, from: usize) -> &'a str {
+        self.text.get(from..self.at).unwrap_or_default()
+    }
+
+    /// The byte so many behind this one, 0 at the end.
+    pub(super) fn byte(&self, ahead: usize) -> u8 {
+        self.text.as_bytes().get(self.at + ahead).copied().unwrap_or(0)
+    }
+
+    pub(super) fn is_at_end(&self) -> bool {
+        self.at >= self.text.len()
+    }
+
+    pub(super) fn blanks(&mut self) {
+        while matches!(self.byte(0), b' ' | b'\t') {
+            self.at += 1;
+        }
+    }
+
+    /// One character on.
+    pub(super) fn step(&mut self) {
+        self.at += self.rest().chars().next().map_or(0, char::len_utf8);
+    }
+
+    /// Takes a symbol, behind blanks.
+    pub(super) fn takes(&mut self, symbol: &str) -> bool {
+        let from = self.at;
+        self.blanks();
+        if self.rest().starts_with(symbol) {
+            self.at += symbol.len();
+            return true;
+        }
+        self.at = from;
+        false
+    }
+
+    /// The sign of an assignment comes next, behind blanks.
+    pub(super) fn assigns(&self) -> bool {
+        let rest = self.rest().trim_start_matches([' ', '\t']).as_bytes();
+        rest.first() == Some(&b'=') && rest.get(1) != Some(&b'=')
+    }
+
+    /// The name that comes next, behind blanks, as it is written.
+    pub(super) fn peeked_name(&self) -> Option<&'a str> {
+        let rest = self.rest().trim_start_matches([' ', '\t']);
+        let bytes = rest.as_bytes();
+        if !bytes.first().copied().is_some_and(begins_name) {
+            return None;
+        }
+        let length = 1 + bytes.iter().skip(1).take_while(|byte| in_name(**byte)).count();
+        rest.get(..length)
+    }
+
+    /// Takes that name.
+    pub(super) fn name(&mut self) -> Option<&'a str> {
+        let name = self.peeked_name()?;
+        self.blanks();
+        self.at += name.len();
+        Some(name)
+    }
+
+    /// Takes a key word.
+    pub(super) fn word(&mut self, word: &str) -> bool {
+        let is = self.peeked_name().is_some_and(|name| name.eq_ignore_ascii_case(word));
+        if is {
+            self.name();
+        }
+        is
+    }
+
+    /// Takes digits.
+    pub(super) fn digits(&mut self) -> &'a str {
+        let from = self.at;
+        while self.byte(0).is_ascii_digit() {
+            self.at += 1;
+        }
+        self.since(from)
+    }
+
+    /// Takes `digits[.digits]` with at least one digit; whether there was a point.
+    pub(super) fn decimal(&mut self) -> Option<(&'a str, bool)> {
+        let from = self.at;
+        let mut count = self.digits().len();
+        let point = self.byte(0) == b'.';
+        if point {
+            self.at += 1;
+            count += self.digits().len();
+        }
+        if count == 0 {
+            self.at = from;
+            return None;
+        }
+        Some((self.since(from), point))
+    }
+
+    /// Takes a text in quotation marks, without them; its end may be missing at the end of the block.
+    pub(super) fn quoted(&mut self) -> Option<&'a str> {
+        if self.byte(0) != b'"' {
+            return None;
+        }
+        let inner = self.text.get(self.at + 1..)?;
+        let length = inner.find('"')?;
+        self.at += length + 2;
+        inner.get(..length)
+    }
+
+    /// Takes what is in the parentheses that open here, without them.
+    pub(super) fn enclosed(&mut self, open: u8, close: u8) -> Option<&'a str> {
+        self.blanks();
+        if self.byte(0) != open {
+            return None;
+        }
+        let (mut depth, mut quoted) = (0_usize, false);
+        for (at, byte) in self.rest().bytes().enumerate() {
+            match byte {
+                b'"' => quoted = !quoted,
+                _ if quoted => {}
+                _ if byte == open => depth += 1,
+                _ if byte == close => {
+                    depth -= 1;
+                    if depth == 0 {
+                        let inner = self.rest().get(1..at);
+                        self.at += at + 1;
+                        return inner;
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+}
+
+/// Parts of a list between commas that are in no parentheses and no text.
+pub(super) fn split_list(text: &str) -> Vec<&str> {
+    let (mut parts, mut from, mut depth, mut quoted) = (Vec::new(), 0, 0_i32, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            _ if quoted => {}
+            b'(' | b'[' => depth += 1,
+            b')' | b']' => depth -= 1,
+            b',' if depth == 0 => {
+                parts.push(text.get(from..at).unwrap_or_default().trim());
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(text.get(from..).unwrap_or_default().trim());
+    parts
+}
+
+/// A block without its comment.
+pub(super) fn without_comment(text: &str) -> &str {
+    let mut quoted = false;
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b';' if !quoted => return text.get(..at).unwrap_or_default(),
+            _ => {}
+        }
+    }
+    text
+}

@@ -1,0 +1,217 @@
+//! Declarations, read: DEF, REDEF, PROC and EXTERN.
+//!
+//! Facts: reference control-emulator.md 5.4. Invariant: reading changes nothing; sizes are expressions until the block
+//! runs.
+
+use super::cursor::{Cursor, split_list};
+use super::expression::{Argument, Expression, arguments, expression, unexpected};
+use super::value::Type;
+
+/// Whose variable it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scope {
+    /// All channels.
+    Nck,
+    /// All programs of the channel.
+    Channel,
+    /// This program.
+    Local,
+}
+
+/// DEF: variables of one type.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Declaration {
+    pub(super) scope: Option<Scope>,
+    /// None in a REDEF of attributes.
+    pub(super) kind: Option<Type>,
+    /// Longest text of a STRING.
+    pub(super) length: Option<Expression>,
+    pub(super) variables: Vec<Declared>,
+}
+
+/// A variable of a declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Declared {
+    pub(super) name: String,
+    pub(super) sizes: Vec<Expression>,
+    pub(super) initial: Option<Initial>,
+}
+
+/// What a variable begins with.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Initial {
+    One(Expression),
+    List(Vec<Argument>),
+    Fill(Vec<Argument>),
+}
+
+/// PROC or EXTERN.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    pub(super) name: String,
+    pub(super) parameters: Vec<Parameter>,
+    /// SAVE: modal codes come back at the end.
+    pub(super) save: bool,
+}
+
+/// A parameter of a subprogram.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Parameter {
+    pub(super) kind: Type,
+    /// What the subprogram assigns is seen by its caller.
+    pub(super) by_reference: bool,
+    /// Empty in EXTERN.
+    pub(super) name: String,
+    /// It is an array.
+    pub(super) array: bool,
+    pub(super) default: Option<Expression>,
+}
+
+/// Attributes of data that change nothing here, with the number of values behind them.
+const ATTRIBUTES: [&str; 16] = [
+    "SYNR", "SYNW", "SYNRW", "PHU", "APR", "APW", "APRP", "APWP", "APRB", "APWB", "LLI", "ULI", "ACCESS", "EXECX",
+    "IPO", "PRLOC",
+];
+
+/// A list of values in parentheses, if that is what comes.
+pub(super) fn list(cursor: &mut Cursor<'_>) -> Result<Option<Vec<Argument>>, String> {
+    let mut ahead = cursor.clone();
+    let is_list = ahead.enclosed(b'(', b')').is_some_and(|inner| split_list(inner).len() > 1);
+    cursor.blanks();
+    if is_list { arguments(cursor).map(Some) } else { Ok(None) }
+}
+
+/// Behind DEF or REDEF.
+pub(super) fn declaration(cursor: &mut Cursor<'_>) -> Result<Declaration, String> {
+    let (mut scope, mut kind, mut length) = (None, None, None);
+    while let Some(name) = cursor.peeked_name().map(str::to_ascii_uppercase) {
+        match name.as_str() {
+            "NCK" => scope = Some(Scope::Nck),
+            "CHAN" => scope = Some(Scope::Channel),
+            _ if ATTRIBUTES.contains(&name.as_str()) => {
+                attribute(cursor)?;
+                continue;
+            }
+            _ => match Type::named(&name) {
+                Some(found) => {
+                    cursor.name();
+                    kind = Some(found);
+                    length = text_length(cursor, found)?;
+                    break;
+                }
+                None => break,
+            },
+        }
+        cursor.name();
+    }
+    let mut variables = Vec::new();
+    loop {
+        variables.push(declared(cursor)?);
+        cursor.blanks();
+        if cursor.is_at_end() {
+            return Ok(Declaration { scope, kind, length, variables });
+        }
+        if !cursor.takes(",") {
+            return Err(unexpected(cursor));
+        }
+    }
+}
+
+fn attribute(cursor: &mut Cursor<'_>) -> Result<(), String> {
+    let name = cursor.name().unwrap_or_default();
+    if !name.to_ascii_uppercase().starts_with("SYN") {
+        expression(cursor)?;
+    }
+    Ok(())
+}
+
+/// `[n]` behind STRING.
+fn text_length(cursor: &mut Cursor<'_>, kind: Type) -> Result<Option<Expression>, String> {
+    if !matches!(kind, Type::Text(_)) || !cursor.takes("[") {
+        return Ok(None);
+    }
+    let length = expression(cursor)?;
+    if cursor.takes("]") { Ok(Some(length)) } else { Err(format!("a ']' is missing, {}", unexpected(cursor))) }
+}
+
+fn declared(cursor: &mut Cursor<'_>) -> Result<Declared, String> {
+    let Some(name) = cursor.name() else { return Err(format!("a name is missing, {}", unexpected(cursor))) };
+    let name = name.to_ascii_uppercase();
+    let mut sizes = Vec::new();
+    if cursor.takes("[") {
+        loop {
+            sizes.push(expression(cursor)?);
+            if cursor.takes("]") {
+                break;
+            }
+            if !cursor.takes(",") {
+                return Err(format!("a ']' is missing, {}", unexpected(cursor)));
+            }
+        }
+    }
+    while cursor.peeked_name().is_some_and(|name| ATTRIBUTES.contains(&name.to_ascii_uppercase().as_str())) {
+        attribute(cursor)?;
+    }
+    let assigned = cursor.takes("=");
+    let from = cursor.at();
+    let key = cursor.name().map(str::to_ascii_uppercase).filter(|_| cursor.byte(0) == b'(');
+    let initial = match key.as_deref() {
+        Some("SET") => Some(Initial::List(arguments(cursor)?)),
+        Some("REP") => Some(Initial::Fill(arguments(cursor)?)),
+        _ => {
+            cursor.back_to(from);
+            match assigned {
+                false => None,
+                true => Some(match list(cursor)? {
+                    Some(list) => Initial::List(list),
+                    None => Initial::One(expression(cursor)?),
+                }),
+            }
+        }
+    };
+    Ok(Declared { name, sizes, initial })
+}
+
+/// Behind PROC or EXTERN.
+pub(super) fn header(cursor: &mut Cursor<'_>) -> Result<Header, String> {
+    let Some(name) = cursor.name() else { return Err(format!("a name is missing, {}", unexpected(cursor))) };
+    let mut header = Header { name: name.to_ascii_uppercase(), parameters: Vec::new(), save: false };
+    let mut ahead = cursor.clone();
+    if ahead.takes("(") {
+        let Some(inner) = cursor.enclosed(b'(', b')') else { return Err("a ')' is missing".to_owned()) };
+        if !inner.trim().is_empty() {
+            for text in split_list(inner) {
+                header.parameters.push(parameter(&mut cursor.inside(text))?);
+            }
+        }
+    }
+    while let Some(name) = cursor.name() {
+        header.save |= name.eq_ignore_ascii_case("SAVE");
+    }
+    Ok(header)
+}
+
+fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, String> {
+    let by_reference = cursor.word("VAR");
+    let kind = cursor.name().and_then(|name| Type::named(&name.to_ascii_uppercase()));
+    let Some(mut kind) = kind else { return Err(format!("a type is missing, {}", unexpected(cursor))) };
+    if let Type::Text(_) = kind {
+        let length = match text_length(cursor, kind)? {
+            Some(Expression::Int(length)) => u16::try_from(length).unwrap_or(LONGEST_TEXT),
+            _ => LONGEST_TEXT,
+        };
+        kind = Type::Text(length.min(LONGEST_TEXT));
+    }
+    let name = cursor.name().unwrap_or_default().to_ascii_uppercase();
+    let array = cursor.enclosed(b'[', b']').is_some();
+    let default = if cursor.takes("=") { Some(expression(cursor)?) } else { None };
+    cursor.blanks();
+    if cursor.is_at_end() {
+        Ok(Parameter { kind, by_reference, name, array, default })
+    } else {
+        Err(unexpected(cursor))
+    }
+}
+
+/// Most characters of a STRING.
+pub(super) const LONGEST_TEXT: u16 = 400;

@@ -1,0 +1,138 @@
+//! Statements that name labels or programs, read: jumps, repetitions, CASE, and calls by a text.
+//!
+//! Facts: reference control-emulator.md 5.4. Invariant: a label stays a name until the block runs, since a variable of
+//! type STRING may have that name.
+
+use super::cursor::{Cursor, in_name};
+use super::expression::{Expression, arguments, expression, unexpected};
+use super::line::{Direction, Item, Jump, Label, Structure};
+
+pub(super) const JUMPS: [(&str, Direction); 5] = [
+    ("GOTO", Direction::Either),
+    ("GOTOF", Direction::Forward),
+    ("GOTOB", Direction::Back),
+    ("GOTOC", Direction::Silent),
+    ("GOTOS", Direction::Start),
+];
+
+pub(super) fn direction(name: &str) -> Option<Direction> {
+    JUMPS.iter().find(|(text, _)| text.eq_ignore_ascii_case(name)).map(|(_, direction)| *direction)
+}
+
+pub(super) fn jump(cursor: &mut Cursor<'_>, direction: Direction) -> Result<Jump, String> {
+    let target = if direction == Direction::Start { Label::Number(0) } else { label(cursor)? };
+    Ok(Jump { direction, target })
+}
+
+/// A label as statements name it.
+fn label(cursor: &mut Cursor<'_>) -> Result<Label, String> {
+    cursor.blanks();
+    let before = cursor.clone();
+    if matches!(cursor.byte(0), b'N' | b'n' | b':') {
+        cursor.step();
+    }
+    let digits = cursor.digits();
+    if !digits.is_empty() && !in_name(cursor.byte(0)) && !joined(cursor) {
+        return digits.parse().map(Label::Number).map_err(|_| format!("there is no block number {digits}"));
+    }
+    *cursor = before.clone();
+    if let Some(name) = cursor.name()
+        && !matches!(cursor.byte(0), b'(' | b'[')
+        && !joined(cursor)
+    {
+        return Ok(Label::Name(name.to_ascii_uppercase()));
+    }
+    *cursor = before;
+    Ok(Label::Value(expression(cursor)?))
+}
+
+fn joined(cursor: &Cursor<'_>) -> bool {
+    cursor.rest().trim_start().starts_with("<<")
+}
+
+pub(super) fn repeat(cursor: &mut Cursor<'_>, one_block: bool) -> Result<Item, String> {
+    cursor.blanks();
+    if cursor.is_at_end() && !one_block {
+        return Ok(Item::Structure(Structure::Repeat));
+    }
+    let first = label(cursor)?;
+    let is_passes = |cursor: &Cursor<'_>| {
+        let rest = cursor.rest().trim_start().as_bytes();
+        rest.is_empty()
+            || (rest.first().is_some_and(|byte| byte.eq_ignore_ascii_case(&b'P'))
+                && rest.get(1).is_none_or(|byte| matches!(byte, b'=' | b' ' | b'\t' | b'0'..=b'9')))
+    };
+    let last = if one_block || is_passes(cursor) { None } else { Some(label(cursor)?) };
+    let mut passes = None;
+    cursor.blanks();
+    if cursor.byte(0).eq_ignore_ascii_case(&b'P') {
+        cursor.step();
+        cursor.takes("=");
+        passes = Some(expression(cursor)?);
+    }
+    Ok(Item::RepeatPart { first, last, passes, one_block })
+}
+
+pub(super) fn case(cursor: &mut Cursor<'_>) -> Result<Item, String> {
+    let value = expression(cursor)?;
+    if !cursor.word("OF") {
+        return Err(format!("OF is missing, {}", unexpected(cursor)));
+    }
+    let mut cases = Vec::new();
+    loop {
+        cursor.blanks();
+        if cursor.is_at_end() {
+            return Ok(Item::Case(value, cases, None));
+        }
+        let default = cursor.word("DEFAULT");
+        let constant = if default { Expression::Bool(true) } else { expression(cursor)? };
+        let Some(direction) = cursor.name().and_then(direction) else {
+            return Err(format!("a jump is missing behind CASE, {}", unexpected(cursor)));
+        };
+        let jump = jump(cursor, direction)?;
+        if default {
+            return Ok(Item::Case(value, cases, Some(jump)));
+        }
+        cases.push((constant, jump));
+    }
+}
+
+pub(super) fn call(cursor: &mut Cursor<'_>, kind: &str) -> Result<Item, String> {
+    let section = |cursor: &mut Cursor<'_>| -> Result<Option<(String, String)>, String> {
+        if !cursor.word("BLOCK") {
+            return Ok(None);
+        }
+        let first = cursor.name().map(str::to_ascii_uppercase);
+        let last = if cursor.word("TO") { cursor.name().map(str::to_ascii_uppercase) } else { None };
+        match (first, last) {
+            (Some(first), Some(last)) => Ok(Some((first, last))),
+            _ => Err("BLOCK needs two labels with TO between them".to_owned()),
+        }
+    };
+    if kind == "CALL"
+        && let Some(section) = section(cursor)?
+    {
+        let name = Expression::Text("".into());
+        return Ok(Item::CallText { name, section: Some(section), arguments: Vec::new() });
+    }
+    if kind == "PCALL" {
+        // The path may stand without quotation marks.
+        cursor.blanks();
+        if !matches!(cursor.byte(0), b'"') {
+            let from = cursor.at();
+            while !cursor.is_at_end() && !matches!(cursor.byte(0), b' ' | b'\t' | b'(') {
+                cursor.step();
+            }
+            let name = Expression::Text(cursor.since(from).into());
+            let arguments = if cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };
+            return Ok(Item::CallText { name, section: None, arguments });
+        }
+    }
+    let name = match kind {
+        "PCALL" => Expression::Text(cursor.quoted().unwrap_or_default().into()),
+        _ => expression(cursor)?,
+    };
+    let arguments = if kind == "PCALL" && cursor.byte(0) == b'(' { arguments(cursor)? } else { Vec::new() };
+    let section = if kind == "CALL" { section(cursor)? } else { None };
+    Ok(Item::CallText { name, section, arguments })
+}

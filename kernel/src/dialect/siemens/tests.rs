@@ -1,0 +1,130 @@
+//! Expressions and blocks without a kernel.
+
+use super::cursor::without_comment;
+use super::expression::{Expression, whole};
+use super::frame::{Frame, Parts};
+use super::line::{Item, head, read};
+use super::value::{Data, Type, shown};
+use super::{concerns, cursor::Cursor, settings::named};
+
+fn item(text: &str) -> Item {
+    let line = read(text).unwrap();
+    assert_eq!(line.items.len(), 1, "{text}: {:?}", line.items);
+    line.items.into_iter().next().unwrap()
+}
+
+#[test]
+fn plain_words_are_not_for_the_pre_processor() {
+    for text in ["N10 G1 X10.5 Y-3 F100", "G0X1Y2", "/N20 M3 S1000 ; IF (A)", "T1 D1", "", "M170 M7", "P3"] {
+        assert!(!concerns(text.as_bytes()), "{text}");
+    }
+    for text in ["X=5", "R1=3", "N10 L20", "M17", "M017", "DIAMON", "LABEL:", ":10 G1", "%_N_A_MPF", "G4 F(1)", "_A"] {
+        assert!(concerns(text.as_bytes()), "{text}");
+    }
+}
+
+#[test]
+fn words_and_names_are_told_apart() {
+    let line = read("N10 G1X10.5 Y-3 X1=5 R1=2 SUB L10 M17 M30").unwrap();
+    assert_eq!(line.number.as_deref(), Some("10"));
+    let kinds: Vec<&str> = line
+        .items
+        .iter()
+        .map(|item| match item {
+            Item::Text(_) => "text",
+            Item::Set { .. } => "set",
+            Item::Bare(_) => "bare",
+            Item::Program(_) => "program",
+            Item::Return(..) => "return",
+            _ => "other",
+        })
+        .collect();
+    assert_eq!(kinds, ["text", "text", "text", "set", "set", "bare", "program", "return", "text"]);
+    assert!(matches!(item("WAITM(1,1,2)"), Item::Function(name, list) if name == "WAITM" && list.len() == 3));
+    assert!(matches!(item("X=AC(10)"), Item::Set { .. }));
+}
+
+#[test]
+fn labels_and_numbers_begin_a_block() {
+    let head = |text| head(&mut Cursor::new(text));
+    assert_eq!(head("N10 ANF: G1"), (Some("10".into()), Some("ANF".into())));
+    assert_eq!(head(":20 G1"), (Some("20".into()), None));
+    assert_eq!(head("A1: X5"), (None, Some("A1".into())));
+    assert_eq!(head("G1 X5"), (None, None));
+}
+
+#[test]
+fn comments_end_a_block_outside_of_texts() {
+    assert_eq!(without_comment("G1 X5 ; (a)"), "G1 X5 ");
+    assert_eq!(without_comment("MSG(\"a;b\") ; c"), "MSG(\"a;b\") ");
+}
+
+#[test]
+fn comparisons_bind_weakest() {
+    assert!(whole("A==1 AND B==2").is_err());
+    assert!(whole("(A==1) AND (B==2)").is_ok());
+    let Expression::Binary(operator, ..) = whole("R1+1<R2*2").unwrap() else { panic!() };
+    assert_eq!(operator, super::expression::Binary::Less);
+    for wrong in ["", "1+", "(1", "1 2", "SIN(", "\"a", "'HXY'", "1EX", "A[1"] {
+        assert!(whole(wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(whole("'HFF'"), Ok(Expression::Int(255)));
+    assert_eq!(whole("'B101'"), Ok(Expression::Int(5)));
+    assert_eq!(whole("2.5EX-1"), Ok(Expression::Real(0.25)));
+    assert!(whole(&format!("{}1{}", "(".repeat(500), ")".repeat(500))).is_err());
+    assert!(whole(&"1+".repeat(5000)).is_err());
+    assert!(whole(&"-".repeat(5000)).is_err());
+}
+
+#[test]
+fn frames_come_apart_again() {
+    let mut parts = Parts { shift: [10.0, -5.0, 0.0], angles: [30.0, 20.0, -45.0], ..Parts::default() };
+    parts.scale = [2.0, 1.0, 0.5];
+    parts.mirror = [false, true, false];
+    assert_eq!(parts.frame().unwrap().parts(), Some(parts));
+    let quarter = Parts { angles: [0.0, 90.0, 0.0], ..Parts::default() };
+    assert_eq!(quarter.frame().unwrap().parts(), Some(quarter));
+    let moved = Parts { shift: [10.0, 0.0, 0.0], ..Parts::default() }.frame().unwrap();
+    let turned = Parts { angles: [0.0, 0.0, 90.0], ..Parts::default() }.frame().unwrap();
+    // The second shift counts in the turned frame.
+    let chain = moved.chain(&turned).and_then(|frame| frame.chain(&moved)).unwrap();
+    assert_eq!(chain.parts().unwrap().shift, [10.0, 10.0, 0.0]);
+    let skewed = Parts { scale: [2.0, 1.0, 1.0], ..Parts::default() }.frame().unwrap();
+    let tilted = Parts { angles: [0.0, 0.0, 30.0], ..Parts::default() }.frame().unwrap();
+    assert_eq!(skewed.chain(&tilted).unwrap().parts(), None);
+    assert!(Parts { scale: [0.0, 1.0, 1.0], ..Parts::default() }.frame().is_none());
+    assert!(Parts { shift: [f64::NAN, 0.0, 0.0], ..Parts::default() }.frame().is_none());
+    assert_eq!(Frame::from_numbers(&turned.numbers()), Some(turned));
+}
+
+#[test]
+fn types_hold_what_fits() {
+    assert_eq!(Type::Int.hold(Data::Real(2.5)), Ok(Data::Int(3)));
+    assert!(Type::Int.hold(Data::Real(3e9)).is_err());
+    assert_eq!(Type::Bool.hold(Data::Real(0.1)), Ok(Data::Bool(true)));
+    assert_eq!(Type::Text(3).hold(Data::Text("abcde".into())), Ok(Data::Text("abc".into())));
+    assert!(Type::Real.hold(Data::Text("5".into())).is_err());
+    assert_eq!(shown(0.1 + 0.2), "0.3");
+    assert_eq!(Data::Real(5.0).word(), "5.");
+    assert_eq!(Data::Real(-0.0).word(), "0.");
+}
+
+#[test]
+fn macros_name_variables_in_native_spelling() {
+    assert_eq!(named("R5", &[]), named("R[5]", &[]));
+    assert_eq!(named("feld[1,2]", &[]).unwrap().name, "FELD");
+    assert!(named("1+2", &[]).is_none());
+    assert!(named("A", &[f64::NAN]).is_none());
+}
+
+#[test]
+fn statements_that_cannot_be_read_are_told() {
+    for wrong in ["IF", "FOR I=1", "FOR I=1 TO", "CASE R1 1 GOTOF A", "DEF INT", "DEF INT 5", "WHILE", "PROC", "R1="] {
+        assert!(read(wrong).is_err(), "{wrong}");
+    }
+    for right in
+        ["GOTOS", "REPEAT", "REPEAT A B P=3", "REPEATB A P=2", "CASE R1 OF 1 GOTOF A 2 GOTOB N20 DEFAULT GOTO C"]
+    {
+        assert!(read(right).is_ok(), "{right}");
+    }
+}
