@@ -163,17 +163,6 @@ impl Host for Kernel<'_> {
         }
     }
 
-    fn stripped(&mut self, text: &[u8]) -> Vec<u8> {
-        let mut out = Vec::with_capacity(text.len());
-        let (plan, own) = (self.plan, self.block_scanner());
-        own.as_deref().unwrap_or(&plan.scanner).strip(text, &mut out, &mut self.block);
-        if self.macros.is_none() {
-            self.show_messages(text);
-        }
-        self.block.messages.clear();
-        out
-    }
-
     fn go_to(&mut self, line: u32) -> Acted {
         self.jump_to_line(line)
     }

@@ -4,8 +4,6 @@
 //! through [`Host::shared`] and [`Host::set_shared`], in order of simulated time; a jump back and a call are counted by
 //! the kernel, so that endless loops come to a limit; nothing here reads a clock or a file system.
 
-#![allow(dead_code, reason = "not every pre-processor asks for everything")]
-
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -152,9 +150,6 @@ pub(crate) trait Host {
 
     /// Whether blocks behind an optional-skip mark of this level are skipped; `None` for a mark without number.
     fn skips(&self, level: Option<u8>) -> bool;
-
-    /// The block without comments, messages, skipped parts and marks, as the machine's format has them.
-    fn stripped(&mut self, text: &[u8]) -> Vec<u8>;
 
     /// The block goes on at a line of its program.
     ///
