@@ -55,7 +55,7 @@ impl Kernel<'_> {
         let text = runtime.text.take();
         let left = runtime.left.take();
         let code = runtime.store.code.take();
-        let kept = (runtime.issued, runtime.preprocessed, runtime.mark);
+        let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let done = self.check_limits().and_then(|()| process(self));
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
@@ -63,7 +63,7 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
-            (runtime.issued, runtime.preprocessed, runtime.mark) = kept;
+            (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark) = kept;
         }
         done
     }
@@ -266,7 +266,11 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
         let runtime = self.macros.as_deref()?;
-        if runtime.issued { runtime.unmarked.clone() } else { runtime.scanner.clone() }
+        match &self.plan.unmarked {
+            _ if runtime.issued => runtime.unmarked.clone(),
+            Some(scanner) if runtime.made => Some(Arc::clone(scanner)),
+            _ => runtime.scanner.clone(),
+        }
     }
 
     /// `$OPSKIPL`: switches a level of optional skip from the next block on.

@@ -62,7 +62,8 @@ impl Kernel<'_> {
         }
         let read = self.edited.replace(Arc::from(text.as_bytes()));
         let plan = self.plan;
-        plan.scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
+        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
         if self.trace.is_some() {
             self.trace_words();
         }

@@ -1,5 +1,7 @@
 //! What is compiled once per job and shared by its kernels.
 
+use std::sync::Arc;
+
 use super::data::RECALLED;
 use super::scan::Scanner;
 use super::tape::Tape;
@@ -13,6 +15,8 @@ use crate::machine::model::{AxisRole, Dimension};
 #[derive(Debug)]
 pub(crate) struct Plan {
     pub(crate) scanner: Scanner,
+    /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
+    pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
     pub(crate) actions: Vec<Option<Action>>,
     /// Register of the G letter, for macro calls of the pre-processor.
@@ -166,6 +170,7 @@ impl Plan {
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
             only_data: only_data.fold(0, |bits, r| bits | 1 << r),
+            unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
             scanner: Scanner::new(machine, opskip),
             actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
             g,

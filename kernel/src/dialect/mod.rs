@@ -13,13 +13,14 @@ mod siemens;
 
 pub(crate) use host::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place, Setting};
 
+use crate::machine::Machine;
 use crate::machine::model::Preprocessor;
 
 /// A new interpreter; none for controls without one, and for custom macro.
-pub(crate) fn interpreter(preprocessor: Preprocessor) -> Option<Box<dyn Interpreter>> {
-    Some(match preprocessor {
+pub(crate) fn interpreter(machine: &Machine) -> Option<Box<dyn Interpreter>> {
+    Some(match machine.preprocessor {
         Preprocessor::None | Preprocessor::Fanuc => return None,
-        Preprocessor::Okuma => Box::new(okuma::Okuma::default()),
+        Preprocessor::Okuma => Box::new(okuma::Okuma::new(machine.macros.is_none())),
         Preprocessor::Siemens => Box::new(siemens::Siemens::default()),
         Preprocessor::Heidenhain => Box::new(heidenhain::Heidenhain::default()),
     })

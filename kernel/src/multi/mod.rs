@@ -345,7 +345,7 @@ impl<'a> Shop<'a> {
             spindle: state::SpindleState { index: spindle, shared, ..state::SpindleState::default() },
             flow: Flow::default(),
             variables: ChannelVariables::default(),
-            interpreter: crate::dialect::interpreter(machine.preprocessor),
+            interpreter: crate::dialect::interpreter(machine),
             secondary: false,
             blocks: 0,
             idle_blocks: 0,

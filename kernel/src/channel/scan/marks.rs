@@ -90,10 +90,11 @@ impl Scanner {
         found.map(|active| (active, out))
     }
 
-    /// On a line for the pre-processor of another control a skip character behind the begin of the block divides.
+    /// On a line for the pre-processor of another control a skip character divides, unless nothing but the number of
+    /// the block and other marks stand before it.
     fn divides(&self, line: &[u8], at: usize) -> bool {
-        self.foreign.is_some_and(|concerns| concerns(line))
-            && line.get(..at).unwrap_or_default().iter().any(|byte| matches!(byte, b'=' | b'['))
+        let leads = |byte: &u8| byte.is_ascii_digit() || b" \t/Nn:".contains(byte);
+        !line.get(..at).unwrap_or_default().iter().all(leads) && self.foreign.is_some_and(|concerns| concerns(line))
     }
 
     /// Level of the first mark of a line, none without one.
@@ -103,10 +104,7 @@ impl Scanner {
         while let Some(&byte) = line.get(at) {
             formula.read(self.names(), line, at);
             if byte == mark && !(self.macros && formula.divides()) && !self.divides(line, at) {
-                return Some(match line.get(at + 1) {
-                    Some(digit @ b'1'..=b'9') => digit - b'0',
-                    _ => self.opskip_default,
-                });
+                return Some(self.mark(line, at).0);
             }
             at = self.comment_end(line, at).unwrap_or(at + 1);
         }

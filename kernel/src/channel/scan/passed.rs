@@ -45,10 +45,7 @@ impl Scanner {
             return Some(close.map_or(line.len(), |close| close + end.len()));
         }
         if Some(byte) == self.opskip {
-            let (level, next) = match line.get(at + 1) {
-                Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
-                _ => (self.opskip_default, at + 1),
-            };
+            let (level, next) = self.mark(line, at);
             if self.levels & (1 << level) == 0 {
                 return Some(next);
             }
@@ -60,6 +57,15 @@ impl Scanner {
         None
     }
 
+    /// Level of the mark at `at`, and where it ends. On controls with a pre-processor of their own 0 is no level.
+    pub(super) fn mark(&self, line: &[u8], at: usize) -> (u8, usize) {
+        match line.get(at + 1) {
+            Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
+            Some(b'0') if self.foreign.is_some() => (self.opskip_default, at + 2),
+            _ => (self.opskip_default, at + 1),
+        }
+    }
+
     /// Start of the next skip mark of a level that is not active, or the end of the line.
     fn next_inactive_mark(&self, line: &[u8], from: usize) -> usize {
         let mut at = from;
@@ -69,10 +75,7 @@ impl Scanner {
                 continue;
             }
             if Some(byte) == self.opskip {
-                let level = match line.get(at + 1) {
-                    Some(digit @ b'1'..=b'9') => digit - b'0',
-                    _ => self.opskip_default,
-                };
+                let (level, _) = self.mark(line, at);
                 if self.levels & (1 << level) == 0 {
                     return at;
                 }

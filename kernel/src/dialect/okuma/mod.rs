@@ -58,8 +58,9 @@ pub(crate) struct Okuma {
     takes_messages: bool,
 }
 
-impl Default for Okuma {
-    fn default() -> Self {
+impl Okuma {
+    /// With sequence names taken off the block, or left on it for the macros of a machine (`$FCEPP` says otherwise).
+    pub(crate) fn new(takes_names: bool) -> Self {
         Self {
             store: store::Store::default(),
             modal: Vec::new(),
@@ -68,7 +69,7 @@ impl Default for Okuma {
             lines: FxHashMap::default(),
             indices: FxHashMap::default(),
             takes_calls: true,
-            takes_names: false,
+            takes_names,
             takes_messages: true,
         }
     }

@@ -52,7 +52,7 @@ impl Actions {
         }
     }
 
-    /// What a spindle does; its limit alone when nothing else is new.
+    /// What a spindle does; its limit alone when nothing else is new, its speed when it stands before and after.
     fn spindle(&mut self, now: &Spindle) -> String {
         let standing =
             Spindle { direction: Direction::Off, css: false, speed: 0.0, limit: f64::INFINITY, angle: 0.0, ..*now };
@@ -70,6 +70,13 @@ impl Actions {
         };
         if !now.css && now.limit.is_finite() && now.limit != before.limit && same(&before, now) {
             return numbered(now, format!("spindle max={}", wildcard_text(now.limit)));
+        }
+        let stands = now.direction == Direction::Off && before.direction == Direction::Off;
+        if stands && (now.css, now.speed) != (before.css, before.speed) {
+            return match now.css {
+                true => turning(&Spindle { direction: Direction::Clockwise, ..*now }),
+                false => numbered(now, format!("spindle rpm={}", wildcard_text(now.speed))),
+            };
         }
         turning(now)
     }
