@@ -4,7 +4,7 @@
 //! is shown in brackets; the end of the input declines what is asked. A question that somebody else has answered is
 //! given up at once.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::io::{BufRead as _, Write as _};
 
 use counterpoint_proto::v1;
@@ -97,12 +97,15 @@ impl Attendant {
         if !question.problem.is_empty() {
             say::talk(styled(BAD, &question.problem));
         }
-        let mut values = std::collections::HashMap::new();
+        let mut values = Values::new();
         for field in &dialog.fields {
             let Some(kind) = &field.kind else {
                 say::talk(format_args!("  {}", field.label));
                 continue;
             };
+            if !is_enabled(field, &values, &question.values) {
+                continue;
+            }
             let start = question.values.get(&field.variable).and_then(|value| value.value.as_ref());
             let prompt =
                 format!("  {}{} [{}]: ", field.label, hint(kind), start.map_or_else(String::new, |v| shown(kind, v)));
@@ -202,6 +205,27 @@ fn lines() -> mpsc::UnboundedReceiver<String> {
     receive
 }
 
+/// Values by variable.
+type Values = HashMap<String, v1::DialogValue>;
+
+/// A field takes a value, by what has been entered above it and by what the question begins with.
+fn is_enabled(field: &v1::DialogField, entered: &Values, start: &Values) -> bool {
+    if field.enabled_by.is_empty() {
+        return true;
+    }
+    let of = |values: &Values| {
+        let mut found = values.iter().filter(|(variable, _)| variable.eq_ignore_ascii_case(&field.enabled_by));
+        found.next().and_then(|(_, value)| value.value.clone())
+    };
+    let is_set = match of(entered).or_else(|| of(start)) {
+        Some(Value::Flag(flag)) => flag,
+        Some(Value::Number(number)) => number != 0.0,
+        Some(Value::Text(text)) => !text.is_empty(),
+        None => false,
+    };
+    is_set != field.enabled_unless
+}
+
 /// What a field takes, behind its label.
 fn hint(kind: &Kind) -> String {
     match kind {
@@ -261,6 +285,31 @@ fn read(kind: &Kind, line: &str) -> Result<Value, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_field_waits_for_the_variable_that_decides() {
+        let field = |by: &str, unless| v1::DialogField {
+            enabled_by: by.to_owned(),
+            enabled_unless: unless,
+            ..v1::DialogField::default()
+        };
+        let values = |list: &[(&str, Value)]| -> Values {
+            let value = |value: &Value| v1::DialogValue { value: Some(value.clone()) };
+            list.iter().map(|(variable, v)| ((*variable).to_owned(), value(v))).collect()
+        };
+        let start = values(&[("%G01", Value::Number(0.0)), ("WET", Value::Flag(true))]);
+        let entered = values(&[("wet", Value::Flag(false))]);
+        for (by, unless, expected) in [
+            ("", false, true),
+            ("%g01", false, false),
+            ("%G01", true, true),
+            ("Wet", false, false),
+            ("%G09", true, true),
+        ] {
+            assert_eq!(is_enabled(&field(by, unless), &entered, &start), expected, "{by} {unless}");
+        }
+        assert!(is_enabled(&field("wet", false), &Values::new(), &start), "what it begins with counts until then");
+    }
 
     #[test]
     fn lines_are_read_as_the_field_takes_them() {

@@ -308,3 +308,35 @@ fields = [
     let output = answering(&attended, "12\n");
     assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");
 }
+
+#[test]
+fn fields_that_take_no_value_are_not_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = folder.path().join("decides");
+    std::fs::create_dir(&machine).unwrap();
+    let definition = r#"extends = "fanuc-mill"
+[ce]
+name = "decides"
+[macros]
+program_startup = "start.mac"
+[[dialogs]]
+name = "Wet"
+fields = [
+  { label = "Wet", variable = "%G02", kind = "check", default = false },
+  { label = "Pressure", variable = "%G03", kind = "number", min = 1, max = 40, default = 20, when = "%G02" },
+  { label = "Reason", variable = "%G04", kind = "text", default = "-", unless = "%G09" },
+]
+"#;
+    std::fs::write(machine.join("machine.toml"), definition).unwrap();
+    let start = "%G09=1\n%L01=$FDIALOG('Wet')\nERROR/4,'!(*) !(*)',%L01,%G03\n";
+    std::fs::write(machine.join("start.mac"), start).unwrap();
+    let path = program(folder.path(), "part.nc", "O1\nM30\n");
+    let attended = ["run", "--json", "--attend", "--machine", &machine.display().to_string(), &path];
+    for (lines, asked, text) in [("no\nok\n", false, "OK 0"), ("yes\n7\nok\n", true, "OK 7")] {
+        let output = answering(&attended, lines);
+        let talk = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((talk.contains("Pressure"), talk.contains("Reason")), (asked, false), "{talk}");
+        let summary = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(summary.contains(text), "{talk} {summary}");
+    }
+}

@@ -160,9 +160,16 @@ impl Dialog {
         self.fields.iter().filter(|field| !field.variable.is_empty())
     }
 
-    /// Values that the fields begin with, by variable.
+    /// Values that the fields begin with, by variable, then those of other variables that decide about fields.
     fn start(&self, current: &mut dyn FnMut(&str) -> Option<Value>) -> Vec<(String, Value)> {
-        self.bound().filter_map(|field| Some((field.variable.clone(), field.start(current)?))).collect()
+        let mut values: Vec<(String, Value)> =
+            self.bound().filter_map(|field| Some((field.variable.clone(), field.start(current)?))).collect();
+        for (variable, _) in self.fields.iter().filter_map(|field| field.enabled.as_ref()) {
+            if !values.iter().any(|(known, _)| known.eq_ignore_ascii_case(variable)) {
+                values.extend(current(variable).map(|value| (variable.clone(), value)));
+            }
+        }
+        values
     }
 
     /// The button an answer presses: the named one, else the first of type OK.

@@ -21,7 +21,8 @@ pub struct Question<'a> {
     pub line: u32,
     /// What is shown.
     pub dialog: &'a Dialog,
-    /// Values that the fields begin with, by variable, in the order of the fields.
+    /// Values that the fields begin with, by variable, in the order of the fields; then those of other variables that
+    /// decide about fields.
     pub values: &'a [(String, Value)],
     /// Why the answer before was refused.
     pub problem: Option<&'a str>,

@@ -189,7 +189,15 @@ fn field(field: &Field) -> v1::DialogField {
             Some(Kind::Choice(v1::ChoiceField { choices: choices.iter().map(choice).collect() }))
         }
     };
-    v1::DialogField { label: field.label.clone(), variable: field.variable.clone(), required: field.required, kind }
+    let (enabled_by, wanted) = field.enabled.clone().unwrap_or((String::new(), true));
+    v1::DialogField {
+        label: field.label.clone(),
+        variable: field.variable.clone(),
+        required: field.required,
+        kind,
+        enabled_by,
+        enabled_unless: !wanted,
+    }
 }
 
 fn button(button: &Button) -> v1::DialogButton {
