@@ -10,6 +10,7 @@ mod host;
 mod numeric;
 pub(crate) mod okuma;
 mod siemens;
+mod text;
 
 pub(crate) use host::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place, Setting};
 

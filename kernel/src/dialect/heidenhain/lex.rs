@@ -4,6 +4,8 @@
 //! begins a comment, `*` a structure line or, at the end of a block, its end, `~` at the end goes on in the next line.
 //! Invariant: outside quotation marks everything is in capital letters.
 
+use crate::dialect::text::without_comment;
+
 /// A block as it is read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Clean {
@@ -59,18 +61,6 @@ fn number(text: &str) -> (Option<u32>, &str) {
         return (None, text);
     }
     (number.parse().ok(), rest.trim_start())
-}
-
-fn without_comment(text: &str) -> &str {
-    let mut quoted = false;
-    for (at, byte) in text.bytes().enumerate() {
-        match byte {
-            b'"' => quoted = !quoted,
-            b';' if !quoted => return text.get(..at).unwrap_or_default(),
-            _ => {}
-        }
-    }
-    text
 }
 
 /// Capital letters outside quotation marks.

@@ -199,16 +199,3 @@ pub(super) fn split_list(text: &str) -> Vec<&str> {
     parts.push(text.get(from..).unwrap_or_default().trim());
     parts
 }
-
-/// A block without its comment.
-pub(super) fn without_comment(text: &str) -> &str {
-    let mut quoted = false;
-    for (at, byte) in text.bytes().enumerate() {
-        match byte {
-            b'"' => quoted = !quoted,
-            b';' if !quoted => return text.get(..at).unwrap_or_default(),
-            _ => {}
-        }
-    }
-    text
-}

@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::cursor::{Cursor, without_comment};
+use super::cursor::Cursor;
 use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
 use crate::diag;
+use crate::dialect::text::without_comment;
 use crate::dialect::{Host, Place};
 use crate::log::event::FileId;
 use crate::mcd::program::Range;

@@ -7,12 +7,12 @@
 use std::sync::Arc;
 
 use super::calls::Modal;
-use super::cursor::without_comment;
 use super::expression::{Argument, Expression, Name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::diag;
+use crate::dialect::text::without_comment;
 use crate::dialect::{Answer, Call, Host};
 
 /// Most passes of a call.

@@ -1,6 +1,5 @@
 //! Expressions and blocks without a kernel.
 
-use super::cursor::without_comment;
 use super::expression::{Expression, whole};
 use super::frame::{Frame, Parts};
 use super::line::{Item, head, read};
@@ -51,12 +50,6 @@ fn labels_and_numbers_begin_a_block() {
     assert_eq!(head(":20 G1"), (Some("20".into()), None));
     assert_eq!(head("A1: X5"), (None, Some("A1".into())));
     assert_eq!(head("G1 X5"), (None, None));
-}
-
-#[test]
-fn comments_end_a_block_outside_of_texts() {
-    assert_eq!(without_comment("G1 X5 ; (a)"), "G1 X5 ");
-    assert_eq!(without_comment("MSG(\"a;b\") ; c"), "MSG(\"a;b\") ");
 }
 
 #[test]
