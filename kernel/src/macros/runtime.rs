@@ -218,9 +218,9 @@ fn limits() -> Limits {
 
 impl Runtime {
     /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, kernels: usize) -> Self {
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, kernel: u16, kernels: usize) -> Self {
         let mut state = State::new(limits());
-        state.channel = u32::from(rank).max(1);
+        state.channel = u32::from(kernel).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         let mut runtime = Self {
             program: Arc::clone(program),
@@ -347,7 +347,7 @@ impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
-            let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
+            let mut runtime = Runtime::new(macros, program, self.kernel_number(), self.machine.channels.len());
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
