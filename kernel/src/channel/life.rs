@@ -165,7 +165,7 @@ impl Kernel<'_> {
     }
 
     fn what_it_did(&self, reason: &str) -> String {
-        let pass = self.flow.pass;
+        let pass = self.flow.pass.last();
         let name = self.info.file_name(self.file);
         if pass.count > 1 {
             let (_, first, last) = pass.key;
