@@ -469,7 +469,7 @@ impl MacroCompiler<'_> {
 
     fn binary(&mut self, sign: Sign, left: &Expr, right: &Expr, span: Span, wanted: Option<Slot>) -> Operand {
         if matches!(sign, Sign::And | Sign::Or) {
-            return self.logic(sign, left, right);
+            return self.logic(sign, left, right, wanted);
         }
         if let Some(relation) = relation(sign) {
             let (a, b) = self.compared(left, right, span);
@@ -519,7 +519,8 @@ impl MacroCompiler<'_> {
         (a, b)
     }
 
-    fn logic(&mut self, sign: Sign, left: &Expr, right: &Expr) -> Operand {
+    /// The truth is made in a register of its own: the right side may still read the one that is wanted.
+    fn logic(&mut self, sign: Sign, left: &Expr, right: &Expr, wanted: Option<Slot>) -> Operand {
         let to = self.temporary();
         let a = self.typed(left, Kind::Logical, "a truth value");
         self.emit(Op::Truth { to, a });
@@ -531,7 +532,10 @@ impl MacroCompiler<'_> {
         let b = self.typed(right, Kind::Logical, "a truth value");
         self.emit(Op::Truth { to, a: b });
         self.patch(jump);
-        (to, Some(Kind::Logical))
+        if let Some(wanted) = wanted {
+            self.emit(Op::Move { to: wanted, a: to });
+        }
+        (wanted.unwrap_or(to), Some(Kind::Logical))
     }
 
     /// Emits jumps taken when the condition is `when`; they are collected in `jumps`.
