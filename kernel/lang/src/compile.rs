@@ -3,6 +3,7 @@
 //! Invariant: all diagnostics of a file are found in one pass; a program holds code only for macros without errors.
 //! Names of shared variables and functions are resolved once, here. Facts: reference macro-language.md 1.4 to 1.6, 2, 3.
 
+mod arms;
 mod assign;
 mod expression;
 mod fast;
@@ -20,7 +21,7 @@ use crate::host::Environment;
 use crate::parse::{self, MAX_DIAGNOSTICS};
 use crate::source::{Source, Span};
 use crate::value::{Kind, Value};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// Which names must be declared.
@@ -276,7 +277,9 @@ fn restricted(options: Options) -> bool {
 
 /// Makes the shared variables that a macro declares.
 fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, diagnostics: &mut Vec<Diagnostic>) {
+    let mut arms = arms::Arms::default();
     for statement in &one.statements {
+        arms.pass(statement);
         let StatementKind::Declare { scope, kind, channel, names } = &statement.kind else { continue };
         if *scope == Scope::Local {
             continue;
@@ -286,6 +289,12 @@ fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, 
             diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
         }
         for declared in names {
+            let said = (*scope, *kind, declared.sizes.len(), *channel);
+            let again = arms.again(&declared.name, said);
+            arms.declared(&declared.name, said);
+            if again {
+                continue;
+            }
             let shared = if *scope == Scope::Global {
                 program.globals.push(declared.name.clone());
                 Shared::Global(u32::try_from(program.globals.len() - 1).unwrap_or(u32::MAX))
@@ -352,6 +361,8 @@ struct MacroCompiler<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     code: Code,
     locals: FxHashMap<String, Local>,
+    /// Names that the macro assigns somewhere: a loop may read them before the line that does.
+    assigned: FxHashSet<String>,
     temporaries: Vec<Slot>,
     used: usize,
     place: Span,
@@ -376,6 +387,7 @@ impl<'a> MacroCompiler<'a> {
             diagnostics,
             code: Code::empty(source),
             locals: FxHashMap::default(),
+            assigned: FxHashSet::default(),
             temporaries: Vec::new(),
             used: 0,
             place: Span::default(),
@@ -389,6 +401,7 @@ impl<'a> MacroCompiler<'a> {
         self.code.name = self.source.name.clone();
         self.place = one.span;
         self.declare_locals(one);
+        self.note_assigned(one);
         if let Some(header) = &one.header {
             self.header(header);
         }

@@ -248,7 +248,9 @@ impl MacroCompiler<'_> {
         if let Variable::User(name) = variable
             && self.locals.get(name).is_none_or(|local| local.indices == 0)
             && (self.program.functions.contains_key(name)
-                || (!self.locals.contains_key(name) && !self.program.shared.contains_key(name)))
+                || (!self.locals.contains_key(name)
+                    && !self.program.shared.contains_key(name)
+                    && !self.assigned.contains(name)))
         {
             return self.user_call(name, indices, span, wanted);
         }

@@ -1,7 +1,7 @@
 //! Statements into instructions.
 
 use super::{MacroCompiler, Place};
-use crate::ast::{Expr, ExprKind, Statement, StatementKind};
+use crate::ast::{Block, Expr, ExprKind, Statement, StatementKind};
 use crate::bytecode::{CommandCode, Op, Slot};
 use crate::diag::Number;
 use crate::format::Format;
@@ -43,8 +43,20 @@ impl MacroCompiler<'_> {
             (Place::Startup, K::Output) => "OUTPUT is not possible in a startup or shutdown macro",
             (
                 Place::Declaration,
-                K::Output | K::Exec(..) | K::TapeRead | K::TapeWrite | K::Search(_) | K::SaveModal | K::RestoreModal,
-            ) => "a declaration macro declares; commands for the control belong to other macros",
+                K::Declare { .. }
+                | K::Include(_)
+                | K::If(_)
+                | K::ElseIf(_)
+                | K::Else
+                | K::Case(_)
+                | K::When(_)
+                | K::EndOf(Block::If | Block::Case)
+                | K::EndMacro
+                | K::Empty,
+            ) => return,
+            (Place::Declaration, _) => {
+                "a declaration macro holds declarations only: DECLAR and INCLUD, inside IF or CASE"
+            }
             _ => return,
         };
         self.error(self.place, Number::NOT_HERE, message);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 /// Where an operand comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub(crate) enum Origin {
     Literal,
     Parenthesised,
     Local,
@@ -33,7 +33,7 @@ pub enum Origin {
 
 use Origin as F;
 
-pub const ORIGINS: [Origin; 22] = [
+pub(crate) const ORIGINS: [Origin; 22] = [
     F::Literal,
     F::Parenthesised,
     F::Local,
@@ -60,7 +60,7 @@ pub const ORIGINS: [Origin; 22] = [
 
 /// Where a result goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Goal {
+pub(crate) enum Goal {
     Local,
     Declared,
     DeclaredUntyped,
@@ -105,7 +105,7 @@ pub enum Goal {
 
 use Goal as G;
 
-pub const GOALS: [Goal; 40] = [
+pub(crate) const GOALS: [Goal; 40] = [
     G::Local,
     G::Declared,
     G::DeclaredUntyped,
@@ -150,7 +150,7 @@ pub const GOALS: [Goal; 40] = [
 
 impl Goal {
     /// Tells whether a value of this type can go here.
-    pub fn takes(self, value: &Known) -> bool {
+    pub(crate) fn takes(self, value: &Known) -> bool {
         match self {
             G::If | G::ElseIf | G::IfNot | G::While | G::Until => matches!(value, Known::Logical(_)),
             G::DoStart => matches!(value, Known::Real(_)),
@@ -187,7 +187,7 @@ impl Goal {
 }
 
 /// A macro that computes one expression, piece by piece.
-pub struct Writer {
+pub(crate) struct Writer {
     goal: Goal,
     result: Known,
     declared: String,
@@ -195,18 +195,13 @@ pub struct Writer {
     number: usize,
     arguments: Vec<Known>,
     /// System variables with their values.
-    pub system: Vec<(String, Known)>,
+    pub(crate) system: Vec<(String, Known)>,
 }
 
 impl Writer {
-    pub fn new(goal: Goal, result: Known) -> Writer {
+    pub(crate) fn new(goal: Goal, result: Known) -> Writer {
         let system = vec![("$ZT".to_owned(), result.other())];
         Writer { goal, result, declared: String::new(), set: String::new(), number: 0, arguments: Vec::new(), system }
-    }
-
-    /// What the caller of the macro passes.
-    pub fn arguments(&self) -> &[Known] {
-        &self.arguments
     }
 
     fn line(&mut self, text: &str) {
@@ -218,7 +213,7 @@ impl Writer {
     }
 
     /// Makes an operand of this value and gives its text; another origin is taken where this one cannot hold it.
-    pub fn operand(&mut self, value: &Known, origin: Origin) -> String {
+    pub(crate) fn operand(&mut self, value: &Known, origin: Origin) -> String {
         self.number += 1;
         let (n, text, kind) = (self.number, value.written(), value.type_name());
         let single = !value.is_list();
@@ -296,7 +291,7 @@ impl Writer {
     }
 
     /// The whole macro: what `expression` gives is printed in the end.
-    pub fn finish(mut self, expression: &str) -> (String, Vec<(String, Known)>, Vec<Known>) {
+    pub(crate) fn finish(mut self, expression: &str) -> (String, Vec<(String, Known)>, Vec<Known>) {
         let kind = self.result.type_name();
         let old = self.result.other().written();
         let mut arguments = std::mem::take(&mut self.arguments);
@@ -402,7 +397,7 @@ fn shown(variable: &str) -> String {
 }
 
 /// What [`shown`] prints of the type of a value.
-pub fn types_of(value: &Known) -> String {
+pub(crate) fn types_of(value: &Known) -> String {
     let is = |name: &str| if value.type_name() == name { "TRUE" } else { "FALSE" };
     format!("{} {} {}", is("REAL"), is("STRING"), is("SEQUENCE"))
 }

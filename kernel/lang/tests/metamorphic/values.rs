@@ -5,7 +5,7 @@ use counterpoint_lang::value::Value;
 
 /// A value as this test knows it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Known {
+pub(crate) enum Known {
     Real(f64),
     Text(String),
     Logical(bool),
@@ -15,7 +15,7 @@ pub enum Known {
 
 impl Known {
     /// How it is written in a macro.
-    pub fn written(&self) -> String {
+    pub(crate) fn written(&self) -> String {
         match self {
             Known::Real(number) => format!("{number}"),
             Known::Text(text) => format!("'{}'", text.replace('\'', "''")),
@@ -29,7 +29,7 @@ impl Known {
     }
 
     /// What `!(*)` prints.
-    pub fn printed(&self) -> String {
+    pub(crate) fn printed(&self) -> String {
         match self {
             Known::Real(number) => wildcard_text(*number),
             Known::Text(text) => text.clone(),
@@ -41,7 +41,7 @@ impl Known {
         }
     }
 
-    pub fn type_name(&self) -> &'static str {
+    pub(crate) fn type_name(&self) -> &'static str {
         match self {
             Known::Real(_) => "REAL",
             Known::Text(_) => "STRING",
@@ -52,7 +52,7 @@ impl Known {
     }
 
     /// The value that a caller of a macro passes.
-    pub fn value(&self) -> Value {
+    pub(crate) fn value(&self) -> Value {
         match self {
             Known::Real(number) => Value::Real(*number),
             Known::Text(text) => Value::text(text.as_str()),
@@ -63,7 +63,7 @@ impl Known {
     }
 
     /// Another value of the same type.
-    pub fn other(&self) -> Known {
+    pub(crate) fn other(&self) -> Known {
         match self {
             Known::Real(number) => Known::Real(if *number == 7.0 { 8.0 } else { 7.0 }),
             Known::Text(text) => Known::Text(if text == "old" { "older".into() } else { "old".into() }),
@@ -79,14 +79,14 @@ impl Known {
         }
     }
 
-    pub fn is_list(&self) -> bool {
+    pub(crate) fn is_list(&self) -> bool {
         matches!(self, Known::List(_))
     }
 }
 
 /// An operator of the language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Operator {
+pub(crate) enum Operator {
     Power,
     Negate,
     Positive,
@@ -110,7 +110,7 @@ pub enum Operator {
 
 use Operator as O;
 
-pub const OPERATORS: [Operator; 19] = [
+pub(crate) const OPERATORS: [Operator; 19] = [
     O::Power,
     O::Negate,
     O::Positive,
@@ -134,7 +134,7 @@ pub const OPERATORS: [Operator; 19] = [
 
 impl Operator {
     /// Spelling in the standard style and in that of C.
-    pub fn spellings(self) -> [&'static str; 2] {
+    pub(crate) fn spellings(self) -> [&'static str; 2] {
         match self {
             O::Power => ["**", "**"],
             O::Negate | O::Minus => ["-", "-"],
@@ -155,12 +155,12 @@ impl Operator {
         }
     }
 
-    pub fn is_unary(self) -> bool {
+    pub(crate) fn is_unary(self) -> bool {
         matches!(self, O::Negate | O::Positive | O::Not)
     }
 
     /// Row in the table of bindings, the strongest highest.
-    pub fn binding(self) -> u8 {
+    pub(crate) fn binding(self) -> u8 {
         match self {
             O::Power => 9,
             O::Negate | O::Positive => 8,
@@ -176,7 +176,7 @@ impl Operator {
     }
 
     /// Operand types that it takes.
-    pub fn takes(self) -> &'static [&'static str] {
+    pub(crate) fn takes(self) -> &'static [&'static str] {
         match self {
             O::Join | O::PlusText => &["STRING"],
             O::Not | O::And | O::Or | O::Xor => &["LOGICAL"],
@@ -187,7 +187,7 @@ impl Operator {
     }
 
     /// Type of its result.
-    pub fn gives(self) -> &'static str {
+    pub(crate) fn gives(self) -> &'static str {
         match self.binding() {
             0..=4 => "LOGICAL",
             5 => "STRING",
@@ -197,7 +197,7 @@ impl Operator {
     }
 
     /// The result; none where the test does not know it exactly.
-    pub fn result(self, a: &Known, b: &Known) -> Option<Known> {
+    pub(crate) fn result(self, a: &Known, b: &Known) -> Option<Known> {
         let relation = |order: std::cmp::Ordering| match self {
             O::Equal => order.is_eq(),
             O::NotEqual => order.is_ne(),
@@ -256,28 +256,28 @@ fn whole_power(base: f64, exponent: f64) -> Option<f64> {
 
 /// An expression over leaves whose place is chosen later.
 #[derive(Clone, Debug)]
-pub enum Tree {
+pub(crate) enum Tree {
     Leaf(Known),
     Node(Operator, Vec<Tree>, Known),
 }
 
 impl Tree {
     /// A node; none where the result is not known.
-    pub fn node(operator: Operator, parts: Vec<Tree>) -> Option<Tree> {
+    pub(crate) fn node(operator: Operator, parts: Vec<Tree>) -> Option<Tree> {
         let first = parts.first()?.value().clone();
         let second = parts.get(1).map_or(first.clone(), |part| part.value().clone());
         let result = operator.result(&first, &second)?;
         Some(Tree::Node(operator, parts, result))
     }
 
-    pub fn value(&self) -> &Known {
+    pub(crate) fn value(&self) -> &Known {
         match self {
             Tree::Leaf(value) | Tree::Node(_, _, value) => value,
         }
     }
 
     /// The text with as few parentheses as the table of bindings allows; `leaf` writes a leaf, `style` chooses a spelling.
-    pub fn written(&self, leaf: &mut dyn FnMut(&Known) -> String, style: &mut dyn FnMut() -> usize) -> String {
+    pub(crate) fn written(&self, leaf: &mut dyn FnMut(&Known) -> String, style: &mut dyn FnMut() -> usize) -> String {
         let (operator, parts) = match self {
             Tree::Leaf(value) => return leaf(value),
             Tree::Node(operator, parts, _) => (*operator, parts),
