@@ -374,6 +374,11 @@ impl MacroCompiler<'_> {
             };
             self.error(span, Number::WRONG_COUNT, message);
         }
+        if name == "$FFIND"
+            && let Some(found) = self.find_in_system(arguments, wanted)
+        {
+            return found;
+        }
         let mut slots = Vec::new();
         for (position, argument) in arguments.iter().enumerate() {
             if name == "$FFIND" && position == 0 {
@@ -419,6 +424,30 @@ impl MacroCompiler<'_> {
             self.code.functions.len() - 1
         });
         u16::try_from(position).unwrap_or(u16::MAX)
+    }
+
+    /// `$FFIND` from an element of a system variable on; none if its first argument is something else.
+    fn find_in_system(&mut self, arguments: &[Expr], wanted: Option<Slot>) -> Option<Operand> {
+        let (first, looked_for) = (arguments.first()?, arguments.get(1)?);
+        let ExprKind::Element(variable @ Variable::System(_), indices) = &first.kind else { return None };
+        let Reach::System { index, indices: known, .. } = self.reach(variable, first.span, false) else { return None };
+        if known == 0 || known != indices.len() {
+            return None;
+        }
+        let system = self.constant(Value::Real(f64::from(index)));
+        let from = self.indices(indices);
+        let value = self.expression(looked_for, None).0;
+        let limit = match arguments.get(2) {
+            Some(limit) => self.typed(limit, Kind::Real, "a number"),
+            None => self.constant(Value::Null),
+        };
+        let mut slots = vec![system, value, limit];
+        slots.extend(from);
+        let list = self.list(slots);
+        let function = self.function(&func::FIND_IN_SYSTEM);
+        let to = self.goal(wanted);
+        self.emit(Op::Call { to, function, list });
+        Some((to, Some(Kind::Real)))
     }
 
     /// An array, or the rest of one from an element on, for `$FFIND`.
