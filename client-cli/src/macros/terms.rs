@@ -27,7 +27,7 @@ const OPERATORS: &[Row] = &[
     (".LT. <", "True if the left side is less: numbers, texts by character code, keywords by code."),
     (".GE. >=", "True if the left side is greater or equal."),
     (".LE. <=", "True if the left side is less or equal."),
-    (".NOT. !", "True if the truth value behind it is false; binds weaker than comparisons, stronger than .AND."),
+    (".NOT. !", "True if the truth value after it is false; binds weaker than comparisons, stronger than .AND."),
     (".AND. &&", "True if both truth values are; the right one is not evaluated if the left one is false."),
     (".OR. ||", "True if one of the truth values is; the right one is not evaluated if the left one is true."),
     (".XOR. ^^", "True if exactly one of the truth values is; binds weakest. In a format ^^ prints one ^."),
@@ -99,7 +99,7 @@ const PATTERNS: &[Row] = &[
 ];
 
 const KEYWORDS: &[Row] = &[
-    ("THRU", "In a WHEN list: from the value before it to the one behind it, both included."),
+    ("THRU", "In a WHEN list: from the value before it to the one after it, both included."),
     ("OTHERS", "WHEN/OTHERS is the last branch of a CASE and runs when no other does."),
     ("GLOBAL", "In DECLAR: the variable is known to all macros of the job."),
     ("OBJECT", "In DECLAR: the variable is known to all macros of one kernel."),
@@ -118,7 +118,7 @@ const KEYWORDS: &[Row] = &[
     ("NOW", "EXEC/NOW: the block is carried out at once, before the macro goes on."),
     ("NEXT", "EXEC/NEXT, and without a word: the block is carried out after the current one."),
     ("FRONT", "OPEN/unit,FRONT and without a word: from the beginning of the file."),
-    ("REAR", "OPEN/unit,REAR: behind the end of the file."),
+    ("REAR", "OPEN/unit,REAR: at the end of the file."),
     ("INCR", "READ/unit,INCR and without a word: the next line. In $FSORT: smallest first."),
     ("DECR", "READ/unit,DECR: the line that was read last again. In $FSORT: largest first."),
     ("ENDIF ENDCASE ENDC ENDWHILE ENDW ENDDO", "The same as ENDOF/IF, ENDOF/CASE, ENDOF/WHILE or ENDOF/DO."),
@@ -278,7 +278,7 @@ fn code(code: &Code) -> String {
         Code::Minor { width, lower } => words("Name of a keyword", *width, *lower),
         Code::Record { width, lower } => words("Name of a record", *width, *lower),
         Code::Logical { width, lower } => words("TRUE or FALSE", *width, *lower),
-        Code::Column { column, back: true } => format!("Go on in column {column}, what stands behind it is cut off"),
+        Code::Column { column, back: true } => format!("Go on in column {column}, what is there is cut off"),
         Code::Column { column, back: false } => format!("Go on in column {column}, never backwards"),
         Code::Skip(count) => format!("Skip {count} characters (READ)"),
         Code::Any => "A value of any type by default rules: a number as !(s9f9s), texts and names as they are, $NULL, a sequence as <1,2>".to_owned(),
