@@ -58,6 +58,8 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
         }
     }
     close(state, host, f64::from(number));
+    // What another file lost by being closed here is not forgotten because this one opens.
+    let lost = state.status == CANNOT_OPEN;
     if state.units.len() >= state.limits.units {
         return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
     }
@@ -78,6 +80,9 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     state.spend(FILE_TICKS + text.as_ref().map_or(0, String::len) / 64)?;
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
     let next = if rear { lines.len() } else { 0 };
+    if lost {
+        state.status = CANNOT_OPEN;
+    }
     state.units.insert(number, Unit { path, lines, next, rear, console, ..Unit::default() });
     Ok(())
 }

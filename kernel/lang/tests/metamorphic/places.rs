@@ -88,6 +88,11 @@ pub(crate) enum Goal {
     BuiltIn,
     Braces,
     Added,
+    AddedGlobal,
+    AddedElement,
+    Scaled,
+    ScaledGlobal,
+    ScaledElement,
     Print,
     Exec,
     Written,
@@ -105,7 +110,7 @@ pub(crate) enum Goal {
 
 use Goal as G;
 
-pub(crate) const GOALS: [Goal; 40] = [
+pub(crate) const GOALS: [Goal; 45] = [
     G::Local,
     G::Declared,
     G::DeclaredUntyped,
@@ -133,6 +138,11 @@ pub(crate) const GOALS: [Goal; 40] = [
     G::BuiltIn,
     G::Braces,
     G::Added,
+    G::AddedGlobal,
+    G::AddedElement,
+    G::Scaled,
+    G::ScaledGlobal,
+    G::ScaledElement,
     G::Print,
     G::Exec,
     G::Written,
@@ -153,9 +163,9 @@ impl Goal {
     pub(crate) fn takes(self, value: &Known) -> bool {
         match self {
             G::If | G::ElseIf | G::IfNot | G::While | G::Until => matches!(value, Known::Logical(_)),
-            G::DoStart => matches!(value, Known::Real(_)),
+            G::DoStart | G::Scaled | G::ScaledGlobal | G::ScaledElement => matches!(value, Known::Real(_)),
             G::Index => matches!(value, Known::Real(number) if (1.0..6.0).contains(number)),
-            G::Added => matches!(value, Known::Real(_) | Known::Text(_)),
+            G::Added | G::AddedGlobal | G::AddedElement => matches!(value, Known::Real(_) | Known::Text(_)),
             _ => true,
         }
     }
@@ -358,9 +368,20 @@ impl Writer {
             G::BuiltIn => format!("ZR=$FIF(.TRUE.,{e},'other')\n{}", shown("ZR")),
             G::Braces if self.result.is_list() => format!("ZR={{{e}}}\n{}", shown("ZR")),
             G::Braces => format!("ZQ={{0,{e}}}\nZR=ZQ(2)\n{}", shown("ZR")),
-            G::Added => {
-                let first = if matches!(self.result, Known::Real(_)) { "0" } else { "$FSUBST('x',2,1)" };
-                format!("ZR={first}\nZR+={e}\n{}", shown("ZR"))
+            G::Added | G::AddedGlobal | G::AddedElement | G::Scaled | G::ScaledGlobal | G::ScaledElement => {
+                let variable = match self.goal {
+                    G::AddedGlobal | G::ScaledGlobal => "%G97",
+                    G::AddedElement | G::ScaledElement => "ZQ(2)",
+                    _ => "ZR",
+                };
+                let first = match (self.goal, &self.result) {
+                    (G::Scaled | G::ScaledGlobal | G::ScaledElement, _) => "2",
+                    (_, Known::Real(_)) => "0",
+                    _ => "$FSUBST('x',2,1)",
+                };
+                let sign = if first == "2" { "*" } else { "+" };
+                let last = if first == "2" { format!("{variable}/=2\n") } else { String::new() };
+                format!("ZQ={{1,2,3}}\n{variable}={first}\n{variable}{sign}={e}\n{last}{}", shown(variable))
             }
             G::Print => format!("PPRINT/'!(*) {kinds}',{e}"),
             G::Exec => format!("EXEC/NOW,'!(*) {kinds}',{e}"),
