@@ -284,7 +284,11 @@ impl<'a> Shop<'a> {
                     let (kernel, at, reset) = self.started(start, way.into(), Switch::Thread);
                     guarded(kernel, at, reset, coordinator)
                 };
-                match std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, work) {
+                let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
+                if self.job.macros().is_some() {
+                    thread = thread.stack_size(crate::macros::STACK);
+                }
+                match thread.spawn_scoped(scope, work) {
                     Ok(handle) => running.push(handle),
                     Err(_) => {
                         // The operating system refuses a thread: the job cannot be run and counts as cancelled.
