@@ -129,6 +129,7 @@ diagnostics! {
     OKUMA_CONTINUED 2900181 8 false "line that goes on with the block above it (Okuma)";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
     SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
+    NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";
 }
 
 #[cfg(test)]
