@@ -88,6 +88,12 @@ impl Kernel<'_> {
         Some(done)
     }
 
+    pub(super) fn interpreter_started(&mut self) {
+        if self.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
+        }
+    }
+
     #[inline]
     pub(super) fn interpreter_entered(&mut self) {
         if self.interpreter.is_some() {

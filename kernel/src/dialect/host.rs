@@ -29,6 +29,9 @@ pub(crate) trait Interpreter: Send {
     /// 5.8).
     fn begin(&mut self, reset: bool);
 
+    /// The main program is about to run; its file is loaded.
+    fn started(&mut self, _host: &mut dyn Host) {}
+
     /// A subprogram begins: one that [`Host::call`] asked for, or another that words called.
     fn entered(&mut self, host: &mut dyn Host);
 
