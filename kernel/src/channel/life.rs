@@ -42,6 +42,7 @@ impl Kernel<'_> {
         self.initial_frame();
         self.load(file)?;
         self.tell_leader(file, range);
+        self.interpreter_started();
         self.begin_macros()
     }
 
