@@ -19,11 +19,11 @@ pub(crate) enum Command {
     /// Hand programs to a server; prints the job's id
     Submit(Submit),
     /// Follow a job to its end
-    Watch(OneJob),
+    Watch(Follow),
     /// Answer the dialogs of a job that was submitted with --attend
-    Attend(OneJob),
+    Attend(Follow),
     /// Wait for the end of a job
-    Wait(OneJob),
+    Wait(Follow),
     /// List the jobs of a server
     Jobs(Jobs),
     /// Ask a job to stop
@@ -51,8 +51,8 @@ pub(crate) struct Inputs {
     /// Programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Machine: a name or a folder with machine.toml. Without it: fanuc-mill for one channel, fanuc-2path-lathe for
-    /// two, fanuc-3path-lathe for three; a single file with waiting codes M100-M199 has a channel per O-program
+    /// Machine: a name or a folder with machine.toml. Without it the machine is guessed from what the programs show,
+    /// and programs that show nothing are refused
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
     /// More files the programs may call; of a folder all files
@@ -127,6 +127,9 @@ pub(crate) struct Run {
     /// All meetings and diagnostics in the report, not only the first of them
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
+    /// Exit with code 1 after warnings, too
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// What the exit code tells: plain (0 to 3), or severity (the highest severity, 100 and up for what kept the run
     /// from starting)
     #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
@@ -211,6 +214,16 @@ pub(crate) struct OneJob {
     /// No progress
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// A job that is followed to its end.
+#[derive(Debug, Args)]
+pub(crate) struct Follow {
+    #[command(flatten)]
+    pub(crate) of: OneJob,
+    /// Exit with code 1 after warnings, too
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]

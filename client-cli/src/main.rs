@@ -10,6 +10,7 @@ mod client;
 mod codes;
 mod commands;
 mod error;
+mod guess;
 mod macros;
 mod pack;
 mod progress;

@@ -90,7 +90,7 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
 }
 
 /// `FILE` or `FILE#2102`; a file whose name has a `#` is meant as it stands.
-fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
+pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
     if let (false, Some((path, number))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
         let digits = number.trim_start_matches(['O', 'o']);
         let number = digits.parse().map_err(|_| Error::Usage(format!("'{text}': '{number}' is no program number")))?;

@@ -17,14 +17,17 @@ use crate::progress::Progress;
 use crate::report::{Summary, report};
 use crate::say::{self, DIM, styled};
 use crate::timeline::{Timeline, draw};
-use crate::{pack, results};
+use crate::{guess, pack, results};
+
+/// Lowest severity of a warning.
+pub(crate) const WARNING: u32 = 4;
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
-    let severity = arguments.exit_code == ExitCodes::Severity;
+    let (severity, strict) = (arguments.exit_code == ExitCodes::Severity, arguments.strict);
     match carry_out(arguments).await {
         Ok((status, _)) if severity => Ok(codes::of_job(&status)),
-        Ok((status, plain)) => Ok(plain.unwrap_or_else(|| exit_code(&status))),
+        Ok((status, plain)) => Ok(plain.unwrap_or_else(|| exit_code(&status, strict))),
         Err((_, error @ Error::Closed)) => Err(error),
         Err((stage, error)) if severity => {
             say::error(&error);
@@ -105,18 +108,12 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 /// The machine to run on; a folder is put on the server first.
 async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
-        let channels = pack::channels(&inputs.programs);
-        let name = match channels {
-            1 => "fanuc-mill",
-            2 => "fanuc-2path-lathe",
-            3 => "fanuc-3path-lathe",
-            n => return Err(Error::Usage(format!("there is no default machine for {n} channels, give --machine"))),
-        };
+        let guess = guess::machine(&inputs.programs)?;
         if !quiet {
-            let plural = if channels == 1 { "" } else { "s" };
-            say::talk(styled(DIM, format!("machine {name} (default for programs of {channels} channel{plural})")));
+            let text = format!("machine {}, guessed from {}; --machine chooses another", guess.machine, guess.why);
+            say::talk(styled(DIM, text));
         }
-        return Ok(name.to_owned());
+        return Ok(guess.machine.to_owned());
     };
     if pack::is_folder(machine) { put_machine(client, Path::new(machine)).await } else { Ok(machine.clone()) }
 }
@@ -245,9 +242,9 @@ pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
     None
 }
 
-/// Exit code of an ended job.
-pub(crate) fn exit_code(status: &v1::JobStatus) -> u8 {
-    u8::from(status.state() != v1::JobState::Succeeded)
+/// Exit code of an ended job; `strict`: warnings count as errors.
+pub(crate) fn exit_code(status: &v1::JobStatus, strict: bool) -> u8 {
+    u8::from(status.state() != v1::JobState::Succeeded || strict && status.highest_severity >= WARNING)
 }
 
 /// Columns of the terminal.
