@@ -123,7 +123,9 @@ fn line(event: &v1::Event) -> Option<String> {
         Kind::Lifecycle(l) => l.phase().as_str_name().trim_start_matches("PHASE_").to_lowercase(),
         _ => return None,
     };
-    Some(format!("{} channel {} line {}: {text}\n", time(event.t_ns), event.channel, event.line))
+    let channel = if event.channel > 0 { format!(" channel {}", event.channel) } else { String::new() };
+    let line = if event.line > 0 { format!(" line {}", event.line) } else { String::new() };
+    Some(format!("{}{channel}{line}: {text}\n", time(event.t_ns)))
 }
 
 /// Says how a job ended.
@@ -132,7 +134,10 @@ fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
         return code;
     }
     let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
-    say::talk(format_args!("{state}  {}  {}", time(status.makespan_ns), status.verdict));
+    let succeeded = status.state() == v1::JobState::Succeeded;
+    let warnings = if succeeded && status.highest_severity >= run::WARNING { ", with warnings" } else { "" };
+    let text = format!("{state}{warnings}  {}  {}", time(status.makespan_ns), status.verdict);
+    say::talk(text.trim_end());
     run::exit_code(status, strict)
 }
 

@@ -13,6 +13,7 @@ mod error;
 mod guess;
 mod macros;
 mod pack;
+mod problems;
 mod progress;
 mod report;
 mod results;

@@ -214,8 +214,8 @@ fn a_server_that_cannot_be_reached_is_an_error_at_once() {
 fn exit_codes_of_the_emulated_system() {
     let folder = tempfile::tempdir().unwrap();
     let run = |program: &str, more: &[&str]| {
-        let mut arguments = vec!["run", "--exit-code", "severity", "-q", program];
-        arguments.extend(more);
+        let machine = if more.contains(&"--machine") { &[][..] } else { &["--machine", "fanuc-mill"] };
+        let arguments = [&["run", "--exit-code", "severity", "-q", program], machine, more].concat();
         code(&counterpoint(&arguments))
     };
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");

@@ -73,7 +73,11 @@ impl Evidence {
     fn of(&self, kind: Kind) -> impl Iterator<Item = &(String, Sign)> {
         // A sign that several programs show counts once.
         let first = move |at: usize, sign: &Sign| self.signs.iter().take(at).all(|(_, other)| other.text != sign.text);
-        self.signs.iter().enumerate().filter(move |(at, (_, sign))| sign.kind == kind && first(*at, sign)).map(|(_, s)| s)
+        self.signs
+            .iter()
+            .enumerate()
+            .filter(move |(at, (_, sign))| sign.kind == kind && first(*at, sign))
+            .map(|(_, s)| s)
     }
 
     /// The heaviest signs of a kind with their places.
@@ -92,7 +96,9 @@ impl Evidence {
 
     fn judge(&self, channels: usize, programs: &[String]) -> Result<Guess, Error> {
         let foreign = [Kind::Siemens, Kind::Heidenhain, Kind::Okuma, Kind::Sections];
-        if let Some((kind, control)) = foreign.iter().find_map(|kind| Some((*kind, kind.control().filter(|_| self.weight(*kind) > 0)?))) {
+        if let Some((kind, control)) =
+            foreign.iter().find_map(|kind| Some((*kind, kind.control().filter(|_| self.weight(*kind) > 0)?)))
+        {
             return Err(Error::Usage(format!(
                 "no machine was given, and {} shows a program for {control}: no machine of this kind is shipped; \
                  describe yours (docs/tutorial-control.md) and give it with --machine DIR",
