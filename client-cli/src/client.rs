@@ -87,6 +87,11 @@ impl Client {
         }
     }
 
+    /// The server is in this process and knows the machines built in.
+    pub(crate) fn is_embedded(&self) -> bool {
+        self.embedded
+    }
+
     pub(crate) fn jobs(&self) -> JobsClient<Channel> {
         JobsClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }

@@ -3,20 +3,19 @@
 use std::path::Path;
 use std::time::Duration;
 
-use clap::CommandFactory as _;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::event::Kind;
 use counterpoint_proto::v1::watch_job_response::Content;
 use tonic::Code;
 
-use crate::arguments::{Arguments, Command, Follow, Jobs, Machine, OneJob, Part, ResultOf, State};
+use crate::arguments::{Command, Follow, Jobs, Machine, OneJob, Part, ResultOf, State};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::report::{table, time};
 use crate::say::{self, BAD, WARN, styled};
-use crate::{macros, pack, results, run};
+use crate::{completions, macros, pack, results, run};
 
 /// Times a broken watch is taken up again.
 const RETRIES: u32 = 8;
@@ -36,9 +35,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Machine(arguments) => machine(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "counterpoint", &mut script);
-            say::data(&script)?;
+            say::data(completions::script(shell).as_bytes())?;
             Ok(0)
         }
     }

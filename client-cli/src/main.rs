@@ -9,6 +9,7 @@ mod attend;
 mod client;
 mod codes;
 mod commands;
+mod completions;
 mod error;
 mod guess;
 mod macros;

@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
+use counterpoint_kernel::machine::package;
+use counterpoint_lang::ident;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 
@@ -13,7 +15,7 @@ use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::codes::{self, Stage};
 use crate::error::Error;
-use crate::progress::Progress;
+use crate::progress::{Progress, Steps};
 use crate::report::{Summary, report};
 use crate::say::{self, DIM, styled};
 use crate::timeline::{Timeline, draw};
@@ -65,7 +67,12 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        Target { folder, program: first, arguments }.write(client, job, &summary, &text).await?;
+        let mut steps = Steps::new(arguments.quiet);
+        Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
+        steps.clear();
+        if !arguments.quiet {
+            say::talk(styled(DIM, format!("results are in {}", folder.display())));
+        }
     }
     if arguments.json {
         say::data(&text)?;
@@ -115,7 +122,24 @@ async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String
         }
         return Ok(guess.machine.to_owned());
     };
-    if pack::is_folder(machine) { put_machine(client, Path::new(machine)).await } else { Ok(machine.clone()) }
+    if pack::is_folder(machine) {
+        return put_machine(client, Path::new(machine)).await;
+    }
+    if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
+        return Err(Error::Usage(format!(
+            "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
+        )));
+    }
+    let names = package::shipped_names();
+    if client.is_embedded() && !names.contains(machine) {
+        let near = ident::nearest(machine, names.iter().map(String::as_str));
+        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        return Err(Error::Usage(format!(
+            "there is no machine '{machine}': {near}Shipped are {}; one of your own is a folder with machine.toml",
+            names.join(", ")
+        )));
+    }
+    Ok(machine.clone())
 }
 
 /// Puts a machine folder on the server; gives `name@revision`.
@@ -273,7 +297,13 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
-    async fn write(&self, client: &Client, job: &str, summary: &Summary, text: &[u8]) -> Result<(), Error> {
+    async fn write(
+        &self,
+        client: &Client,
+        job: &str,
+        (summary, text): (&Summary, &[u8]),
+        steps: &mut Steps,
+    ) -> Result<(), Error> {
         let folder = self.folder;
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
         let wanted = |what| self.arguments.wants(what);
@@ -288,17 +318,21 @@ impl Target<'_> {
             for &channel in channels.iter().filter(|_| wanted(what)) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
+                steps.show(&path);
                 results::file(client, job, what, channel, form, &path).await?;
             }
         }
         if channels.len() > 1 && wanted(What::Listing) {
-            results::file(client, job, What::Listing, 0, form, &folder.join(format!("{stem}.lce"))).await?;
+            let path = folder.join(format!("{stem}.lce"));
+            steps.show(&path);
+            results::file(client, job, What::Listing, 0, form, &path).await?;
         }
         if wanted(What::Console) {
             results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
         }
         for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(What::Trace)) {
             let path = folder.join(format!("{channel}.trace"));
+            steps.show(&path);
             results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
@@ -310,7 +344,9 @@ impl Target<'_> {
         ];
         for (what, format, name) in files {
             if wanted(what) {
-                results::file(client, job, what, 0, format.into(), &folder.join(name)).await?;
+                let path = folder.join(name);
+                steps.show(&path);
+                results::file(client, job, what, 0, format.into(), &path).await?;
             }
         }
         if wanted(What::Files) {

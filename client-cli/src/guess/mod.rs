@@ -38,7 +38,11 @@ pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
         let file = fs::File::open(&path).map_err(Error::file(&path))?;
         file.take(LOOKED_AT).read_to_end(&mut bytes).map_err(Error::file(&path))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        signs.extend(signs::of(&name, &decode(&bytes), number).into_iter().map(|sign| (name.clone(), sign)));
+        let text = decode(&bytes);
+        if let Some(number) = number.filter(|number| !signs::has_program(&text, *number)) {
+            return Err(Error::Usage(format!("'{}' has no program O{number}", path.display())));
+        }
+        signs.extend(signs::of(&name, &text, number).into_iter().map(|sign| (name.clone(), sign)));
     }
     let evidence = Evidence { signs, several: programs.len() > 1 };
     evidence.judge(pack::channels(programs), programs)
@@ -100,7 +104,7 @@ impl Evidence {
             foreign.iter().find_map(|kind| Some((*kind, kind.control().filter(|_| self.weight(*kind) > 0)?)))
         {
             return Err(Error::Usage(format!(
-                "no machine was given, and {} shows a program for {control}: no machine of this kind is shipped; \
+                "no machine was given, and this is a program for {control}, by {}: no machine of this kind is shipped; \
                  describe yours (docs/tutorial-control.md) and give it with --machine DIR",
                 self.named(kind)
             )));
@@ -199,7 +203,7 @@ mod tests {
         };
         refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in ");
         refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
-        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "%_N_ (line 1) shows a program for a Siemens");
+        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "a program for a Siemens control, by %_N_ (line 1)");
         refused(&[("p.MPF", "G0 X1 Y2\nM30\n")], ".MPF (p.MPF)");
         refused(&[("p.nc", "N1 WAITM(1,1,2)\nG96 S200\n")], "Siemens");
         refused(&[("p.nc", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n")], "BEGIN PGM (line 1)");
@@ -217,6 +221,8 @@ mod tests {
         fs::write(&path, "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n").unwrap();
         let of = |number: &str| machine(&[format!("{}#{number}", path.display())]).unwrap().machine;
         assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-2path-lathe"));
+        let error = machine(&[format!("{}#3", path.display())]).unwrap_err().to_string();
+        assert!(error.ends_with("both.nc' has no program O3"), "{error}");
     }
 
     #[test]

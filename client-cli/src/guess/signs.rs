@@ -72,6 +72,15 @@ pub(super) fn of(name: &str, text: &str, number: Option<u32>) -> Vec<Sign> {
     signs.all
 }
 
+/// A program of that number is defined in the text.
+pub(super) fn has_program(text: &str, number: u32) -> bool {
+    let defined = |line: &str| {
+        let digits = line.trim_start().strip_prefix(['O', 'o', ':'])?;
+        digits.split(|c: char| !c.is_ascii_digit()).next()?.parse::<u32>().ok()
+    };
+    text.split(['\n', '\r']).any(|line| defined(line) == Some(number))
+}
+
 /// A line without comments in brackets and after a semicolon.
 fn code(line: &str) -> String {
     let mut depth = 0_u32;
