@@ -12,8 +12,12 @@ use crate::arguments::Arguments;
 /// The script for a shell.
 pub(crate) fn script(shell: Shell) -> String {
     let names: Vec<&'static str> = package::shipped_names().into_iter().map(|name| &*name.leak()).collect();
+    // `mut_arg` would move a positional argument to the end.
     let named = |command: Command| {
-        command.mut_arg("machine", |argument| argument.value_parser(PossibleValuesParser::new(names.clone())))
+        command.mut_args(|argument| match argument.get_id().as_str() {
+            "machine" => argument.value_parser(PossibleValuesParser::new(names.clone())),
+            _ => argument,
+        })
     };
     let mut command = Arguments::command();
     for name in ["run", "submit"] {
