@@ -27,9 +27,9 @@ pub const MAX_DIAGNOSTICS: usize = 10_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum State {
-    /// All programs ended without an error.
+    /// Every program came to its end without an error.
     Succeeded,
-    /// A verdict or a diagnostic of severity 8 or more.
+    /// A verdict, a diagnostic of severity 8 or more, or a channel that did not come to its end.
     Failed,
     /// Cancelled before its end.
     Cancelled,
@@ -168,6 +168,11 @@ pub(crate) struct Findings {
 }
 
 impl Channel {
+    /// It has a program and did not come to its end.
+    fn is_cut_short(&self) -> bool {
+        matches!(self.state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
+    }
+
     /// From the times of a channel, its state and where it ended.
     pub(crate) fn new(channel: &info::Channel, tally: &Tally, (state, end_ns): (ChannelState, i64)) -> Self {
         Self {
@@ -205,7 +210,7 @@ impl Findings {
     pub(crate) fn finish(self, channels: Vec<Channel>, waits: Waits, cancelled: bool, log_digest: String) -> Summary {
         let state = if cancelled {
             State::Cancelled
-        } else if self.verdict.is_some() || self.highest_severity >= 8 {
+        } else if self.verdict.is_some() || self.highest_severity >= 8 || channels.iter().any(Channel::is_cut_short) {
             State::Failed
         } else {
             State::Succeeded
