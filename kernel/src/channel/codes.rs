@@ -122,6 +122,7 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
+        self.block.swallows |= !row.process;
         self.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
     }
 
@@ -129,7 +130,7 @@ impl Kernel<'_> {
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
-        if self.plan.ignored_motion != 0 {
+        if self.block.swallows {
             self.drop_ignored();
         }
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
@@ -150,15 +151,14 @@ impl Kernel<'_> {
         }
     }
 
-    /// Words of axes that codes of the block ignore move nothing.
+    /// Words of axes that swallowed codes of the block ignore move nothing.
     #[cold]
     fn drop_ignored(&mut self) {
         for at in 0..self.block.firings.len() {
             let row = self.block.firings.get(at).and_then(|firing| self.machine.codes.get(usize::from(firing.row)));
+            let row = row.filter(|row| !row.process);
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
-                if self.plan.ignored_motion & 1 << register != 0 {
-                    self.block.take(register);
-                }
+                self.block.take(register);
             }
         }
     }

@@ -27,8 +27,6 @@ pub(crate) struct Plan {
     pub(crate) definition: Option<u8>,
     /// Registers whose words can move an axis or shape an arc: bit by register.
     pub(crate) motion_registers: u128,
-    /// Registers of axes whose words some code ignores: bit by register.
-    pub(crate) ignored_motion: u128,
     /// Registers whose words are data whatever their value: bit by register.
     pub(crate) only_data: u128,
     /// Registers that can supply each data identifier, bit by register.
@@ -161,12 +159,6 @@ impl Plan {
                 speed_registers |= 1 << register;
             }
         }
-        let axis = |register: u8| {
-            let mut rows = machine.data.iter().filter(|row| row.enable && row.register == Some(register));
-            rows.any(|row| machine.data_name(row.id).starts_with("REG_AXIS_"))
-        };
-        let ignored = machine.codes.iter().filter(|row| row.enable).flat_map(|row| row.ignores.iter().copied());
-        let ignored_motion = ignored.filter(|&r| r < 128 && axis(r)).fold(0, |bits, r| bits | 1 << r);
         let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
         let definition = register_of(data::DEFSUB_ID);
         let only_data = (0..128_u8).filter(|&r| {
@@ -185,7 +177,6 @@ impl Plan {
             word_calls: WordCalls::new(machine),
             definition,
             motion_registers,
-            ignored_motion,
             sources: sources(machine, &across),
             across,
             registers_of: machine
