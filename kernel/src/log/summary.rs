@@ -168,11 +168,6 @@ pub(crate) struct Findings {
 }
 
 impl Channel {
-    /// It has a program and did not come to its end.
-    fn is_cut_short(&self) -> bool {
-        matches!(self.state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
-    }
-
     /// From the times of a channel, its state and where it ended.
     pub(crate) fn new(channel: &info::Channel, tally: &Tally, (state, end_ns): (ChannelState, i64)) -> Self {
         Self {
@@ -206,11 +201,17 @@ impl Findings {
         }
     }
 
-    /// The log is complete; `log_digest` is its fingerprint.
-    pub(crate) fn finish(self, channels: Vec<Channel>, waits: Waits, cancelled: bool, log_digest: String) -> Summary {
+    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not come to its end.
+    pub(crate) fn finish(
+        self,
+        channels: Vec<Channel>,
+        waits: Waits,
+        (cancelled, cut_short): (bool, bool),
+        log_digest: String,
+    ) -> Summary {
         let state = if cancelled {
             State::Cancelled
-        } else if self.verdict.is_some() || self.highest_severity >= 8 || channels.iter().any(Channel::is_cut_short) {
+        } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short {
             State::Failed
         } else {
             State::Succeeded
