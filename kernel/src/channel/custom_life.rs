@@ -103,6 +103,7 @@ impl Kernel<'_> {
         if let Some(interpreter) = self.interpreter.as_deref_mut() {
             interpreter.begin(reset);
         }
+        self.interpreter_started();
         self.plain_macro(Hook::ProgramStartup)?;
         let done = self.follow();
         self.went_on(done)
