@@ -227,13 +227,10 @@ impl Host for Kernel<'_> {
         let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
-        let (flag, answer) = self.ask_identification(code, text, assigned)?;
-        Ok(match answer.as_text().filter(|answer| answer.trim() != text.trim()) {
-            Some(answer) if flag == 1.0 => Answer::Instead(answer.to_owned()),
-            _ if flag == -1.0 => Answer::Drop,
-            _ if flag == 2.0 => Answer::Keep,
+        Ok(match self.ask_identification(code, text, assigned)? {
             // Evaluating the same text again would ask for ever.
-            _ => Answer::Unknown,
+            Answer::Instead(answer) if answer.trim() == text.trim() => Answer::Unknown,
+            answer => answer,
         })
     }
 

@@ -200,7 +200,11 @@ impl Kernel<'_> {
 
     /// Why a fault ends its statement.
     fn left(&mut self, fault: &Fault) -> Left {
-        if let Fault::Kept(_) = fault { Left::Text } else { Left::Halt(self.fault(fault)) }
+        if matches!(fault, Fault::Kept(_) | Fault::KeptFunction(_)) {
+            Left::Text
+        } else {
+            Left::Halt(self.fault(fault))
+        }
     }
 
     /// Alarm of a fault.
@@ -209,6 +213,7 @@ impl Kernel<'_> {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
+            Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
         let text = format!("{fault} in '{}'", self.block_text());
