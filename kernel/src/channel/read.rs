@@ -23,7 +23,7 @@ impl Kernel<'_> {
     }
 
     /// One block.
-    fn step(&mut self) -> Acted {
+    pub(super) fn step(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
             self.begin_block()?;
             self.process_later(block)?;

@@ -320,6 +320,14 @@ impl Runtime {
         self.state = Some(state);
     }
 
+    /// Steps that the running macros have left, before they are set.
+    pub(crate) fn ticks(&mut self, left: Option<u64>) -> Option<u64> {
+        let state = self.state.as_deref_mut()?;
+        let before = state.ticks;
+        state.ticks = left.unwrap_or(before);
+        Some(before)
+    }
+
     /// The innermost running macro.
     pub(crate) fn call(&mut self) -> Option<&mut Call> {
         self.calls.last_mut()
