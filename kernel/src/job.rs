@@ -56,7 +56,7 @@ pub struct PrepareError {
 pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
 /// Receives what a job logs.
-pub trait Sink {
+pub trait Sink: Send {
     /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
     /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
     fn folds(&mut self) -> Option<&mut Folds> {

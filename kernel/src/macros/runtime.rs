@@ -31,8 +31,12 @@ use crate::machine::ident::{CodeId, DataId};
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
 
-/// Macros active at once.
-const DEPTH: u32 = 32;
+/// Macros active at once through EXEC and OUTPUT: each stands on the stack of its kernel. Functions that call each other
+/// do not, and none of them can be active twice.
+pub(crate) const ACTIVE: usize = 500;
+
+/// Stack of a kernel with macros, in bytes; only what is used is taken from the memory.
+pub(crate) const STACK: usize = 64 << 20;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;
@@ -213,7 +217,7 @@ pub(crate) struct Runtime {
 }
 
 fn limits() -> Limits {
-    Limits { ticks: TICKS, depth: DEPTH, ..Limits::default() }
+    Limits { ticks: TICKS, depth: u32::MAX, ..Limits::default() }
 }
 
 impl Runtime {
@@ -378,6 +382,7 @@ impl Kernel<'_> {
     /// # Errors
     /// Something inside made the kernel leave its program at once.
     pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
+        self.check_active()?;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
@@ -402,6 +407,7 @@ impl Kernel<'_> {
     /// # Errors
     /// As [`run_macro`](Self::run_macro).
     pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
+        self.check_active()?;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::Null) };
         let Some(mut state) = runtime.state.take() else { return Ok(Value::Null) };
         let program = Arc::clone(&runtime.program);
@@ -411,6 +417,19 @@ impl Kernel<'_> {
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
         self.macro_ended(state, code, matching, end)?;
         Ok(value)
+    }
+
+    /// One more macro may become active; too many are an alarm.
+    fn check_active(&mut self) -> crate::channel::Acted {
+        let active = self.macros.as_deref().map_or(0, |runtime| runtime.calls.len());
+        if active < ACTIVE {
+            return Ok(());
+        }
+        let number = counterpoint_lang::diag::Number::DEPTH;
+        let text = format!("more than {ACTIVE} macros are active at once through EXEC and OUTPUT");
+        self.put_diagnostic((number.0, number.severity()), &text, None);
+        self.keep_halt(Halt::Alarm);
+        Err(Halt::Alarm)
     }
 
     fn macro_ended(&mut self, state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {

@@ -40,6 +40,7 @@ use crate::job::{Job, Outcome, Sink, WrittenFiles};
 use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
+use crate::macros::runtime::STACK;
 use crate::mcd::program::Range;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
@@ -210,7 +211,7 @@ impl<'a> Shop<'a> {
         }
         // The only kernel needs no thread of its own.
         match work.len() {
-            1 => work.into_iter().map(|(start, way)| self.alone(start, way.into())).collect(),
+            1 => work.into_iter().flat_map(|(start, way)| self.alone(start, way.into())).collect(),
             _ => self.together(work, || ()),
         }
     }
@@ -227,7 +228,7 @@ impl<'a> Shop<'a> {
         if starting.len() == 1
             && let Some(start) = starting.pop()
         {
-            return vec![self.alone(start, Target::Direct { merger, sink })];
+            return self.alone(start, Target::Direct { merger, sink });
         }
         let feeders = feeders.into_iter().filter_map(|feeder| {
             let at = starting.iter().position(|start| start.channel.number == feeder.rank)?;
@@ -237,14 +238,40 @@ impl<'a> Shop<'a> {
         self.together(work, || merger.run(sink, || self.coordinator.abort()))
     }
 
-    /// Runs the only kernel of a job on this thread.
-    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Lived
+    /// Runs the only kernel of a job: on this thread, or on one with more stack if its machine has macros.
+    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Vec<Lived>
     where
         'a: 'k,
     {
         self.coordinator.set_single();
-        let (kernel, at, reset) = self.started(start, target);
-        kernel.live(at, reset)
+        let number = start.channel.number;
+        let work = move || {
+            let (kernel, at, reset) = self.started(start, target);
+            kernel.live(at, reset)
+        };
+        if self.job.macros().is_none() {
+            return vec![work()];
+        }
+        std::thread::scope(|scope| match self.thread(number).spawn_scoped(scope, work) {
+            Ok(handle) => vec![handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))],
+            Err(_) => {
+                self.refused(number);
+                Vec::new()
+            }
+        })
+    }
+
+    /// The operating system refuses a thread: the job cannot be run and counts as cancelled.
+    fn refused(self, number: u16) {
+        self.control.cancel();
+        self.coordinator.closed(number);
+        self.coordinator.done(&mut self.coordinator.lock(), number);
+    }
+
+    /// The thread of a kernel. Macros that are active at once stand on its stack.
+    fn thread(self, number: u16) -> std::thread::Builder {
+        let thread = std::thread::Builder::new().name(format!("kernel-{number}"));
+        if self.job.macros().is_some() { thread.stack_size(STACK) } else { thread }
     }
 
     /// A kernel as it starts, with its program.
@@ -268,7 +295,7 @@ impl<'a> Shop<'a> {
         if let [(a, _), (b, _)] = &work[..] {
             self.coordinator.set_pair(a.channel.number, b.channel.number);
         }
-        let (coordinator, control) = (self.coordinator, self.control);
+        let coordinator = self.coordinator;
         std::thread::scope(|scope| {
             let mut running = Vec::new();
             for (start, way) in work {
@@ -277,14 +304,9 @@ impl<'a> Shop<'a> {
                     let (kernel, at, reset) = self.started(start, way.into());
                     guarded(kernel, at, reset, coordinator)
                 };
-                match std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, work) {
+                match self.thread(number).spawn_scoped(scope, work) {
                     Ok(handle) => running.push(handle),
-                    Err(_) => {
-                        // The operating system refuses a thread: the job cannot be run and counts as cancelled.
-                        control.cancel();
-                        coordinator.closed(number);
-                        coordinator.done(&mut coordinator.lock(), number);
-                    }
+                    Err(_) => self.refused(number),
                 }
             }
             meanwhile();
