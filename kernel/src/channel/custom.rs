@@ -12,6 +12,7 @@ use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
 use super::{Acted, Halt, Kernel};
 use crate::diag;
+use crate::log::event::Kind;
 use crate::machine::ident::data;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
@@ -24,6 +25,16 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn later_block(&mut self) -> Option<Later> {
         self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())
+    }
+
+    /// Tells the listing what such a block is: no line of a file has it.
+    pub(crate) fn name_block(&mut self, block: &Later) {
+        let text = match block {
+            Later::Text(text, _) => text.to_string(),
+            Later::Items(items, _) => self.listed(items),
+        };
+        let text = format!("{}{text}", trace::BLOCK).into();
+        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
     }
 
     /// Processes such a block.

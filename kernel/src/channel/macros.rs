@@ -234,7 +234,7 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text });
+                self.emit(0, Kind::Message { text, printed: false });
                 Ok(())
             }
             3001..=3004 => Ok(()),

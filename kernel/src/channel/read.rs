@@ -25,6 +25,7 @@ impl Kernel<'_> {
     /// One block.
     pub(super) fn step(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
+            self.name_block(&block);
             self.begin_block()?;
             self.process_later(block)?;
             return self.follow();
