@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::custom_calls::{Called, Callee};
+use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
 use super::frames::affine::Affine;
 use super::frames::offsets::Table;
@@ -113,7 +113,7 @@ impl Kernel<'_> {
     pub(super) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
-        let called = Called { what: Callee::Named(Arc::clone(&name)), passes };
+        let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use counterpoint_lang::compile::{self, Options, Place as Kind, Program, Strong};
 use counterpoint_lang::source::Source;
 
+use super::macro_uses::{self, Given};
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
@@ -21,13 +22,14 @@ use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
 /// Most code macros, and most data macros.
 const MOST: usize = 1000;
 
-/// Reads the section; none if the machine has no macros.
+/// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
 pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
     codes: &[CodeRow],
     files: &dyn Files,
     stored: &[StoredFile],
+    shown: &mut Vec<(String, Place)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
@@ -35,10 +37,11 @@ pub(super) fn read(
     let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
-    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong, uninitialised };
+    let program_of = &mut program;
+    let mut compiler = Compiler { names, codes, files, stored, program: program_of, strong, uninitialised, shown };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
-        compiler.add(file, place, Kind::Library);
+        compiler.add(file, place, Kind::Library, Given::FUNCTIONS);
     }
     for hook in Hook::ALL.into_iter().filter(|hook| *hook != Hook::Declaration) {
         compiler.hook(&mut section, hook, &mut macros.hooks);
@@ -60,6 +63,8 @@ struct Compiler<'a, 'n> {
     strong: Strong,
     /// Variables that are read and never assigned are findings.
     uninitialised: bool,
+    /// Dialogs that macros show by name.
+    shown: &'a mut Vec<(String, Place)>,
 }
 
 /// Kind of the macro of a hook, which decides what it may contain.
@@ -74,14 +79,14 @@ fn kind(hook: Hook) -> Kind {
 impl Compiler<'_, '_> {
     fn hook(&mut self, section: &mut Section<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
         let Some(file) = section.text(hook.key()) else { return };
-        let found = self.one(file, section.place_of(hook.key()), kind(hook));
+        let found = self.one(file, section.place_of(hook.key()), kind(hook), Given::of(hook));
         if let Some(slot) = hooks.get_mut(hook as usize) {
             *slot = found;
         }
     }
 
     /// Compiles a file; gives its macros without a header.
-    fn add(&mut self, file: &str, place: &Place, kind: Kind) -> Option<Vec<u16>> {
+    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {
             let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
@@ -103,7 +108,11 @@ impl Compiler<'_, '_> {
         };
         let options =
             Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
-        let added = compile::add(self.program, &mut surroundings, Source::from_bytes(path, &bytes), options);
+        let source = Source::from_bytes(path, &bytes);
+        let added = compile::add(self.program, &mut surroundings, source.clone(), options);
+        if !added.has_errors() {
+            macro_uses::check(&source, given, check, self.shown);
+        }
         for diagnostic in &added.diagnostics {
             let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
             let text = format!("{} {}{help}", diagnostic.number, diagnostic.message);
@@ -119,8 +128,8 @@ impl Compiler<'_, '_> {
     }
 
     /// Compiles a file that holds one macro.
-    fn one(&mut self, file: &str, place: &Place, kind: Kind) -> Option<u16> {
-        let found = self.add(file, place, kind)?;
+    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<u16> {
+        let found = self.add(file, place, kind, given)?;
         match found.as_slice() {
             [one] => Some(*one),
             [] => {
@@ -179,9 +188,9 @@ impl Compiler<'_, '_> {
         row.require("file", "the file of the macro");
         let (condition, firing) = self.condition(row, of_codes);
         let default = firing.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
-        let kind = if of_codes { Kind::Any } else { Kind::Data };
+        let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
         let file = row.text("file")?;
-        let code = self.one(file, row.place_of("file"), kind)?;
+        let code = self.one(file, row.place_of("file"), kind, given)?;
         let matches = firing.clone();
         let firing = firing.into_iter().map(|item| match item {
             Item::Code(id) => id.0,
