@@ -386,24 +386,23 @@ impl Kernel<'_> {
         let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         let [flag, text, _] = arguments;
-        if flag.as_real() == Some(0.0) {
-            return Ok(Verdict::Drop);
-        }
-        match (given, text) {
+        let drops = flag.as_real() == Some(0.0);
+        let verdict = match (given, text) {
             (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
                 if let Some(runtime) = self.macros.as_deref_mut() {
                     runtime.text = Some(text);
                 }
-                Ok(Verdict::Edited)
+                Verdict::Edited
             }
-            (Some(_), Value::Text(_)) | (None, _) => Ok(Verdict::Go),
+            (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
             (Some(_), other) => {
                 let text =
                     format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
                 self.diagnose(&diag::MACRO_RESULT, text);
-                Ok(Verdict::Go)
+                Verdict::Go
             }
-        }
+        };
+        Ok(if drops { Verdict::Drop } else { verdict })
     }
 
     /// Left-over text after the codes: the block shutdown macro may change it.

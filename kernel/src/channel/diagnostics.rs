@@ -4,6 +4,7 @@
 
 use super::Kernel;
 use crate::machine::model::{DiagnosticRule, Diagnostics};
+use crate::macros::model::Hook;
 
 /// The machine's own text for what the kernel says.
 const ORIGINAL: &str = "!(*)";
@@ -74,8 +75,9 @@ impl Kernel<'_> {
         let kept = alarm.then(|| (severity, text.clone()));
         let runtime = self.macros.as_deref();
         let on = runtime.is_some_and(|runtime| runtime.severities.get(&number).is_some_and(|(_, on)| *on));
-        if on && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
-            // A macro has switched it on again.
+        // The diagnostic macro sees numbers that are off too.
+        let seen = on || self.hook(Hook::Diagnostic).is_some();
+        if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
             return table.shown(rule, rule.severity.unwrap_or(severity), text).or(kept);
         }
         table.custom(number, severity, text, before).or(kept)

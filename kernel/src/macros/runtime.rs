@@ -358,7 +358,10 @@ fn command_line(info: &Info) -> String {
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
-        self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
+        let none = Macros::default();
+        // A machine without macros has a program all the same if its programs have embedded code.
+        let macros = self.machine.macros.as_deref().unwrap_or(&none);
+        self.macros = program.map(|program| {
             let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();

@@ -56,7 +56,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let storage = storage::read(&mut top, files);
     let mut shown = Vec::new();
-    let macros = macros::read(&mut top, &names, &codes, files, &storage, &mut shown);
+    let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
+    overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let diagnostics = diagnostics::read(&mut top, files);

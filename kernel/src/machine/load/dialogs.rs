@@ -118,6 +118,11 @@ fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> 
     } else if !buttons.iter().any(|button| button.kind == ButtonKind::Ok) {
         row.error("buttons", "a dialog needs a button of type \"ok\"");
     }
+    for (index, button) in buttons.iter().enumerate() {
+        if buttons.iter().take(index).any(|other| other.label.eq_ignore_ascii_case(&button.label)) {
+            row.error("buttons", format!("two buttons have the label \"{}\", the result of the dialog", button.label));
+        }
+    }
     let place = row.place_of("name").clone();
     row.finish();
     let name = name?;

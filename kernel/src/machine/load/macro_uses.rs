@@ -184,7 +184,8 @@ impl Uses<'_> {
                 parts.iter().for_each(|part| self.expression(part));
             }
             ExprKind::Call(name, parts) => {
-                if let ("$FDIALOG", Some(ExprKind::Text(dialog))) = (name.as_str(), parts.first().map(|part| &part.kind))
+                if let ("$FDIALOG", Some(ExprKind::Text(dialog))) =
+                    (name.as_str(), parts.first().map(|part| &part.kind))
                     && parts.len() == 1
                 {
                     let place = self.place(expression.span);

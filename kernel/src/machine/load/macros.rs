@@ -12,7 +12,7 @@ use super::macro_uses::{self, Given};
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
-use crate::machine::model::{CodeRow, StoredFile};
+use crate::machine::model::{CodeRow, DataRow, StoredFile};
 use crate::machine::toml::node::Place;
 use crate::machine::toml::section::Section;
 use crate::macros::condition::{self, Condition, Item, Step};
@@ -26,7 +26,7 @@ const MOST: usize = 1000;
 pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
-    codes: &[CodeRow],
+    (codes, data): (&[CodeRow], &[DataRow]),
     files: &dyn Files,
     stored: &[StoredFile],
     shown: &mut Vec<(String, Place)>,
@@ -38,7 +38,8 @@ pub(super) fn read(
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
     let program_of = &mut program;
-    let mut compiler = Compiler { names, codes, files, stored, program: program_of, strong, uninitialised, shown };
+    let mut compiler =
+        Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
         compiler.add(file, place, Kind::Library, Given::FUNCTIONS);
@@ -57,6 +58,7 @@ pub(super) fn read(
 struct Compiler<'a, 'n> {
     names: &'a Names<'n>,
     codes: &'a [CodeRow],
+    data: &'a [DataRow],
     files: &'a dyn Files,
     stored: &'a [StoredFile],
     program: &'a mut Program,
@@ -228,6 +230,9 @@ impl Compiler<'_, '_> {
             row.error("absent", format!("{} cannot both be and not be present", self.item_name(*item)));
         }
         let matched = list(row, "match");
+        if !matched.is_empty() && matched.iter().all(|item| absent.contains(item)) {
+            row.error("absent", "what fires the macro counts as present: it never runs");
+        }
         let wanted = |item: &Item| matches!(item, Item::Code(_)) == of_codes;
         let kind = if of_codes { "CODE_" } else { "REG_" };
         if let Some(other) = matched.iter().find(|item| !wanted(item)) {
@@ -268,12 +273,21 @@ impl Compiler<'_, '_> {
     fn item(&self, name: &str, place: &Place) -> Option<Item> {
         let upper = name.to_ascii_uppercase();
         if upper.starts_with("REG_") || upper.starts_with("DATA_") {
-            return self.names.data(name, place).map(Item::Data);
+            let id = self.names.data(name, place)?;
+            if !self.data.iter().any(|row| row.id == id && row.enable) {
+                let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
+                self.names.check.warning(place, text);
+            }
+            return Some(Item::Data(id));
         }
         let id = self.names.code(name, place)?;
         let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
         if !remark && !self.codes.iter().any(|row| row.id == id && row.enable) {
             let text = format!("no row of this machine's code table has {upper}, so it never fires");
+            self.names.check.warning(place, text);
+        } else if !remark && !self.codes.iter().any(|row| row.id == id && row.enable && row.process) {
+            let text =
+                format!("the rows of {upper} say `process = false`: it is taken off the block and fires nothing");
             self.names.check.warning(place, text);
         }
         Some(Item::Code(id))

@@ -4,10 +4,12 @@
 
 use std::cmp::Ordering;
 
+use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, Register};
 use crate::machine::tables::{form_range, overlap};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::node::Place;
+use crate::macros::model::Macros;
 
 /// Warns about rows for the same word or text, one of which can never match there. A row of a child may take a word by
 /// its order from a row of the family: that is meant.
@@ -30,7 +32,8 @@ pub(super) fn check_codes(codes: &[CodeRow], registers: &[Register], check: &Che
             });
             if let Some((_, (_, _, _, other))) = hidden {
                 let letter = registers.get(usize::from(*register)).map_or("?", |register| register.name.as_str());
-                let written = if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") };
+                let written =
+                    if min == max { format!("{letter}{min}") } else { format!("{letter}{min}-{letter}{max}") };
                 warn(&written, row, other, check);
             }
         }
@@ -42,9 +45,10 @@ pub(super) fn check_codes(codes: &[CodeRow], registers: &[Register], check: &Che
             Ordering::Less => other.file == row.file,
             order => order == Ordering::Equal && at < index,
         };
-        let hidden = texts.iter().enumerate().find(|(at, (same, other))| {
-            same.eq_ignore_ascii_case(text) && first(*at, other) && hides(other, row)
-        });
+        let hidden = texts
+            .iter()
+            .enumerate()
+            .find(|(at, (same, other))| same.eq_ignore_ascii_case(text) && first(*at, other) && hides(other, row));
         if let Some((_, (_, other))) = hidden {
             warn(&format!("'{text}'"), row, other, check);
         }
@@ -55,6 +59,24 @@ fn text_of(row: &CodeRow) -> Option<&str> {
     match &row.form {
         CodeForm::Text(text) => Some(text),
         _ => None,
+    }
+}
+
+/// Warns about codes of the machine's own that nothing handles.
+pub(super) fn check_custom(codes: &[CodeRow], names: &[String], macros: Option<&Macros>, check: &Check) {
+    let mut told = Vec::new();
+    for row in codes.iter().filter(|row| row.enable && row.process) {
+        let Some(name) = usize::from(row.id.0).checked_sub(codes::TABLE.len()).and_then(|at| names.get(at)) else {
+            continue;
+        };
+        if !told.contains(&row.id) && macros.is_none_or(|macros| macros.of_code(row.id).is_empty()) {
+            told.push(row.id);
+            let text = format!(
+                "{name} is a code of your own and no macro takes it: each use is an error (2900002); a row of \
+                 [[macros.code]], or `process = false` to swallow it, is expected"
+            );
+            check.warning(&Place { file: row.file.as_str().into(), line: row.line, column: 1 }, text);
+        }
     }
 }
 

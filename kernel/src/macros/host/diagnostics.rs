@@ -79,6 +79,8 @@ impl Kernel<'_> {
 
     /// A diagnostic on its way to the log, through everything macros may have changed about it.
     pub(crate) fn issue(&mut self, (number, severity): (u32, u8), text: String, origin: Option<Box<Origin>>) {
+        let enabled = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        let enabled = self.machine.diagnostics.is_plain() || enabled();
         let Some(runtime) = self.macros.as_deref_mut() else {
             return self.put_diagnostic((number, severity), &text, origin);
         };
@@ -88,7 +90,7 @@ impl Kernel<'_> {
         let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
         let (severity, on) = match runtime.severities.get(&number) {
             Some(&(changed, on)) if !own => (changed, on),
-            _ => (severity, true),
+            _ => (severity, own || enabled),
         };
         let count = runtime.counts.entry(number).or_default();
         *count = count.saturating_add(1);
