@@ -31,12 +31,14 @@ use crate::machine::ident::{CodeId, DataId};
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
 
-/// Macros active at once through EXEC and OUTPUT: each stands on the stack of its kernel. Functions that call each other
-/// do not, and none of them can be active twice.
-pub(crate) const ACTIVE: usize = 500;
+/// Macros active at once; functions nest without a stack of this program.
+const DEPTH: u32 = 100_000;
 
-/// Stack of a kernel with macros, in bytes; only what is used is taken from the memory.
-pub(crate) const STACK: usize = 64 << 20;
+/// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
+const MOST_NESTED: usize = 1000;
+
+/// Stack of a thread that runs macros, in bytes.
+pub(crate) const STACK: usize = 128 << 20;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;
@@ -217,14 +219,14 @@ pub(crate) struct Runtime {
 }
 
 fn limits() -> Limits {
-    Limits { ticks: TICKS, depth: u32::MAX, ..Limits::default() }
+    Limits { ticks: TICKS, depth: DEPTH, ..Limits::default() }
 }
 
 impl Runtime {
     /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, kernels: usize) -> Self {
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, kernel: u16, kernels: usize) -> Self {
         let mut state = State::new(limits());
-        state.channel = u32::from(rank).max(1);
+        state.channel = u32::from(kernel).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         let mut runtime = Self {
             program: Arc::clone(program),
@@ -362,7 +364,7 @@ impl Kernel<'_> {
         // A machine without macros has a program all the same if its programs have embedded code.
         let macros = self.machine.macros.as_deref().unwrap_or(&none);
         self.macros = program.map(|program| {
-            let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
+            let mut runtime = Runtime::new(macros, program, self.kernel_number(), self.machine.channels.len());
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
@@ -385,7 +387,6 @@ impl Kernel<'_> {
     /// # Errors
     /// Something inside made the kernel leave its program at once.
     pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
-        self.check_active()?;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
@@ -397,7 +398,9 @@ impl Kernel<'_> {
         runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
+        let limit = self.limit_nesting(&mut state);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
+        state.limits.depth = limit;
         let outputs = self.macro_ended(state, code, matching, end);
         if self.trace.is_some() {
             self.trace_leaving(code, selects);
@@ -410,29 +413,26 @@ impl Kernel<'_> {
     /// # Errors
     /// As [`run_macro`](Self::run_macro).
     pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
-        self.check_active()?;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::Null) };
         let Some(mut state) = runtime.state.take() else { return Ok(Value::Null) };
         let program = Arc::clone(&runtime.program);
         runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
+        let limit = self.limit_nesting(&mut state);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
+        state.limits.depth = limit;
         self.macro_ended(state, code, matching, end)?;
         Ok(value)
     }
 
-    /// One more macro may become active; too many are an alarm.
-    fn check_active(&mut self) -> crate::channel::Acted {
-        let active = self.macros.as_deref().map_or(0, |runtime| runtime.calls.len());
-        if active < ACTIVE {
-            return Ok(());
+    /// Lets no further macro begin where the stack of the thread would not hold it; gives the limit as it was.
+    fn limit_nesting(&self, state: &mut State) -> u32 {
+        let limit = state.limits.depth;
+        if self.macros.as_deref().is_some_and(|runtime| runtime.calls.len() > MOST_NESTED) {
+            state.limits.depth = state.depth;
         }
-        let number = counterpoint_lang::diag::Number::DEPTH;
-        let text = format!("more than {ACTIVE} macros are active at once through EXEC and OUTPUT");
-        self.put_diagnostic((number.0, number.severity()), &text, None);
-        self.keep_halt(Halt::Alarm);
-        Err(Halt::Alarm)
+        limit
     }
 
     fn macro_ended(&mut self, state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {

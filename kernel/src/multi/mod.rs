@@ -8,6 +8,8 @@ pub(crate) mod feed;
 pub(crate) mod files;
 mod master;
 pub(crate) mod merge;
+mod one_thread;
+pub(crate) mod ranks;
 mod rounds;
 pub(crate) mod shared;
 pub(crate) mod tag;
@@ -17,6 +19,7 @@ pub(crate) mod waits;
 use std::sync::OnceLock;
 
 use coordinator::Coordinator;
+use coordinator::switch::{Port, Switch};
 use counterpoint_lang::pattern::Memory;
 use feed::Feed;
 use master::{At, Master};
@@ -40,7 +43,6 @@ use crate::job::{Job, Outcome, Sink, WrittenFiles};
 use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
-use crate::macros::runtime::STACK;
 use crate::mcd::program::Range;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
@@ -211,7 +213,8 @@ impl<'a> Shop<'a> {
         }
         // The only kernel needs no thread of its own.
         match work.len() {
-            1 => work.into_iter().flat_map(|(start, way)| self.alone(start, way.into())).collect(),
+            1 => work.into_iter().map(|(start, way)| self.alone(start, way.into())).collect(),
+            _ if self.coordinator.on_one_thread() => self.in_turns(work, || ()),
             _ => self.together(work, || ()),
         }
     }
@@ -228,59 +231,36 @@ impl<'a> Shop<'a> {
         if starting.len() == 1
             && let Some(start) = starting.pop()
         {
-            return self.alone(start, Target::Direct { merger, sink });
+            return vec![self.alone(start, Target::Direct { merger, sink })];
         }
         let feeders = feeders.into_iter().filter_map(|feeder| {
             let at = starting.iter().position(|start| start.channel.number == feeder.rank)?;
             Some((starting.swap_remove(at), Way::Queue(feeder)))
         });
         let work: Vec<_> = feeders.collect();
+        if self.coordinator.on_one_thread() {
+            return self.in_turns(work, || merger.pump(sink, || self.coordinator.abort()));
+        }
         self.together(work, || merger.run(sink, || self.coordinator.abort()))
     }
 
-    /// Runs the only kernel of a job: on this thread, or on one with more stack if its machine has macros.
-    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Vec<Lived>
+    /// Runs the only kernel of a job on this thread.
+    fn alone<'k>(self, start: Start<'k>, target: Target<'k>) -> Lived
     where
         'a: 'k,
     {
         self.coordinator.set_single();
-        let number = start.channel.number;
-        let work = move || {
-            let (kernel, at, reset) = self.started(start, target);
-            kernel.live(at, reset)
-        };
-        if self.job.macros().is_none() {
-            return vec![work()];
-        }
-        std::thread::scope(|scope| match self.thread(number).spawn_scoped(scope, work) {
-            Ok(handle) => vec![handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))],
-            Err(_) => {
-                self.refused(number);
-                Vec::new()
-            }
-        })
-    }
-
-    /// The operating system refuses a thread: the job cannot be run and counts as cancelled.
-    fn refused(self, number: u16) {
-        self.control.cancel();
-        self.coordinator.closed(number);
-        self.coordinator.done(&mut self.coordinator.lock(), number);
-    }
-
-    /// The thread of a kernel. Macros that are active at once stand on its stack.
-    fn thread(self, number: u16) -> std::thread::Builder {
-        let thread = std::thread::Builder::new().name(format!("kernel-{number}"));
-        if self.job.macros().is_some() { thread.stack_size(STACK) } else { thread }
+        let (kernel, at, reset) = self.started(start, target, Switch::Thread);
+        kernel.live(at, reset)
     }
 
     /// A kernel as it starts, with its program.
-    fn started<'k>(self, start: Start<'k>, target: Target<'k>) -> (Kernel<'k>, At, Option<bool>)
+    fn started<'k>(self, start: Start<'k>, target: Target<'k>, switch: Switch<'k>) -> (Kernel<'k>, At, Option<bool>)
     where
         'a: 'k,
     {
         let Start { channel, progress, at, before, reset } = start;
-        let mut kernel = self.kernel(channel, progress, target);
+        let mut kernel = self.kernel(channel, progress, target, switch);
         if let Some((now, carried)) = before {
             (kernel.clock, kernel.micro) = now;
             if let Some(carried) = carried {
@@ -295,18 +275,27 @@ impl<'a> Shop<'a> {
         if let [(a, _), (b, _)] = &work[..] {
             self.coordinator.set_pair(a.channel.number, b.channel.number);
         }
-        let coordinator = self.coordinator;
+        let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();
             for (start, way) in work {
                 let number = start.channel.number;
                 let work = move || {
-                    let (kernel, at, reset) = self.started(start, way.into());
+                    let (kernel, at, reset) = self.started(start, way.into(), Switch::Thread);
                     guarded(kernel, at, reset, coordinator)
                 };
-                match self.thread(number).spawn_scoped(scope, work) {
+                let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
+                if self.job.macros().is_some() {
+                    thread = thread.stack_size(crate::macros::STACK);
+                }
+                match thread.spawn_scoped(scope, work) {
                     Ok(handle) => running.push(handle),
-                    Err(_) => self.refused(number),
+                    Err(_) => {
+                        // The operating system refuses a thread: the job cannot be run and counts as cancelled.
+                        control.cancel();
+                        coordinator.closed(number);
+                        coordinator.done(&mut coordinator.lock(), number);
+                    }
                 }
             }
             meanwhile();
@@ -336,11 +325,18 @@ fn master(t_ns: i64, kind: Kind) -> Event {
 }
 
 impl<'a> Shop<'a> {
-    fn kernel<'k>(self, channel: &'k Channel, progress: &'k Progress, target: Target<'k>) -> Kernel<'k>
+    fn kernel<'k>(
+        self,
+        channel: &'k Channel,
+        progress: &'k Progress,
+        target: Target<'k>,
+        switch: Switch<'k>,
+    ) -> Kernel<'k>
     where
         'a: 'k,
     {
         let Self { job, plan, coordinator, files, control, given } = self;
+        let coordinator = Port::new(coordinator, switch);
         let machine = &*job.spec().machine;
         let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
         let shared = spindle.is_some_and(|index| crate::action::spindles::is_shared(machine, index));

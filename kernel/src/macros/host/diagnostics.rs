@@ -143,7 +143,7 @@ impl Kernel<'_> {
     }
 
     /// Counts and logs.
-    pub(crate) fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+    fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {
