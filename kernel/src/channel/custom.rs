@@ -70,6 +70,8 @@ impl Kernel<'_> {
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let asked = self.flow.pending.take();
         let done = self.check_limits().and_then(|()| process(self)).and_then(|()| self.call_at_once());
+        // The rest of that block is dropped, not that of the one around it.
+        let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
         // A return or an end waits for the end of the block that was interrupted.
         match std::mem::replace(&mut self.flow.pending, asked) {

@@ -195,7 +195,8 @@ impl Host for Kernel<'_> {
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
-        Kernel::diagnose(self, facts, text);
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.machine.habits.unknown_alarms;
+        Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
@@ -301,18 +302,19 @@ impl Host for Kernel<'_> {
         let machine = self.machine_point(&self.place.position);
         let counted = self.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
-            let named = self.machine.axes.get(axis.machine)?;
-            let factor = self.program_factor(at);
-            Some(AxisPlace {
-                name: named.name.clone(),
-                letter: named.letter.clone(),
-                diameter: self.factor_across(at) * axis.scale < 1.0,
-                work: work / factor,
-                from: from / factor,
-                machine: machine / factor,
-            })
-        });
+        let places =
+            self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
+                let named = self.machine.axes.get(axis.machine)?;
+                let factor = self.program_factor(at);
+                Some(AxisPlace {
+                    name: named.name.clone(),
+                    letter: named.letter.clone(),
+                    diameter: self.factor_across(at) * axis.scale < 1.0,
+                    work: work / factor,
+                    from: from / factor,
+                    machine: machine / factor,
+                })
+            });
         places.collect()
     }
 

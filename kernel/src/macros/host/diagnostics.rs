@@ -53,9 +53,14 @@ impl Kernel<'_> {
 
     /// What the machine makes of a diagnostic of a macro: severity and text, none if it is not shown. The text of a
     /// number that ERROR raises is made already.
-    pub(super) fn customised_of_macro(&mut self, number: Number, severity: u8, text: String) -> Option<(u8, String)> {
+    pub(super) fn customised_of_macro(
+        &mut self,
+        number: Number,
+        (severity, stops): (u8, bool),
+        text: String,
+    ) -> Option<(u8, String)> {
         let made = of_language(number.0).is_none().then(|| text.clone());
-        let (custom, text) = self.customised(number.0, (severity, number == Number::TICKS), text)?;
+        let (custom, text) = self.customised(number.0, (severity, stops), text)?;
         Some(match made {
             Some(made) => (severity, made),
             None => (custom, text),
@@ -77,14 +82,22 @@ impl Kernel<'_> {
         }))
     }
 
-    /// A diagnostic on its way to the log, through everything macros may have changed about it.
-    pub(crate) fn issue(&mut self, (number, severity): (u32, u8), text: String, origin: Option<Box<Origin>>) {
+    /// A diagnostic on its way to the log, through everything macros may have changed about it. What `stops` the channel stays in the log whatever they have switched off.
+    pub(crate) fn issue(
+        &mut self,
+        (number, severity): (u32, u8),
+        text: String,
+        (origin, stops): (Option<Box<Origin>>, bool),
+    ) {
         let enabled = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         let enabled = self.machine.diagnostics.is_plain() || enabled();
         let Some(runtime) = self.macros.as_deref_mut() else {
             return self.put_diagnostic((number, severity), &text, origin);
         };
         if !runtime.store.messages {
+            if stops {
+                self.put_diagnostic((number, severity), &text, origin);
+            }
             return;
         }
         let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
@@ -98,14 +111,20 @@ impl Kernel<'_> {
         match runtime.ready(Hook::Diagnostic) {
             Some(code) => {
                 runtime.origin = origin;
-                self.diagnostic_macro(code, (number, severity, on, times), text);
+                self.diagnostic_macro(code, (number, severity, on, times), text, stops);
             }
-            None if on => self.put_diagnostic((number, severity), &text, origin),
+            None if on || stops => self.put_diagnostic((number, severity), &text, origin),
             None => {}
         }
     }
 
-    fn diagnostic_macro(&mut self, code: u16, (number, severity, on, times): (u32, u8, bool, u32), text: String) {
+    fn diagnostic_macro(
+        &mut self,
+        code: u16,
+        (number, severity, on, times): (u32, u8, bool, u32),
+        text: String,
+        stops: bool,
+    ) {
         let mut arguments = [
             Value::Real(f64::from(u8::from(on))),
             Value::Real(f64::from(number)),
@@ -121,7 +140,7 @@ impl Kernel<'_> {
             Ok(1..) => {}
             Ok(0) => {
                 let [flag, number, severity, _, text] = &arguments;
-                if flag.as_real() != Some(0.0) {
+                if stops || flag.as_real() != Some(0.0) {
                     let values = [number.clone(), severity.clone(), text.clone()];
                     if let Err(fault) = self.output_diagnostic(&values) {
                         self.put_diagnostic((fault.number.0, fault.number.severity()), &fault.message, None);
@@ -144,6 +163,7 @@ impl Kernel<'_> {
 
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+        self.count_error(severity);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {
