@@ -65,10 +65,10 @@ fn characters_with_two_meanings() {
 
 #[test]
 fn macros_that_never_run_and_what_they_use() {
-    for (text, expected) in [
+    let cases: &[(&str, &[&str])] = &[
         (
             "[[macros.code]]\nmatch = [\"CODE_RAPID\"]\nabsent = [\"CODE_RAPID\"]\nfile = \"a.mac\"",
-            &["3:10: error: what fires the macro counts as present: it never runs"][..],
+            &["3:10: error: what fires the macro counts as present: it never runs"],
         ),
         (
             "[[macros.data]]\nmatch = [\"REG_TOOL\"]\nfile = \"a.mac\"",
@@ -99,8 +99,9 @@ fn macros_that_never_run_and_what_they_use() {
                 "arguments.mac:4:9: warning: $P6 has no value here: a Diagnostic Event Macro has $P1 to $P5",
             ],
         ),
-    ] {
-        assert_eq!(with_macros(text), expected, "{text}");
+    ];
+    for (text, expected) in cases {
+        assert_eq!(with_macros(text), *expected, "{text}");
     }
 }
 
