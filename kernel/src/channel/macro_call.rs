@@ -95,7 +95,11 @@ impl Kernel<'_> {
                     }
                 },
             };
-            let plain = number(value);
+            let plain = match (letter, word.written) {
+                // Numbers of programs and passes are whole.
+                (b'P' | b'L', None) => number(value).round(),
+                _ => number(value),
+            };
             if own.is_some() && own == register.map(|(register, _)| (register, plain)) {
                 own = None;
                 continue;

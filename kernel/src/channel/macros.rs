@@ -178,8 +178,8 @@ impl Kernel<'_> {
     }
 
     fn goto(&mut self, target: &Expr) -> Result<(), Left> {
-        let value = number(self.eval(target)?);
-        if value < 1.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
+        let value = number(self.eval(target)?).round();
+        if !(1.0..=f64::from(u32::MAX)).contains(&value) {
             let text = format!("{value} is no sequence number to go to in '{}'", self.block_text());
             return Err(self.alarm(&diag::JUMP_TARGET, text).into());
         }
@@ -218,10 +218,7 @@ impl Kernel<'_> {
     fn assign(&mut self, target: &Expr, value: &Expr) -> Result<(), Left> {
         let value = self.eval(value)?;
         let target = number(self.eval(target)?);
-        if target < 0.0 || target.fract() != 0.0 || target > f64::from(u32::MAX) {
-            return Err(self.fault(&Fault::NoVariable(target)).into());
-        }
-        let index = target as u32;
+        let index = fanuc::variable_index(target).map_err(|fault| self.left(&fault))?;
         match index {
             3000 => {
                 let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());
@@ -241,7 +238,11 @@ impl Kernel<'_> {
     fn template(&mut self, words: &[TemplateWord]) -> Result<(), Left> {
         self.flow.pass.effects = true;
         for word in words {
-            let value = match self.eval(&word.value) {
+            let steps = if word.written.is_some() { None } else { self.steps_of(word.name) };
+            self.variables.steps = steps.unwrap_or(1.0);
+            let value = self.eval(&word.value);
+            self.variables.steps = 1.0;
+            let value = match value {
                 Ok(value) => value,
                 Err(Left::Halt(halt)) => return Err(halt.into()),
                 Err(Left::Text) => {
@@ -252,6 +253,7 @@ impl Kernel<'_> {
             if is_vacant(value) {
                 continue;
             }
+            let value = steps.map_or(value, |steps| fanuc::to_step(value, steps));
             let register = match word.name {
                 Name::Letter(letter) => self.plan.scanner.register(letter),
                 Name::Register(register, _) if self.sequence_word(register, value) => continue,
@@ -284,6 +286,16 @@ impl Kernel<'_> {
             }
         }
         Ok(self.act_block()?)
+    }
+
+    /// Steps of one unit that the value of an expression at an address is rounded to.
+    fn steps_of(&self, name: Name) -> Option<f64> {
+        let register = match name {
+            Name::Letter(letter) => self.plan.scanner.register(letter)?.0,
+            Name::Register(register, _) => register,
+            Name::Text(_) => return None,
+        };
+        self.plan.steps.get(usize::from(register))?.get(usize::from(self.secondary)).copied()
     }
 
     /// A number beside an expression is read as on a line without one.

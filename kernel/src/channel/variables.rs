@@ -19,11 +19,13 @@ type Locals = [f64; 34];
 pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
+    /// Steps of one unit that ROUND rounds to in the expression being evaluated.
+    pub(super) steps: f64,
 }
 
 impl Default for ChannelVariables {
     fn default() -> Self {
-        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default() }
+        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default(), steps: 1.0 }
     }
 }
 
@@ -67,6 +69,10 @@ impl Variables for Kernel<'_> {
             return self.identified(index);
         }
         self.get_known(index)
+    }
+
+    fn steps(&self) -> f64 {
+        self.variables.steps
     }
 }
 

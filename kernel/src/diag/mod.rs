@@ -128,6 +128,8 @@ diagnostics! {
     OKUMA_UNKNOWN 2900180 8 false "variable or function that nobody knows (Okuma)";
     OKUMA_CONTINUED 2900181 8 false "line that goes on with the block above it (Okuma)";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
+    GROUP_TWICE 2900350 4 false "G code overridden by a later one of its group";
+    MACHINE_INCREMENTAL 2900351 4 false "machine coordinates in incremental mode";
 }
 
 #[cfg(test)]

@@ -16,6 +16,10 @@ pub struct Habits {
     pub least_feed: Option<f64>,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
+    /// Of several G codes of one group on a block only the last one acts.
+    pub last_of_group: bool,
+    /// Values of expressions at addresses are rounded to the least increment of the register.
+    pub rounded: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -68,6 +72,8 @@ impl Default for Habits {
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
             least_feed: None,
             heads_in_file: false,
+            last_of_group: false,
+            rounded: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -21,6 +21,10 @@ pub(super) fn read(top: &mut Section<'_>) -> Habits {
     habits.least_feed = section.above_zero("least_feed");
     let files = [("numbers", false), ("heads", true)];
     habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
+    let groups = [("all", false), ("last", true)];
+    habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
+    let values = [("exact", false), ("rounded", true)];
+    habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);
         answers.finish();

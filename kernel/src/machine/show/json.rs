@@ -100,6 +100,7 @@ fn register_json(register: &Register) -> Value {
         "after": register.after,
         "format": number_format(&register.format),
         "secondary": number_format(&register.secondary),
+        "increment": register.increment,
         "signed": register.signed,
     })
 }
