@@ -211,8 +211,21 @@ pub struct Compensation {
     pub rapid: bool,
     /// A circle may switch it on and off.
     pub arcs: bool,
+    /// Outside corners until the program says otherwise.
+    pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
+}
+
+/// How the tool goes around an outside corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutsideCorner {
+    /// Sharp up to an angle, round beyond.
+    Angle,
+    /// Straight on, cut off beyond a right angle.
+    Linear,
+    /// Around the point of the contour.
+    Arc,
 }
 
 /// Way of a cycle to its clearance height.

@@ -38,6 +38,7 @@ pub fn json(machine: &Machine) -> Value {
         "compensation": {
             "rapid": machine.compensation.rapid,
             "arcs": machine.compensation.arcs,
+            "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
         },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
@@ -248,6 +249,7 @@ fn arcs(machine: &Machine) -> Value {
         "max_radius": arcs.max_radius.is_finite().then_some(arcs.max_radius),
         "helix": word(arcs.helix),
         "turns": word(arcs.turns),
+        "to_start": if arcs.stands { "stand" } else { "error" },
     })
 }
 
