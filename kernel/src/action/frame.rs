@@ -125,10 +125,10 @@ impl Kernel<'_> {
             }
         };
         if place.tool_offset != BASE {
-            add(self.offset_values(Table::Length, place.tool_offset), 1.0);
+            add(self.worn_length(place.tool_offset), 1.0);
         }
         if place.length_sign != 0.0 && place.length_number != BASE {
-            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
+            add(self.directed(self.worn_length(place.length_number)), place.length_sign);
         }
         if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
             let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };

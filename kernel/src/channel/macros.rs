@@ -80,8 +80,9 @@ impl Kernel<'_> {
                 Ok(line)
             }
             Err(error) => {
+                let facts = if error.brackets { &diag::BRACKETS } else { &diag::MACRO_SYNTAX };
                 let text = format!("{error} in '{}'", self.block_text());
-                Err(self.alarm(&diag::MACRO_SYNTAX, text))
+                Err(self.alarm(facts, text))
             }
         }
     }
@@ -113,16 +114,14 @@ impl Kernel<'_> {
             Statement::Goto(target) => self.goto(target),
             Statement::While(condition, _) => {
                 if self.truth(condition)? {
-                    Ok(())
+                    Ok(self.enter_loop()?)
                 } else {
+                    self.leave_loop();
                     Ok(self.skip_past(Pairs::of_loop)?)
                 }
             }
-            Statement::Do(_) => Ok(()),
-            Statement::End(_) => match self.pairs().of_loop(self.line) {
-                Some(start) => Ok(self.jump_to_line(start)?),
-                None => Err(self.unpaired().into()),
-            },
+            Statement::Do(_) => Ok(self.enter_loop()?),
+            Statement::End(_) => Ok(self.end_loop()?),
             Statement::IfBlock(condition) => {
                 if self.truth(condition)? {
                     Ok(())
@@ -133,6 +132,54 @@ impl Kernel<'_> {
             Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
             Statement::EndIf | Statement::Ignored => Ok(()),
         }
+    }
+
+    /// The current line opens a loop, or begins its next pass.
+    fn enter_loop(&mut self) -> Acted {
+        let place = (self.flow.frames.len(), self.line);
+        if self.flow.loops.contains(&place) {
+            return Ok(());
+        }
+        if self.pairs().of_loop(self.line).is_none() {
+            return Err(self.unpaired());
+        }
+        self.flow.loops.push(place);
+        Ok(())
+    }
+
+    /// The loop that the current line opens is over, and with it those inside.
+    fn leave_loop(&mut self) {
+        let place = (self.flow.frames.len(), self.line);
+        if let Some(at) = self.flow.loops.iter().position(|inside| *inside == place) {
+            self.flow.loops.truncate(at);
+        }
+    }
+
+    /// The end of a loop: its next pass, if the program has come in through its start.
+    fn end_loop(&mut self) -> Acted {
+        let Some(start) = self.pairs().of_loop(self.line) else { return Err(self.unpaired()) };
+        let place = (self.flow.frames.len(), start);
+        match self.flow.loops.iter().position(|inside| *inside == place) {
+            Some(at) => {
+                self.flow.loops.truncate(at + 1);
+                self.jump_to_line(start)
+            }
+            None => {
+                let text =
+                    format!("'{}' ends a loop that line {start} opens, but a jump has led into it", self.block_text());
+                Err(self.alarm(&diag::LOOP_ENTERED, text))
+            }
+        }
+    }
+
+    /// A jump within the program leaves the loops that do not hold its target.
+    pub(super) fn leave_loops(&mut self, target: u32) {
+        if self.flow.loops.is_empty() {
+            return;
+        }
+        let (pairs, here) = (self.pairs(), self.flow.frames.len());
+        let holds = |start: u32| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target));
+        self.flow.loops.retain(|&(level, start)| level != here || holds(start));
     }
 
     /// Goes on after the partner of the current line.

@@ -46,6 +46,8 @@ pub(crate) struct Scanner {
     sequence: Option<u8>,
     /// Register of program numbers, which a colon may stand for at the start of a block.
     definition: Option<u8>,
+    /// Most levels of brackets in an expression.
+    brackets: Option<u8>,
     letters: [(u8, bool); 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     early: Option<Box<Early>>,
@@ -101,6 +103,7 @@ impl Scanner {
             levels: levels(machine, opskip),
             sequence,
             definition,
+            brackets: machine.habits.brackets,
             letters,
             early: Early::new(machine),
         }
@@ -143,6 +146,7 @@ impl Scanner {
             like_words: early.map_or(&[], |early| &early.texts),
             registers: early.map_or(&[], |early| &early.registers),
             texts: &self.texts,
+            brackets: self.brackets,
         }
     }
 

@@ -18,6 +18,12 @@ pub struct Habits {
     pub heads_in_file: bool,
     /// Of several G codes of one group on a block only the last one acts.
     pub last_of_group: bool,
+    /// Most levels of brackets in an expression; none: as many as fit.
+    pub brackets: Option<u8>,
+    /// A code of a reference point without axes sends all axes there.
+    pub bare_home: bool,
+    /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
+    pub pointed_dwell: bool,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
@@ -74,6 +80,9 @@ impl Default for Habits {
             heads_in_file: false,
             last_of_group: false,
             rounded: false,
+            brackets: None,
+            bare_home: false,
+            pointed_dwell: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -25,6 +25,11 @@ pub(super) fn read(top: &mut Section<'_>) -> Habits {
     habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
     let values = [("exact", false), ("rounded", true)];
     habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
+    habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
+    let homes = [("nothing", false), ("all", true)];
+    habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);
+    let dwells = [("as-written", false), ("seconds", true)];
+    habits.pointed_dwell = section.choice("dwell_with_point", &dwells).unwrap_or(habits.pointed_dwell);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);
         answers.finish();

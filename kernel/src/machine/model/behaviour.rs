@@ -17,6 +17,21 @@ pub struct Subprograms {
     pub calls: Vec<WordCall>,
     /// Which words still call in a program that a word has called.
     pub nested: NestedCalls,
+    /// How deep calls may nest.
+    pub levels: CallLevels,
+    /// Words before the G word of a macro call, and further G words behind it, stop the channel.
+    pub strict: bool,
+}
+
+/// How deep calls may nest on the control; none: the limit of the job alone counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CallLevels {
+    /// Subprograms without arguments.
+    pub subprograms: Option<u16>,
+    /// Macros with arguments.
+    pub macros: Option<u16>,
+    /// Both together.
+    pub all: Option<u16>,
 }
 
 /// A word that calls a program, or a range of such words.

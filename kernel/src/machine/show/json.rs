@@ -197,6 +197,12 @@ fn subprograms(machine: &Machine) -> Value {
         "repeat_is_executions": subprograms.repeat_is_executions,
         "main_return": word(subprograms.main_return),
         "nested_calls": word(subprograms.nested),
+        "levels": {
+            "subprograms": subprograms.levels.subprograms,
+            "macros": subprograms.levels.macros,
+            "all": subprograms.levels.all,
+        },
+        "macro_words": if subprograms.strict { "behind" } else { "anywhere" },
         "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
     })
 }
