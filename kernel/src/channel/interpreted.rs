@@ -88,6 +88,12 @@ impl Kernel<'_> {
         Some(done)
     }
 
+    pub(super) fn interpreter_started(&mut self) {
+        if self.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
+        }
+    }
+
     #[inline]
     pub(super) fn interpreter_entered(&mut self) {
         if self.interpreter.is_some() {
@@ -189,7 +195,8 @@ impl Host for Kernel<'_> {
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
-        Kernel::diagnose(self, facts, text);
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.machine.habits.unknown_alarms;
+        Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
@@ -296,8 +303,9 @@ impl Host for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
         let programmed = self.programmed();
         let machine = self.machine_point(&self.place.position);
-        let values = programmed.iter().zip(machine.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), (work, machine))| {
+        let counted = self.counted();
+        let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
+        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
             let named = self.machine.axes.get(axis.machine)?;
             let factor = self.program_factor(at);
             Some(AxisPlace {
@@ -305,6 +313,7 @@ impl Host for Kernel<'_> {
                 letter: named.letter.clone(),
                 diameter: self.factor_across(at) * axis.scale < 1.0,
                 work: work / factor,
+                from: from / factor,
                 machine: machine / factor,
             })
         });
@@ -313,6 +322,10 @@ impl Host for Kernel<'_> {
 
     fn relative(&self) -> bool {
         self.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+    }
+
+    fn moves_straight(&self) -> bool {
+        matches!(self.modal.code(group::MOTION), Some(codes::RAPID | codes::INTERP_LINEAR))
     }
 
     fn second(&self, register: &str) -> Option<String> {

@@ -14,6 +14,8 @@ pub struct Habits {
     pub rotations: Rotations,
     /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
     pub least_feed: Option<f64>,
+    /// Incremental words travel changes of frames, offsets and tool lengths too.
+    pub frame_increments: bool,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
     /// Of several G codes of one group on a block only the last one acts.
@@ -26,6 +28,12 @@ pub struct Habits {
     pub pointed_dwell: bool,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
+    /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
+    /// rest of the block acts.
+    pub unknown_alarms: bool,
+    /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
+    /// goes on.
+    pub stops: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -77,12 +85,15 @@ impl Default for Habits {
             home: Home::Workpiece,
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
             least_feed: None,
+            frame_increments: false,
             heads_in_file: false,
             last_of_group: false,
             rounded: false,
             brackets: None,
             bare_home: false,
             pointed_dwell: false,
+            unknown_alarms: false,
+            stops: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),
