@@ -271,6 +271,12 @@ impl Host for Kernel<'_> {
         texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
     }
 
+    fn knows_code(&self, letter: u8, value: f64) -> bool {
+        let tables = &self.machine.tables;
+        let register = tables.letter.get(usize::from(letter)).copied().flatten();
+        register.is_some_and(|(register, _)| !tables.code(register, value).is_empty())
+    }
+
     fn positions(&self) -> Vec<(String, f64, f64)> {
         let programmed = self.programmed();
         let machine = self.machine_point(&self.place.position);
@@ -304,18 +310,19 @@ impl Host for Kernel<'_> {
         let machine = self.machine_point(&self.place.position);
         let counted = self.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
-            let named = self.machine.axes.get(axis.machine)?;
-            let factor = self.program_factor(at);
-            Some(AxisPlace {
-                name: named.name.clone(),
-                letter: named.letter.clone(),
-                diameter: self.factor_across(at) * axis.scale < 1.0,
-                work: work / factor,
-                from: from / factor,
-                machine: machine / factor,
-            })
-        });
+        let places =
+            self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
+                let named = self.machine.axes.get(axis.machine)?;
+                let factor = self.program_factor(at);
+                Some(AxisPlace {
+                    name: named.name.clone(),
+                    letter: named.letter.clone(),
+                    diameter: self.factor_across(at) * axis.scale < 1.0,
+                    work: work / factor,
+                    from: from / factor,
+                    machine: machine / factor,
+                })
+            });
         places.collect()
     }
 
