@@ -35,7 +35,7 @@ impl Kernel<'_> {
         }
         self.left_name();
         if !self.block.unknown.is_empty() {
-            self.unknown_text();
+            self.unknown_text()?;
         }
         if self.block.odd & odd::OPEN_COMMENT != 0 {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
@@ -54,6 +54,10 @@ impl Kernel<'_> {
 
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.machine;
+        let mut rows = self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        if rows.any(|row| row.ignores.contains(&register)) {
+            return;
+        }
         let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
         let (feed, _) = feed_of(self.modal.code(group::FEED));
         let mut known = false;
@@ -122,19 +126,5 @@ impl Kernel<'_> {
         if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
             self.block.take_name();
         }
-    }
-
-    fn unknown_text(&mut self) {
-        const MOST: usize = 60;
-        let left = self.left_text();
-        let mut text = left.split_whitespace().collect::<Vec<_>>().join(" ");
-        if text.chars().count() > MOST {
-            text = text.chars().take(MOST - 3).chain("...".chars()).collect();
-        }
-        if text.is_empty() {
-            return;
-        }
-        let block = self.block_text();
-        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'"));
     }
 }

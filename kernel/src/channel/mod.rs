@@ -21,19 +21,22 @@ pub(crate) mod flow;
 pub(crate) mod frames;
 mod interpreted;
 pub(crate) mod leftover;
+mod letter_zero;
 pub(crate) mod life;
 mod macro_call;
 pub(crate) mod macros;
 mod modal_call;
+mod passes;
 pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod remarks;
-mod report;
+pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
 pub(crate) mod state;
 pub(crate) mod tape;
 mod text;
+mod unknown;
 pub(crate) mod variables;
 mod word_calls;
 
@@ -55,6 +58,7 @@ use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
 use crate::macros::runtime::Runtime;
+use crate::multi::coordinator::switch::Port;
 use crate::multi::coordinator::{Coordinator, Inner};
 use crate::multi::tag::Tag;
 use crate::options::Options;
@@ -67,6 +71,8 @@ pub(crate) enum Halt {
     End(Option<Stop>),
     /// An alarm of the control.
     Alarm,
+    /// An alarm that the machine goes on from: the rest of the block is dropped. It never leaves the block loop.
+    Dropped,
     /// The job was stopped.
     Stopped,
     /// It stands at a wait that will never end.
@@ -83,7 +89,7 @@ pub(crate) struct Kernel<'a> {
     pub(crate) options: &'a Options,
     pub(crate) files: &'a dyn Files,
     pub(crate) plan: &'a Plan,
-    pub(crate) coordinator: &'a Coordinator,
+    pub(crate) coordinator: Port<'a>,
     pub(crate) control: &'a Control,
     pub(crate) progress: &'a Progress,
     pub(crate) emitter: Emitter<'a>,
@@ -115,6 +121,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) idle_blocks: u64,
     /// Diagnostics logged.
     pub(crate) diagnostics: u32,
+    /// Alarms of the control so far.
+    pub(crate) alarms: report::Alarms,
     /// Waits it has met.
     pub(crate) meetings: Known,
     /// Macros of the machine, if it has any.
@@ -145,6 +153,12 @@ impl Kernel<'_> {
     /// Where the kernel stands in the order of everything.
     pub(crate) fn tag(&self) -> Tag {
         Tag { t: self.clock, micro: self.micro, rank: self.rank }
+    }
+
+    /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
+    pub(crate) fn kernel_number(&self) -> u16 {
+        let channels = self.machine.channels.iter().zip(1_u16..);
+        channels.into_iter().find(|(channel, _)| channel.number == self.rank).map_or(0, |(_, at)| at)
     }
 
     /// Adds an event of this block at the clock.
@@ -184,7 +198,7 @@ impl Kernel<'_> {
         let coordinator = self.coordinator;
         if self.rank == 0 {
             // The master works while no channel does.
-            return Ok(operation(&mut coordinator.lock(), coordinator));
+            return Ok(operation(&mut coordinator.lock(), coordinator.core()));
         }
         if self.emitter.is_late(self.clock) {
             self.settle()?;
@@ -201,7 +215,7 @@ impl Kernel<'_> {
                 }
             },
         };
-        let result = operation(&mut guard, coordinator);
+        let result = operation(&mut guard, coordinator.core());
         coordinator.leave(&mut guard);
         drop(guard);
         self.control.disturb(self.rank);

@@ -116,6 +116,8 @@ pub struct DiagnosticRule {
     pub enable: bool,
     /// How often a channel shows it.
     pub repeat: Option<u32>,
+    /// It stops the channel, or does not; `None` = as `[control] stops` says of alarms.
+    pub stops: Option<bool>,
 }
 
 /// A file stored with the machine; it is never written.
@@ -282,6 +284,8 @@ pub struct Channel {
     pub milling: Option<u16>,
     /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
     pub polar: Option<[usize; 2]>,
+    /// Its tools work from below the turning axis: toolpath pictures show it there.
+    pub lower: bool,
 }
 
 /// A spindle.

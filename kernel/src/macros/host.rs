@@ -138,10 +138,14 @@ impl Host for Kernel<'_> {
             return;
         }
         let number = diagnostic.number;
-        if !self.has_room(number == Number::TICKS) {
+        let stops = number == Number::TICKS || self.machine.diagnostics.stops(number.0) == Some(true);
+        if !self.has_room(stops) {
             return;
         }
-        let origin = self.origin_of(&diagnostic);
+        if stops {
+            self.stop_here();
+        }
+        let origin = (self.origin_of(&diagnostic), stops);
         let what = (number.0, diagnostic.severity);
         if self.hook(Hook::Diagnostic).is_none() {
             return self.issue(what, diagnostic.message, origin);
@@ -163,6 +167,10 @@ impl Host for Kernel<'_> {
 
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
         self.openable(state, path)
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.file_writable(path)
     }
 
     fn read_file(&mut self, path: &str) -> Option<String> {
