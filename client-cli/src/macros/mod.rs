@@ -9,6 +9,7 @@ mod explain;
 mod fmt;
 mod run;
 mod sandbox;
+mod terms;
 
 use std::path::{Path, PathBuf};
 

@@ -34,6 +34,8 @@ pub struct Unit {
     console: bool,
     /// Bytes written since it was opened.
     written: usize,
+    /// Status of writing to it, found by the first WRITE.
+    writable: Option<i32>,
 }
 
 fn unit_number(value: f64) -> Outcome<u8> {
@@ -56,6 +58,8 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
         }
     }
     close(state, host, f64::from(number));
+    // What another file lost by being closed here is not forgotten because this one opens.
+    let lost = state.status == CANNOT_OPEN;
     if state.units.len() >= state.limits.units {
         return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
     }
@@ -66,10 +70,20 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
         return Ok(());
     }
     let text = if console { None } else { host.read_file(&path) };
+    if text.is_none() && !console {
+        // It is made by writing, so there must be nothing, and a place for it.
+        state.status = host.may_write(&path);
+        if state.status != 0 {
+            return Ok(());
+        }
+    }
     state.spend(FILE_TICKS + text.as_ref().map_or(0, String::len) / 64)?;
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
     let next = if rear { lines.len() } else { 0 };
-    state.units.insert(number, Unit { path, lines, next, rear, changed: false, console, written: 0 });
+    if lost {
+        state.status = CANNOT_OPEN;
+    }
+    state.units.insert(number, Unit { path, lines, next, rear, console, ..Unit::default() });
     Ok(())
 }
 
@@ -107,6 +121,11 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
     if unit.console {
         host.write_console(text);
     } else {
+        let status = *unit.writable.get_or_insert_with(|| host.may_write(&unit.path));
+        if status != 0 {
+            state.status = status;
+            return Ok(());
+        }
         if !unit.changed && !unit.rear {
             unit.lines.truncate(unit.next);
         }
