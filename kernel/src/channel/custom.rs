@@ -58,6 +58,8 @@ impl Kernel<'_> {
         let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let done = self.check_limits().and_then(|()| process(self));
+        // The rest of that block is dropped, not that of the one around it.
+        let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
         let nested: Block = std::mem::replace(&mut self.block, block);
         if let Some(runtime) = self.macros.as_deref_mut() {

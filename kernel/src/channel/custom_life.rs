@@ -24,18 +24,21 @@ impl Kernel<'_> {
         self.plain_macro(Hook::Declaration)?;
         self.plain_macro(Hook::ProgramStartup)?;
         // A call that the startup macro made takes place before the first block.
-        self.follow()
+        let done = self.follow();
+        self.went_on(done)
     }
 
-    /// Program Shutdown, when the program has come to its end.
+    /// Program Shutdown, when the program has come to its end or stands on an alarm.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
         let Some(runtime) = self.macros.as_deref_mut() else { return halt };
-        if !matches!(halt, Halt::End(_)) {
+        if !matches!(halt, Halt::End(_) | Halt::Alarm) {
             return halt;
         }
+        (runtime.halt, runtime.ending) = (None, false);
         runtime.later.clear();
         runtime.closing = true;
         runtime.text = None;
+        self.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -64,7 +67,7 @@ impl Kernel<'_> {
         let name = self.info.file_name(file).to_owned();
         let Some((file, range)) = self.place_in_file(&name, line)? else {
             let text = format!("the run cannot go on at line {line} of {name}");
-            return Err(self.alarm(&diag::FILE_UNREADABLE, text));
+            return Err(self.fatal(&diag::FILE_UNREADABLE, text));
         };
         self.start_over(file, range, name.into(), reset)
     }
@@ -74,7 +77,7 @@ impl Kernel<'_> {
         if reset {
             self.modal = Modal::new(self.machine);
             self.initial_codes();
-            (self.place.tool, self.place.selected) = (0, 0);
+            (self.place.tool, self.place.selected, self.place.chosen) = (0, 0, false);
             (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
             action::frame::forget(self);
             if let Some(channel) = self.machine.channels.iter().find(|channel| channel.number == self.rank) {
@@ -102,7 +105,8 @@ impl Kernel<'_> {
         }
         self.interpreter_started();
         self.plain_macro(Hook::ProgramStartup)?;
-        self.follow()
+        let done = self.follow();
+        self.went_on(done)
     }
 
     /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.

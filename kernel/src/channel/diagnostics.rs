@@ -22,6 +22,12 @@ impl Diagnostics {
         self.rules.get(index)
     }
 
+    /// Whether the machine stops at a number, where it says so.
+    #[must_use]
+    pub fn stops(&self, number: u32) -> Option<bool> {
+        self.rule(number)?.stops
+    }
+
     /// Severity and text of a diagnostic on this machine, `None` when it is switched off or below the floor. `before`
     /// counts how often the number was raised before; the last one that is shown says so.
     #[must_use]
@@ -79,7 +85,7 @@ mod tests {
     }
 
     fn rule() -> DiagnosticRule {
-        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None }
+        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None, stops: None }
     }
 
     #[test]

@@ -195,7 +195,8 @@ impl Host for Kernel<'_> {
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
-        Kernel::diagnose(self, facts, text);
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.machine.habits.unknown_alarms;
+        Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {

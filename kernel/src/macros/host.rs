@@ -138,10 +138,14 @@ impl Host for Kernel<'_> {
             return;
         }
         let number = diagnostic.number;
-        if !self.has_room(number == Number::TICKS) {
+        let stops = number == Number::TICKS || self.machine.diagnostics.stops(number.0) == Some(true);
+        if !self.has_room(stops) {
             return;
         }
-        let origin = self.origin_of(&diagnostic);
+        if stops {
+            self.stop_here();
+        }
+        let origin = (self.origin_of(&diagnostic), stops);
         let what = (number.0, diagnostic.severity);
         if self.hook(Hook::Diagnostic).is_none() {
             return self.issue(what, diagnostic.message, origin);

@@ -51,6 +51,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     let add = section.number("add").unwrap_or(0.0);
     let with = registers(section, "with", names);
     let without = registers(section, "without", names);
+    let ignores = registers(section, "ignores", names);
     if with.iter().any(|register| without.contains(register)) {
         section.error("without", "a register cannot be both in `with` and in `without`");
     }
@@ -75,6 +76,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         add,
         with,
         without,
+        ignores,
         seconds,
         axis,
         line: section.place().line,

@@ -52,11 +52,20 @@ impl Kernel<'_> {
     }
 
     /// A diagnostic on its way to the log, through everything macros may have changed about it.
-    pub(crate) fn issue(&mut self, (number, severity): (u32, u8), text: String, origin: Option<Box<Origin>>) {
+    /// What `stops` the channel stays in the log whatever they have switched off.
+    pub(crate) fn issue(
+        &mut self,
+        (number, severity): (u32, u8),
+        text: String,
+        (origin, stops): (Option<Box<Origin>>, bool),
+    ) {
         let Some(runtime) = self.macros.as_deref_mut() else {
             return self.put_diagnostic((number, severity), &text, origin);
         };
         if !runtime.store.messages {
+            if stops {
+                self.put_diagnostic((number, severity), &text, origin);
+            }
             return;
         }
         let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
@@ -70,14 +79,20 @@ impl Kernel<'_> {
         match runtime.ready(Hook::Diagnostic) {
             Some(code) => {
                 runtime.origin = origin;
-                self.diagnostic_macro(code, (number, severity, on, before), text);
+                self.diagnostic_macro(code, (number, severity, on, before), text, stops);
             }
-            None if on => self.put_diagnostic((number, severity), &text, origin),
+            None if on || stops => self.put_diagnostic((number, severity), &text, origin),
             None => {}
         }
     }
 
-    fn diagnostic_macro(&mut self, code: u16, (number, severity, on, before): (u32, u8, bool, u32), text: String) {
+    fn diagnostic_macro(
+        &mut self,
+        code: u16,
+        (number, severity, on, before): (u32, u8, bool, u32),
+        text: String,
+        stops: bool,
+    ) {
         let mut arguments = [
             Value::Real(f64::from(u8::from(on))),
             Value::Real(f64::from(number)),
@@ -93,7 +108,7 @@ impl Kernel<'_> {
             Ok(1..) => {}
             Ok(0) => {
                 let [flag, number, severity, _, text] = &arguments;
-                if flag.as_real() != Some(0.0) {
+                if stops || flag.as_real() != Some(0.0) {
                     let values = [number.clone(), severity.clone(), text.clone()];
                     if let Err(fault) = self.output_diagnostic(&values) {
                         self.put_diagnostic((fault.number.0, fault.number.severity()), &fault.message, None);
@@ -116,6 +131,7 @@ impl Kernel<'_> {
 
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+        self.count_error(severity);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {
