@@ -77,6 +77,11 @@ impl Variables for Kernel<'_> {
             value => value,
         }
     }
+
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        let text = self.span_text(span).to_ascii_uppercase();
+        self.identified_function(&text)
+    }
 }
 
 impl Kernel<'_> {
