@@ -14,7 +14,7 @@ use super::coordinator::switch::{Pause, Switch};
 use super::{Shop, Start, Way};
 use crate::channel::carried::Lived;
 
-/// Bytes of the stack of a kernel, those of a thread of its own.
+/// Bytes of the stack of a kernel without macros, those of a thread of its own.
 const STACK: usize = 2 << 20;
 
 /// What a kernel leaves when it has come to its end.
@@ -82,9 +82,11 @@ impl<'a> Shop<'a> {
     /// Runs the kernels in turns; `between` is called whenever none of them runs.
     pub(super) fn in_turns(self, work: Vec<(Start<'_>, Way<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
         let mut coroutines = Vec::new();
+        // Macros nest deeper than anything else.
+        let size = if self.job.macros().is_some() { crate::macros::STACK } else { STACK };
         for (start, way) in work {
             let number = start.channel.number;
-            let Ok(stack) = DefaultStack::new(STACK) else {
+            let Ok(stack) = DefaultStack::new(size) else {
                 // The operating system refuses the memory: the job cannot be run and counts as cancelled.
                 self.control.cancel();
                 self.coordinator.closed(number);
