@@ -49,6 +49,14 @@ fn alarm(what: &str) -> Option<String> {
     if pages.is_empty() { None } else { Some(pages.join("\n")) }
 }
 
+/// What to do about a diagnostic, in one sentence: the first of that part of its page.
+pub(crate) fn remedy(number: u32) -> Option<&'static str> {
+    let page = PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()?;
+    let (_, text) = page.split_once("**What to do.** ")?;
+    let line = text.lines().next()?;
+    Some(line.split_once(". ").map_or(line, |(first, _)| first).trim_end_matches('.'))
+}
+
 /// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
 fn named(what: &str) -> Option<String> {
     let bare = what.trim();
@@ -172,6 +180,7 @@ mod tests {
         }
         for facts in counterpoint_kernel::diag::ALL {
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
+            assert!(remedy(facts.number).is_some_and(|text| text.len() > 5), "{}", facts.number);
         }
         let functions = func::TABLE.iter().map(|function| function.name);
         let statements = counterpoint_lang::parse::COMMANDS.iter().copied();

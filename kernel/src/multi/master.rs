@@ -43,7 +43,8 @@ impl<'a> Shop<'a> {
             return None;
         }
         let (name, axes) = ("MASTER".to_owned(), Vec::new());
-        let channel = Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None };
+        let channel =
+            Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None, lower: false };
         let mut kept = Vec::new();
         let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
         for (number, at) in machine.channels.iter().zip(1_i64..) {
