@@ -21,6 +21,7 @@ impl Kernel<'_> {
         if calls_macro || self.calls_each_block() {
             return self.macro_call();
         }
+        self.check_known()?;
         self.imply();
         self.sort();
         let mut index = 0;
@@ -121,6 +122,7 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
+        self.block.swallows |= !row.process;
         self.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
     }
 
@@ -128,6 +130,9 @@ impl Kernel<'_> {
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
+        if self.block.swallows {
+            self.drop_ignored();
+        }
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
@@ -142,6 +147,18 @@ impl Kernel<'_> {
             self.queue_modal(group);
             if !forever {
                 self.modal.refires.remove(index);
+            }
+        }
+    }
+
+    /// Words of axes that swallowed codes of the block ignore move nothing.
+    #[cold]
+    fn drop_ignored(&mut self) {
+        for at in 0..self.block.firings.len() {
+            let row = self.block.firings.get(at).and_then(|firing| self.machine.codes.get(usize::from(firing.row)));
+            let row = row.filter(|row| !row.process);
+            for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
+                self.block.take(register);
             }
         }
     }
@@ -201,6 +218,7 @@ impl Kernel<'_> {
 
     /// Lets one code act.
     pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
+        self.check_stop()?;
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if firing.fragile && !self.is_left(row.group) {

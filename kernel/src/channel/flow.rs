@@ -111,7 +111,7 @@ impl Frame {
             repeats: 0,
             closes: false,
             own_variables: false,
-            called: Called { what: Callee::Program(0), passes: 1 },
+            called: Called { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,
         }
@@ -127,6 +127,7 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
+        self.check_stop()?;
         let flow = &self.flow;
         if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }
@@ -173,7 +174,7 @@ impl Kernel<'_> {
             other => other.to_string(),
         })?;
         let mut found = self.find_program(&what)?;
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -216,7 +217,7 @@ impl Kernel<'_> {
         self.check_nesting(|| what.to_string())?;
         let range = self.find_range(&what);
         let mut found = range.map(|range| (self.file, range));
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -287,7 +288,8 @@ impl Kernel<'_> {
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(&frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
+                let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
+                self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;
             }
         }
         match target {

@@ -194,13 +194,22 @@ impl Kernel<'_> {
         if let Some(value) = expr.as_constant() {
             return Ok(value);
         }
-        let result = expr.eval(self);
-        result.map_err(|fault| self.left(&fault))
+        match expr.eval(self) {
+            Ok(value) => Ok(value),
+            // What has no value counts as 0 where the machine goes on.
+            Err(fault) => self.faulty(&fault).map(|()| 0.0),
+        }
     }
 
-    /// Why a fault ends its statement.
-    fn left(&mut self, fault: &Fault) -> Left {
-        if let Fault::Kept(_) = fault { Left::Text } else { Left::Halt(self.fault(fault)) }
+    /// A fault ends its statement, unless the machine goes on from it.
+    fn faulty(&mut self, fault: &Fault) -> Result<(), Left> {
+        if matches!(fault, Fault::Kept(_) | Fault::KeptFunction(_)) {
+            return Err(Left::Text);
+        }
+        match self.fault(fault) {
+            Halt::Dropped => Ok(()),
+            halt => Err(Left::Halt(halt)),
+        }
     }
 
     /// Alarm of a fault.
@@ -209,6 +218,7 @@ impl Kernel<'_> {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
+            Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
         let text = format!("{fault} in '{}'", self.block_text());
@@ -229,11 +239,14 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text });
+                self.emit(0, Kind::Message { text, printed: false });
                 Ok(())
             }
             3001..=3004 => Ok(()),
-            _ => self.set_variable(index, value).map_err(|fault| self.left(&fault)),
+            _ => match self.set_variable(index, value) {
+                Ok(()) => Ok(()),
+                Err(fault) => self.faulty(&fault),
+            },
         }
     }
 

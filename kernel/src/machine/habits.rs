@@ -18,6 +18,12 @@ pub struct Habits {
     pub frame_increments: bool,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
+    /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
+    /// rest of the block acts.
+    pub unknown_alarms: bool,
+    /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
+    /// goes on.
+    pub stops: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -71,6 +77,8 @@ impl Default for Habits {
             least_feed: None,
             frame_increments: false,
             heads_in_file: false,
+            unknown_alarms: false,
+            stops: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -353,6 +353,7 @@ mod tests {
             add: 0.0,
             with: Vec::new(),
             without: Vec::new(),
+            ignores: Vec::new(),
             seconds: 0.0,
             axis: None,
             line: 0,

@@ -368,6 +368,7 @@ impl<'a> Shop<'a> {
             blocks: 0,
             idle_blocks: 0,
             diagnostics: 0,
+            alarms: crate::channel::report::Alarms::default(),
             meetings: Known::default(),
             macros: None,
             stripped: Vec::new(),

@@ -82,11 +82,10 @@ impl<'a> Shop<'a> {
     /// Runs the kernels in turns; `between` is called whenever none of them runs.
     pub(super) fn in_turns(self, work: Vec<(Start<'_>, Way<'_>)>, mut between: impl FnMut()) -> Vec<Lived> {
         let mut coroutines = Vec::new();
-        // Macros nest deeper than anything else.
-        let size = if self.job.macros().is_some() { crate::macros::STACK } else { STACK };
         for (start, way) in work {
             let number = start.channel.number;
-            let Ok(stack) = DefaultStack::new(size) else {
+            let stack = if self.job.macros().is_some() { crate::macros::STACK } else { STACK };
+            let Ok(stack) = DefaultStack::new(stack) else {
                 // The operating system refuses the memory: the job cannot be run and counts as cancelled.
                 self.control.cancel();
                 self.coordinator.closed(number);

@@ -83,6 +83,9 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
     };
     let number = kernel.diameter_in_force().unwrap_or(0);
     let radius = kernel.cutter_radius(number);
+    if radius == 0.0 {
+        no_radius(kernel, number);
+    }
     if kernel.cutter().is_none() && radius == 0.0 {
         return Ok(());
     }
@@ -108,6 +111,17 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
     };
     kernel.frames().cutter = Some(Box::new(new));
     Ok(())
+}
+
+/// Says that compensation changes nothing: the control would go on the contour as well, the part would be wrong.
+fn no_radius(kernel: &mut Kernel<'_>, number: u32) {
+    let block = kernel.block_text();
+    let text = if number == 0 {
+        format!("no offset number is in force for the compensation of '{block}', the tool goes on the contour")
+    } else {
+        format!("offset {number} has no radius for the compensation of '{block}', the tool goes on the contour")
+    };
+    kernel.diagnose(&diag::NO_RADIUS, text);
 }
 
 /// The active plane and its axes; under polar interpolation that of the part.

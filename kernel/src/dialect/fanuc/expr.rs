@@ -33,6 +33,11 @@ pub(crate) enum Fault {
     /// The identification macro wants the text to stay on the block.
     #[error("there is no variable #{0}")]
     Kept(u32),
+    /// The same for the text of a function.
+    #[error("there is no function {0}")]
+    KeptFunction(String),
+    #[error("there is no function {0}")]
+    NoFunction(String),
     #[error("the job was stopped")]
     Stopped,
 }
@@ -41,6 +46,11 @@ pub(crate) enum Fault {
 pub(crate) trait Variables {
     /// Value of `#index`, [`VACANT`] when it has none.
     fn get(&mut self, index: u32) -> Result<f64, Fault>;
+
+    /// Value of a function that the control does not have, by the place of its text in the block.
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
+    }
 }
 
 /// Postfix operation.
@@ -51,6 +61,8 @@ pub(crate) enum Op {
     Variable(u32),
     /// `#` of the value on the stack.
     Indirect,
+    /// `NAME[…]` that the control does not have: the place of its text in the block.
+    Unknown(u32, u32),
     Add,
     Sub,
     Mul,
@@ -126,6 +138,7 @@ impl Expr {
                     let index = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, variables.get(variable_index(index)?)?);
                 }
+                Op::Unknown(start, end) => push(&mut stack, &mut top, variables.unknown_function((*start, *end))?),
                 op if is_unary(*op) => {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, unary(*op, value)?);

@@ -24,6 +24,9 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
     let files = [("numbers", false), ("heads", true)];
     habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
+    let unknown = [("warn", false), ("alarm", true)];
+    habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
+    habits.stops = section.flag("stops").unwrap_or(habits.stops);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);
         answers.finish();

@@ -99,6 +99,8 @@ pub struct CodeRow {
     pub with: Vec<u8>,
     /// Row matches only if none of these registers is on the block.
     pub without: Vec<u8>,
+    /// Registers whose words the control ignores on a block of this code.
+    pub ignores: Vec<u8>,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.

@@ -123,6 +123,7 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
         "add": row.add,
         "with": names(&row.with),
         "without": names(&row.without),
+        "ignores": names(&row.ignores),
         "seconds": row.seconds,
         "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
         "file": row.file,
