@@ -15,7 +15,7 @@ fn machine(child: &str) -> Machine {
     let loaded = load_over_base(child);
     // Codes of its own have no macros here, which is worth a warning.
     let others = loaded.findings.iter().filter(|finding| !finding.text.contains("is a code of your own"));
-    assert_eq!(others.collect::<Vec<_>>(), [&Finding::error("", 0, 0, ""); 0]);
+    assert_eq!(others.count(), 0, "{:#?}", loaded.findings);
     loaded.machine.unwrap()
 }
 
