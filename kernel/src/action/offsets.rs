@@ -41,9 +41,7 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         (None, Some(number)) if kernel.is_turning() && number > GEOMETRY => {
             Some(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY))
         }
-        (None, Some(number)) if kernel.is_turning() && number > 0 => {
-            Some(What::Tool(Table::Wear, Radii::Wear, number))
-        }
+        (None, Some(number)) if kernel.is_turning() && number > 0 => Some(What::Tool(Table::Wear, Radii::Wear, number)),
         _ => None,
     };
     let Some(what) = what else {

@@ -305,18 +305,19 @@ impl Host for Kernel<'_> {
         let machine = self.machine_point(&self.place.position);
         let counted = self.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
-            let named = self.machine.axes.get(axis.machine)?;
-            let factor = self.program_factor(at);
-            Some(AxisPlace {
-                name: named.name.clone(),
-                letter: named.letter.clone(),
-                diameter: self.factor_across(at) * axis.scale < 1.0,
-                work: work / factor,
-                from: from / factor,
-                machine: machine / factor,
-            })
-        });
+        let places =
+            self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
+                let named = self.machine.axes.get(axis.machine)?;
+                let factor = self.program_factor(at);
+                Some(AxisPlace {
+                    name: named.name.clone(),
+                    letter: named.letter.clone(),
+                    diameter: self.factor_across(at) * axis.scale < 1.0,
+                    work: work / factor,
+                    from: from / factor,
+                    machine: machine / factor,
+                })
+            });
         places.collect()
     }
 

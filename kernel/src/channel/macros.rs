@@ -130,7 +130,13 @@ impl Kernel<'_> {
                 }
             }
             Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
-            Statement::EndIf | Statement::Ignored => Ok(()),
+            Statement::EndIf => Ok(()),
+            Statement::Output(open) => {
+                self.flow.prints = *open;
+                Ok(())
+            }
+            Statement::Print(items) => self.print(items, false),
+            Statement::PrintBinary(items) => self.print(items, true),
         }
     }
 
@@ -264,6 +270,7 @@ impl Kernel<'_> {
         let facts = match fault {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
+            Fault::Overflow => &diag::MACRO_OVERFLOW,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
@@ -274,7 +281,7 @@ impl Kernel<'_> {
     fn assign(&mut self, target: &Expr, value: &Expr) -> Result<(), Left> {
         let value = self.eval(value)?;
         let target = number(self.eval(target)?);
-        let index = fanuc::variable_index(target).map_err(|fault| self.left(&fault))?;
+        let index = fanuc::variable_index(target).map_err(|fault| Left::Halt(self.fault(&fault)))?;
         match index {
             3000 => {
                 let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());

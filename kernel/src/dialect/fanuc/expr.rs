@@ -24,6 +24,8 @@ pub(crate) fn number(value: f64) -> f64 {
 pub(crate) enum Fault {
     #[error("division by zero")]
     Division,
+    #[error("the value is beyond the range of numbers")]
+    Overflow,
     #[error("{0} of {1} is not defined")]
     Domain(&'static str, f64),
     #[error("there is no variable #{0}")]
@@ -146,7 +148,8 @@ impl Expr {
                 }
             }
         }
-        Ok(pop(&stack, &mut top))
+        let value = pop(&stack, &mut top);
+        if value.is_finite() || is_vacant(value) { Ok(value) } else { Err(Fault::Overflow) }
     }
 }
 
@@ -171,11 +174,7 @@ pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
 /// Index of a variable from a value, which is rounded to a whole number.
 pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
-    if (0.0..=f64::from(u32::MAX)).contains(&index) {
-        Ok(index as u32)
-    } else {
-        Err(Fault::NoVariable(value))
-    }
+    if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
 }
 
 fn is_unary(op: Op) -> bool {

@@ -22,6 +22,7 @@ mod initial;
 mod kinematics;
 mod macros;
 mod names;
+mod output;
 mod overlap;
 mod paths;
 mod pump;
