@@ -231,7 +231,7 @@ fn operator_messages_reach_the_log() {
 
 fn messages(done: &Done) -> Vec<&str> {
     let events = done.events.iter();
-    events.filter_map(|e| if let Kind::Message { text } = &e.kind { Some(&**text) } else { None }).collect()
+    events.filter_map(|e| if let Kind::Message { text, .. } = &e.kind { Some(&**text) } else { None }).collect()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Bad input: each gets a diagnostic or a clear error within its limit, never a panic or a hang.
 
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::VerdictKind;
+use counterpoint_kernel::log::event::{Kind, VerdictKind};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, machine};
 use proptest::prelude::*;
@@ -297,4 +297,43 @@ proptest! {
             prop_assert!(parallel.summary.makespan_ns >= 0);
         }
     }
+}
+
+/// A machine whose code macros each issue the code of the next one, and whose functions each call the next one.
+fn chain_of(macros: usize, functions: usize) -> std::sync::Arc<counterpoint_kernel::machine::Machine> {
+    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::machine::package::{Overlay, shipped};
+    let mut text = "extends = \"fanuc-mill\"\n[ce]\nname = \"chain\"\n[macros]\nfunctions = [\"f.mac\"]\n".to_owned();
+    let mut files = Memory::default();
+    for at in 1..=macros {
+        text += &format!("[[codes]]\nid = \"CODE_C{at}\"\ncustom = true\nword = \"G{}\"\n", 2000 + at);
+        text += &format!("[[macros.code]]\nmatch = [\"CODE_C{at}\"]\nfile = \"c{at}.mac\"\n");
+        let next = if at < macros { format!("EXEC/NOW,'G{}'\n", 2001 + at) } else { "PPRINT/'!(*)',DEEP0(1)\n".into() };
+        files.insert(format!("example/c{at}.mac"), next);
+    }
+    let mut lines = String::new();
+    for at in 0..functions {
+        let inner = if at + 1 < functions { format!("DEEP{}(N)+1", at + 1) } else { "N".to_owned() };
+        lines += &format!("MACRO/DEEP{at}(REAL,N)\nDEEP{at}={inner}\nENDMAC\n");
+    }
+    files.insert("example/f.mac", lines);
+    files.insert("example/machine.toml", text);
+    let loaded = counterpoint_kernel::machine::load(&Overlay::new(files, shipped()), "example");
+    let findings: Vec<_> = loaded.findings.iter().map(ToString::to_string).collect();
+    std::sync::Arc::new(loaded.machine.unwrap_or_else(|| panic!("{findings:#?}")))
+}
+
+#[test]
+fn macros_may_be_active_in_any_number_that_the_stack_bears() {
+    let run = |macros| {
+        let work = Work::texts(chain_of(macros, 900), &["G2001\nM30\n"], limited()).run(None);
+        let done = work.expect("the job can be prepared");
+        // G words of four digits.
+        let told: Vec<u32> = numbers(&done).into_iter().filter(|number| *number != 2_900_006).collect();
+        (done, told)
+    };
+    let (done, told) = run(900);
+    assert_eq!(told, [0_u32; 0]);
+    let answer = done.events.iter().any(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "900"));
+    assert!(answer, "the innermost macro has run, and its chain of functions");
 }

@@ -117,7 +117,7 @@ impl Frame {
             repeats: 0,
             closes: false,
             own_variables: false,
-            called: Called { what: Callee::Program(0), passes: 1 },
+            called: Called { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,
         }
@@ -181,7 +181,7 @@ impl Kernel<'_> {
         })?;
         self.check_levels(arguments.is_some(), &what)?;
         let mut found = self.find_program(&what)?;
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -225,7 +225,7 @@ impl Kernel<'_> {
         self.check_levels(false, &what)?;
         let range = self.find_range(&what);
         let mut found = range.map(|range| (self.file, range));
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -318,7 +318,8 @@ impl Kernel<'_> {
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(&frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
+                let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
+                self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;
             }
         }
         match target {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::custom_calls::{Called, Callee};
+use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
 use super::frames::affine::Affine;
 use super::frames::offsets::Table;
@@ -119,7 +119,7 @@ impl Kernel<'_> {
     pub(super) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
-        let called = Called { what: Callee::Named(Arc::clone(&name)), passes };
+        let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
@@ -234,13 +234,10 @@ impl Host for Kernel<'_> {
         let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
-        let (flag, answer) = self.ask_identification(code, text, assigned)?;
-        Ok(match answer.as_text().filter(|answer| answer.trim() != text.trim()) {
-            Some(answer) if flag == 1.0 => Answer::Instead(answer.to_owned()),
-            _ if flag == -1.0 => Answer::Drop,
-            _ if flag == 2.0 => Answer::Keep,
+        Ok(match self.ask_identification(code, text, assigned)? {
             // Evaluating the same text again would ask for ever.
-            _ => Answer::Unknown,
+            Answer::Instead(answer) if answer.trim() == text.trim() => Answer::Unknown,
+            answer => answer,
         })
     }
 

@@ -256,7 +256,7 @@ impl Kernel<'_> {
 
     /// A fault ends its statement, unless the machine goes on from it.
     fn faulty(&mut self, fault: &Fault) -> Result<(), Left> {
-        if let Fault::Kept(_) = fault {
+        if matches!(fault, Fault::Kept(_) | Fault::KeptFunction(_)) {
             return Err(Left::Text);
         }
         match self.fault(fault) {
@@ -272,6 +272,7 @@ impl Kernel<'_> {
             Fault::Division => &diag::MACRO_DIVISION,
             Fault::Overflow => &diag::MACRO_OVERFLOW,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
+            Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
         let text = format!("{fault} in '{}'", self.block_text());
@@ -289,7 +290,7 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text });
+                self.emit(0, Kind::Message { text, printed: false });
                 Ok(())
             }
             3001..=3004 => Ok(()),

@@ -23,13 +23,14 @@ impl Kernel<'_> {
     }
 
     /// One block.
-    fn step(&mut self) -> Acted {
+    pub(super) fn step(&mut self) -> Acted {
         let done = self.one_block();
         self.went_on(done)
     }
 
     fn one_block(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
+            self.name_block(&block);
             self.begin_block()?;
             self.process_later(block)?;
             return self.follow();

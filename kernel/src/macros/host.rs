@@ -146,13 +146,15 @@ impl Host for Kernel<'_> {
             self.stop_here();
         }
         let origin = (self.origin_of(&diagnostic), stops);
-        let what = (number.0, diagnostic.severity);
+        let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);
+        let Some((severity, message)) = shown else { return };
+        let what = (number.0, severity);
         if self.hook(Hook::Diagnostic).is_none() {
-            return self.issue(what, diagnostic.message, origin);
+            return self.issue(what, message, origin);
         }
         // Whatever stops the run here is met again by the next thing the macro asks for.
         let _ = self.meanwhile(state, |kernel| {
-            kernel.issue(what, diagnostic.message, origin);
+            kernel.issue(what, message, origin);
             Ok(())
         });
     }

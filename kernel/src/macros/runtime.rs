@@ -35,7 +35,7 @@ pub(crate) const TICKS: u64 = 5_000_000;
 const DEPTH: u32 = 100_000;
 
 /// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
-const MOST_NESTED: usize = 1000;
+const MOST_NESTED: usize = 250;
 
 /// Stack of a thread that runs macros, in bytes.
 pub(crate) const STACK: usize = 128 << 20;
@@ -326,6 +326,14 @@ impl Runtime {
         self.state = Some(state);
     }
 
+    /// Steps that the running macros have left, before they are set.
+    pub(crate) fn ticks(&mut self, left: Option<u64>) -> Option<u64> {
+        let state = self.state.as_deref_mut()?;
+        let before = state.ticks;
+        state.ticks = left.unwrap_or(before);
+        Some(before)
+    }
+
     /// The innermost running macro.
     pub(crate) fn call(&mut self) -> Option<&mut Call> {
         self.calls.last_mut()
@@ -352,7 +360,10 @@ fn command_line(info: &Info) -> String {
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
-        self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
+        let none = Macros::default();
+        // A machine without macros has a program all the same if its programs have embedded code.
+        let macros = self.machine.macros.as_deref().unwrap_or(&none);
+        self.macros = program.map(|program| {
             let mut runtime = Runtime::new(macros, program, self.kernel_number(), self.machine.channels.len());
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();

@@ -70,6 +70,11 @@ impl Source {
         Self { name: name.into(), bytes, starts, shape, programs: OnceLock::new(), sequences: OnceLock::new() }
     }
 
+    /// The whole text.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// Number of lines.
     #[must_use]
     pub fn lines(&self) -> u32 {

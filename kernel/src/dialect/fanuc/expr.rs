@@ -35,6 +35,11 @@ pub(crate) enum Fault {
     /// The identification macro wants the text to stay on the block.
     #[error("there is no variable #{0}")]
     Kept(u32),
+    /// The same for the text of a function.
+    #[error("there is no function {0}")]
+    KeptFunction(String),
+    #[error("there is no function {0}")]
+    NoFunction(String),
     #[error("the job was stopped")]
     Stopped,
 }
@@ -48,6 +53,11 @@ pub(crate) trait Variables {
     fn steps(&self) -> f64 {
         1.0
     }
+
+    /// Value of a function that the control does not have, by the place of its text in the block.
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
+    }
 }
 
 /// Postfix operation.
@@ -58,6 +68,8 @@ pub(crate) enum Op {
     Variable(u32),
     /// `#` of the value on the stack.
     Indirect,
+    /// `NAME[…]` that the control does not have: the place of its text in the block.
+    Unknown(u32, u32),
     Add,
     Sub,
     Mul,
@@ -137,6 +149,7 @@ impl Expr {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, to_step(value, variables.steps()));
                 }
+                Op::Unknown(start, end) => push(&mut stack, &mut top, variables.unknown_function((*start, *end))?),
                 op if is_unary(*op) => {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, unary(*op, value)?);
