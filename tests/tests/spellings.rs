@@ -33,7 +33,7 @@ fn cases() -> ProptestConfig {
 
 fn machine(text: &str) -> Arc<Machine> {
     let mut user = Memory::default();
-    user.insert("spellings/machine.toml", text.to_owned());
+    user.insert("spellings/machine.toml", text);
     let loaded = load(&Overlay::new(user, shipped()), "spellings");
     let findings = format!("{:?}", loaded.findings);
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{findings}"))
@@ -212,7 +212,7 @@ fn okuma(moves: &[Move]) -> String {
             ),
             7 => words(to.map(|value| format!("SQRT[{0}*{0}]*{1}", shown(value), value.signum()))),
             8 => words(
-                by.map(|value| shown(value))
+                by.map(shown)
                     .into_iter()
                     .zip(["VSIOX", "VSIOY", "VSIOZ"])
                     .map(|(by, here)| format!("[{here}+{by}]"))

@@ -80,13 +80,13 @@ impl Variables for Kernel<'_> {
         }
     }
 
-    fn steps(&self) -> f64 {
-        self.variables.steps
-    }
-
     fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
         let text = self.span_text(span).to_ascii_uppercase();
         self.identified_function(&text)
+    }
+
+    fn steps(&self) -> f64 {
+        self.variables.steps
     }
 }
 

@@ -147,6 +147,7 @@ diagnostics! {
     SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
     NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";
     OKUMA_ALARM 2900367 12 true "alarm of the user (Okuma)";
+    NO_FEED_PER_TURN 2900368 12 true "feed per revolution on a machine without M136";
 }
 
 #[cfg(test)]

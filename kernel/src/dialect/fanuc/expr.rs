@@ -49,14 +49,14 @@ pub(crate) trait Variables {
     /// Value of `#index`, [`VACANT`] when it has none.
     fn get(&mut self, index: u32) -> Result<f64, Fault>;
 
-    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address behind an address.
-    fn steps(&self) -> f64 {
-        1.0
-    }
-
     /// Value of a function that the control does not have, by the place of its text in the block.
     fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
         Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
+    }
+
+    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address behind an address.
+    fn steps(&self) -> f64 {
+        1.0
     }
 }
 
@@ -145,11 +145,11 @@ impl Expr {
                     let index = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, variables.get(variable_index(index)?)?);
                 }
+                Op::Unknown(start, end) => push(&mut stack, &mut top, variables.unknown_function((*start, *end))?),
                 Op::Round => {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, to_step(value, variables.steps()));
                 }
-                Op::Unknown(start, end) => push(&mut stack, &mut top, variables.unknown_function((*start, *end))?),
                 op if is_unary(*op) => {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, unary(*op, value)?);
@@ -187,7 +187,11 @@ pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
 /// Index of a variable from a value, which is rounded to a whole number.
 pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
-    if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
+    if (0.0..=f64::from(u32::MAX)).contains(&index) {
+        Ok(index as u32)
+    } else {
+        Err(Fault::NoVariable(value))
+    }
 }
 
 fn is_unary(op: Op) -> bool {
