@@ -187,11 +187,7 @@ pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
 /// Index of a variable from a value, which is rounded to a whole number.
 pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
-    if (0.0..=f64::from(u32::MAX)).contains(&index) {
-        Ok(index as u32)
-    } else {
-        Err(Fault::NoVariable(value))
-    }
+    if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
 }
 
 fn is_unary(op: Op) -> bool {
