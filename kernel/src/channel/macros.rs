@@ -282,7 +282,10 @@ impl Kernel<'_> {
     fn assign(&mut self, target: &Expr, value: &Expr) -> Result<(), Left> {
         let value = self.eval(value)?;
         let target = number(self.eval(target)?);
-        let index = fanuc::variable_index(target).map_err(|fault| Left::Halt(self.fault(&fault)))?;
+        let index = match fanuc::variable_index(target) {
+            Ok(index) => index,
+            Err(fault) => return self.faulty(&fault),
+        };
         match index {
             3000 => {
                 let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());
