@@ -88,6 +88,10 @@ pub(crate) struct Flow {
     pub(crate) caching: bool,
     /// Compiled lines of the pre-processor.
     pub(crate) compiled: FxHashMap<(FileId, u32), Arc<Line>>,
+    /// Between POPEN and PCLOS.
+    pub(crate) prints: bool,
+    /// Output outside of them has been reported.
+    pub(crate) closed_told: bool,
     /// Loops that the programs are in: level of the program and line of the statement that opens the loop.
     pub(crate) loops: Vec<(usize, u32)>,
     /// Loop partners by program (file and first line).

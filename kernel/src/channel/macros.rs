@@ -130,7 +130,13 @@ impl Kernel<'_> {
                 }
             }
             Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
-            Statement::EndIf | Statement::Ignored => Ok(()),
+            Statement::EndIf => Ok(()),
+            Statement::Output(open) => {
+                self.flow.prints = *open;
+                Ok(())
+            }
+            Statement::Print(items) => self.print(items, false),
+            Statement::PrintBinary(items) => self.print(items, true),
         }
     }
 
@@ -264,6 +270,7 @@ impl Kernel<'_> {
         let facts = match fault {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
+            Fault::Overflow => &diag::MACRO_OVERFLOW,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
             Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,

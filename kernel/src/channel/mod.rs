@@ -28,6 +28,7 @@ pub(crate) mod macros;
 mod modal_call;
 mod passes;
 pub(crate) mod plan;
+mod print;
 pub(crate) mod read;
 pub(crate) mod remarks;
 pub(crate) mod report;

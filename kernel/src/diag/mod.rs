@@ -141,6 +141,8 @@ diagnostics! {
     BRACKETS 2900354 12 true "more levels of brackets than the control has (PS0118)";
     LOOP_ENTERED 2900355 12 true "loop that a jump leads into (PS0124)";
     CALL_G_WORD 2900356 12 true "G word among the arguments of a macro call (PS0129)";
+    PRINT_CLOSED 2900358 4 false "printing statement outside of POPEN and PCLOS";
+    MACRO_OVERFLOW 2900359 12 true "value beyond the range of numbers (PS0111)";
     CALL_NOT_FIRST 2900357 12 true "words before a macro call (PS0127)";
     SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
     NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";

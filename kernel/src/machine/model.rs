@@ -72,6 +72,8 @@ pub struct Machine {
     pub pump: Pump,
     /// What its words leave open.
     pub habits: super::habits::Habits,
+    /// The file of printing statements.
+    pub output: Output,
     /// Cutter and nose radius compensation.
     pub compensation: Compensation,
     /// Program variables of the pre-processor.

@@ -35,7 +35,7 @@ pub(crate) const TICKS: u64 = 5_000_000;
 const DEPTH: u32 = 100_000;
 
 /// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
-const MOST_NESTED: usize = 250;
+const MOST_NESTED: usize = 1000;
 
 /// Stack of a thread that runs macros, in bytes.
 pub(crate) const STACK: usize = 256 << 20;

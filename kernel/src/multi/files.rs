@@ -1,4 +1,4 @@
-//! Files that the macros of a job write.
+//! Files that macros and printing statements of a job write.
 //!
 //! They belong to all kernels and are reached in the order of simulated time, like any shared operation. Invariant: how
 //! much may be written is bounded; what is written after the stop of a job is not in it.
@@ -20,6 +20,8 @@ const MOST_BYTES: usize = 64 << 20;
 pub(crate) struct Written {
     files: BTreeMap<String, Option<Arc<str>>>,
     bytes: usize,
+    /// Files that printing statements of programs write line by line, by path.
+    printed: BTreeMap<String, String>,
     /// Texts of units that were open when their kernel came to its end; without a text: a temporary file.
     left: Vec<(Tag, String, Option<String>)>,
 }
@@ -27,12 +29,16 @@ pub(crate) struct Written {
 impl Written {
     /// Text of a file; `Some(None)`: it has been removed.
     pub(crate) fn get(&self, path: &str) -> Option<Option<Arc<str>>> {
+        if let Some(text) = self.printed.get(path) {
+            return Some(Some(text.as_str().into()));
+        }
         self.files.get(path).cloned()
     }
 
     /// All files; one without a text has been removed.
     pub(crate) fn all(&self) -> BTreeMap<String, Option<Arc<str>>> {
-        self.files.clone()
+        let printed = self.printed.iter().map(|(path, text)| (path.clone(), Some(text.as_str().into())));
+        self.files.clone().into_iter().chain(printed).collect()
     }
 
     /// A file lies in this folder.
@@ -46,6 +52,8 @@ impl Written {
     /// # Errors
     /// What there is too much of.
     pub(crate) fn put(&mut self, path: &str, text: &str) -> Result<(), String> {
+        let printed = self.printed.remove(path).map(|text| Some(Arc::from(text)));
+        self.files.extend(printed.map(|text| (path.to_owned(), text)));
         let old = self.files.get(path).and_then(Option::as_deref).map_or(0, str::len);
         let bytes = self.bytes - old + text.len();
         if bytes > MOST_BYTES || !self.files.contains_key(path) && self.files.len() >= MOST_FILES {
@@ -58,10 +66,32 @@ impl Written {
         Ok(())
     }
 
+    /// Adds to a file of printing statements.
+    ///
+    /// # Errors
+    /// What there is too much of.
+    pub(crate) fn print(&mut self, path: &str, text: &str) -> Result<(), String> {
+        if !self.printed.contains_key(path) {
+            // A file of that name that macros have written goes on.
+            let before = self.get(path).flatten().map_or_else(String::new, |text| (*text).to_owned());
+            self.files.remove(path);
+            self.printed.insert(path.to_owned(), before);
+        }
+        if self.bytes + text.len() > MOST_BYTES {
+            return Err(format!("programs and macros may write {MOST_BYTES} bytes in all, more for '{path}' is lost"));
+        }
+        self.bytes += text.len();
+        if let Some(file) = self.printed.get_mut(path) {
+            file.push_str(text);
+        }
+        Ok(())
+    }
+
     /// Removes a file.
     pub(crate) fn remove(&mut self, path: &str) {
+        let printed = self.printed.remove(path).map_or(0, |text| text.len());
         let old = self.files.insert(path.to_owned(), None).flatten();
-        self.bytes -= old.map_or(0, |text| text.len());
+        self.bytes -= old.map_or(0, |text| text.len()) + printed;
     }
 
     /// What a kernel had open at its end, or what is to go then.
@@ -87,7 +117,9 @@ impl Written {
 
     /// The files with their texts, by path.
     pub(crate) fn take(&mut self) -> WrittenFiles {
-        let files = std::mem::take(&mut self.files);
+        let mut files = std::mem::take(&mut self.files);
+        let printed = std::mem::take(&mut self.printed);
+        files.extend(printed.into_iter().map(|(path, text)| (path, Some(Arc::from(text)))));
         files.into_iter().filter_map(|(path, text)| Some((path, text?))).collect()
     }
 }
@@ -108,6 +140,15 @@ mod tests {
         assert_eq!(written.put("c", "x"), Ok(()));
         assert_eq!(written.get("b"), Some(None));
         assert_eq!(written.take().iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>(), ["a", "c"]);
+        let mut printed = Written::default();
+        for text in ["a", "b", "c"] {
+            assert_eq!(printed.print("p", text), Ok(()));
+        }
+        assert_eq!(printed.get("p"), Some(Some("abc".into())));
+        assert!(printed.print("p", &"x".repeat(MOST_BYTES)).is_err());
+        assert_eq!(printed.put("p", "new"), Ok(()));
+        assert_eq!(printed.print("p", "er"), Ok(()));
+        assert_eq!(printed.take(), [("p".to_owned(), Arc::from("newer"))]);
         let mut many = Written::default();
         for number in 0..MOST_FILES {
             assert_eq!(many.put(&number.to_string(), ""), Ok(()));

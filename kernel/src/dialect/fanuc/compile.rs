@@ -55,11 +55,11 @@ impl Parser<'_> {
             Some("ELSE") => Ok(Statement::Else),
             Some("GOTO") => Ok(Statement::Goto(self.jump_target()?)),
             Some("THEN") => Err(self.error("IF before THEN")),
-            Some(_) => {
-                self.at = self.text.len();
-                Ok(Statement::Ignored)
-            }
-            None => self.words(),
+            Some("POPEN") => Ok(Statement::Output(true)),
+            Some("PCLOS") => Ok(Statement::Output(false)),
+            Some("DPRNT") => Ok(Statement::Print(self.items(2)?)),
+            Some("BPRNT") => Ok(Statement::PrintBinary(self.items(1)?)),
+            Some(_) | None => self.words(),
         }
     }
 
@@ -149,7 +149,14 @@ mod tests {
         assert!(matches!(kind("EN2"), Ok(Statement::End(2))));
         assert!(matches!(kind("ENDIF"), Ok(Statement::EndIf)));
         assert!(matches!(kind("GO20"), Ok(Statement::Goto(_))));
-        assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Ignored)));
+        assert!(matches!(kind("DPRNT[X#1[42]]"), Ok(Statement::Print(_))));
+        assert!(matches!(kind("BP[C**#1[2]D]"), Ok(Statement::PrintBinary(items)) if items.len() == 3));
+        assert!(matches!(kind("POPEN"), Ok(Statement::Output(true))));
+        for wrong in
+            ["DPRNT", "DPRNT[X#1]", "DPRNT[X#1[4]]", "DPRNT[X#1[42]", "BPRNT[#1[42]]", "DPRNT[]]", "DPRNT[A[B]"]
+        {
+            assert!(kind(wrong).is_err(), "{wrong}");
+        }
         assert_eq!(plain(b"N20 G1 X#4 Y-#5 Z[#6+1]").unwrap().sequence, Some(20));
         assert!(plain(b"#1=[1+2").is_err());
         assert!(plain(b"IF[1EQ1]").is_err());

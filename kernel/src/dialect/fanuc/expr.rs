@@ -24,6 +24,8 @@ pub(crate) fn number(value: f64) -> f64 {
 pub(crate) enum Fault {
     #[error("division by zero")]
     Division,
+    #[error("the value is beyond the range of numbers")]
+    Overflow,
     #[error("{0} of {1} is not defined")]
     Domain(&'static str, f64),
     #[error("there is no variable #{0}")]
@@ -159,7 +161,8 @@ impl Expr {
                 }
             }
         }
-        Ok(pop(&stack, &mut top))
+        let value = pop(&stack, &mut top);
+        if value.is_finite() || is_vacant(value) { Ok(value) } else { Err(Fault::Overflow) }
     }
 }
 

@@ -43,8 +43,20 @@ pub(crate) enum Statement {
     End(u8),
     /// `GOTO n`.
     Goto(Expr),
-    /// Printing statements of the control, without effect here.
-    Ignored,
+    /// `POPEN` and `PCLOS`: output begins, output ends.
+    Output(bool),
+    /// `DPRNT[…]`: a line of text and numbers.
+    Print(Vec<Item>),
+    /// `BPRNT[…]`: a line of text and binary numbers.
+    PrintBinary(Vec<Item>),
+}
+
+/// A part of what a printing statement writes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Item {
+    Text(String),
+    /// A variable, its digits before the point and after it.
+    Number(Expr, u8, u8),
 }
 
 /// A word whose value may be an expression.

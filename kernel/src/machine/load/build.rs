@@ -6,7 +6,7 @@ use super::chain::Merged;
 use super::names::Names;
 use super::{
     axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, initial,
-    kinematics, macros, overlap, paths, pump, registers,
+    kinematics, macros, output, overlap, paths, pump, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -39,6 +39,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
     let habits = habits::read(&mut top, head.preprocessor);
+    let output = output::read(&mut top);
     let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);
@@ -93,6 +94,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tool_direction,
         pump,
         habits,
+        output,
         compensation,
         variables,
         tool,

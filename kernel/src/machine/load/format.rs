@@ -35,6 +35,10 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
         let place = section.place_of("message");
         check.warning(place, "comments and messages start with the same text; both are read as comments");
     }
+    let begins =
+        |pair: &Option<(String, String)>, eob: char| pair.as_ref().is_some_and(|(start, _)| start.starts_with(eob));
+    // What begins a comment ends no block.
+    format.eob = format.eob.filter(|eob| !begins(&format.comment, *eob) && !begins(&format.message, *eob));
     if let Some(mut opskip) = section.table("opskip", "opskip of [format]") {
         format.opskip_mark = opskip.character("mark").flatten();
         format.opskip_default = opskip.integer("default", 1..=9).unwrap_or(1) as u8;

@@ -23,6 +23,7 @@ mod kinematics;
 mod macro_uses;
 mod macros;
 mod names;
+mod output;
 mod overlap;
 mod paths;
 mod pump;

@@ -232,6 +232,21 @@ pub struct Compensation {
     pub corner_angle: f64,
 }
 
+/// The file that printing statements of the program write, and how numbers stand in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// Its name.
+    pub file: String,
+    /// Leading zeros are spaces; otherwise they are left out.
+    pub padded: bool,
+    /// A positive number has a space for its sign where numbers are padded.
+    pub sign_column: bool,
+    /// What ends a line.
+    pub line_end: &'static str,
+    /// Output is meant only between POPEN and PCLOS.
+    pub opened: bool,
+}
+
 /// How the tool goes around an outside corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutsideCorner {

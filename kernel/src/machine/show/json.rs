@@ -41,6 +41,13 @@ pub fn json(machine: &Machine) -> Value {
             "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
         },
+        "output": {
+            "file": machine.output.file,
+            "leading_zeros": if machine.output.padded { "spaces" } else { "none" },
+            "sign": if machine.output.sign_column { "column" } else { "minus" },
+            "line_end": match machine.output.line_end { "\n" => "lf", "\r" => "cr", _ => "cr-lf" },
+            "open": if machine.output.opened { "needed" } else { "not-needed" },
+        },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
             "own_common": machine.variables.own_common },
         "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
