@@ -62,7 +62,7 @@ fn clashes(section: &Section<'_>, format: &Format, check: &Check) {
         let place = section.place_of(key);
         if of_words(c) {
             check.error(place, format!("'{c}' is part of words, it cannot be {what}"));
-        } else if let Some((other, _)) = starts(c) {
+        } else if let Some((other, _)) = starts(c).filter(|_| key == "opskip") {
             check.error(place, format!("'{c}' begins a `{other}` too, it cannot be {what}"));
         }
     }

@@ -51,7 +51,6 @@ fn words_texts_and_codes() {
 #[test]
 fn characters_with_two_meanings() {
     for (text, expected) in [
-        ("eob = \"(\"\ncomment = [\"(\", \")\"]", "2:7: error: '(' begins a `comment` too, it cannot be"),
         ("eob = \"/\"\nopskip = { mark = \"/\" }", "2:7: error: the character that ends blocks is the mark of"),
         ("comment = [\"/\", \"\"]\nopskip = { mark = \"/\" }", "3:10: error: '/' begins a `comment` too, it cannot be"),
         ("opskip = { mark = \"X\" }", "2:10: error: 'X' is part of words, it cannot be the mark of optional skip"),
