@@ -15,7 +15,8 @@ fn machine(child: &str) -> Machine {
     let loaded = load_over_base(child);
     // Codes of its own have no macros here, which is worth a warning.
     let others = loaded.findings.iter().filter(|finding| !finding.text.contains("is a code of your own"));
-    assert_eq!(others.collect::<Vec<_>>(), [&Finding::error("", 0, 0, ""); 0]);
+    let others: Vec<&Finding> = others.collect();
+    assert!(others.is_empty(), "{others:?}");
     loaded.machine.unwrap()
 }
 
