@@ -123,7 +123,7 @@ fn macro_mistakes_are_alarms_with_a_column() {
         ("#3000=1(LIMIT)\nM30\n", 2900065),
         ("G65 A1.\nM30\n", 2900066),
         ("GOTO99\nM30\n", 2900042),
-        ("#1=#[#[#[1.5]]]\nM30\n", 2900063),
+        ("#1=#[#[#[0-1.5]]]\nM30\n", 2900063),
     ] {
         assert_eq!(numbers(&run(text)), [number], "{text}");
     }

@@ -211,6 +211,6 @@ fn program_shutdown_runs_after_an_alarm() {
     let done = Work::texts(machine, &["G0 X1.\nG199 X2.\nM30\n"], Options::default()).run(None).expect("a job");
     assert_eq!(done.summary.channels[0].state, ChannelState::Alarmed);
     let messages =
-        done.events.iter().filter(|event| matches!(&event.kind, Kind::Message { text } if &**text == "over"));
+        done.events.iter().filter(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "over"));
     assert_eq!(messages.count(), 1);
 }

@@ -269,6 +269,12 @@ impl Host for Kernel<'_> {
         texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
     }
 
+    fn knows_code(&self, letter: u8, value: f64) -> bool {
+        let tables = &self.machine.tables;
+        let register = tables.letter.get(usize::from(letter)).copied().flatten();
+        register.is_some_and(|(register, _)| !tables.code(register, value).is_empty())
+    }
+
     fn positions(&self) -> Vec<(String, f64, f64)> {
         let programmed = self.programmed();
         let machine = self.machine_point(&self.place.position);

@@ -9,7 +9,7 @@ use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, Dimension};
+use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -49,6 +49,11 @@ pub(crate) struct Plan {
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
     pub(crate) recall: Option<Vec<bool>>,
+    /// Group within which only the last G code of a block acts, by code row, 0 for none; empty where all act.
+    pub(crate) exclusive: Vec<u16>,
+    /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
+    /// where values stay as they are.
+    pub(crate) steps: Vec<[f64; 2]>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
     pub(crate) refused: Vec<u128>,
 }
@@ -83,6 +88,39 @@ fn refused(machine: &Machine) -> Vec<u128> {
         }
     }
     refused
+}
+
+/// Group of the one-shot codes, which have none in the table of identifiers.
+const ONE_SHOT: u16 = 1000;
+
+/// Groups of rows whose codes exclude each other on a block: those of G words.
+fn exclusive(machine: &Machine, g: Option<u8>) -> Vec<u16> {
+    if !machine.habits.last_of_group {
+        return Vec::new();
+    }
+    let group = |row: &CodeRow| match row.form {
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } if Some(register) == g => {
+            match row.group {
+                0 => ONE_SHOT,
+                _ if row.id == codes::LCS_TRANSLATE_ON => ONE_SHOT,
+                group => group,
+            }
+        }
+        _ => 0,
+    };
+    machine.codes.iter().map(group).collect()
+}
+
+/// Steps of one unit at each register.
+fn steps(machine: &Machine) -> Vec<[f64; 2]> {
+    if !machine.habits.rounded {
+        return Vec::new();
+    }
+    let of = |register: &Register| {
+        let digits = |digits: u8| register.increment.map_or(10_f64.powi(i32::from(digits)), f64::recip);
+        [digits(register.format.frac), digits(register.secondary.frac)]
+    };
+    machine.registers.iter().map(of).collect()
 }
 
 /// A data row, cut down to what taking a value needs.
@@ -204,6 +242,8 @@ impl Plan {
             speed_registers,
             rows_of_code: rows_of_code(machine),
             tape: Tape::new(&machine.tape_editor),
+            exclusive: exclusive(machine, g),
+            steps: steps(machine),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
             recall,
             refused,

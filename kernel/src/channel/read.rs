@@ -58,11 +58,11 @@ impl Kernel<'_> {
         let held;
         let text = if self.plan.reshapes {
             held = self.reshape(text, line);
-            match held.as_deref() {
-                Some(text) if text.trim_ascii().is_empty() => return Ok(()),
-                Some(text) => text,
-                None => text,
+            let text = held.text();
+            if text.trim_ascii().is_empty() {
+                return Ok(());
             }
+            text
         } else {
             text
         };

@@ -224,7 +224,7 @@ impl Place {
             clamped: 0,
             frames: None,
             offsets: None,
-            compensation: Default::default(),
+            compensation: crate::action::compensation::Compensation::of(machine),
         }
     }
 }

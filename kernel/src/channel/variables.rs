@@ -20,11 +20,13 @@ type Locals = [f64; 34];
 pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
+    /// Steps of one unit that ROUND rounds to in the expression being evaluated.
+    pub(super) steps: f64,
 }
 
 impl Default for ChannelVariables {
     fn default() -> Self {
-        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default() }
+        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default(), steps: 1.0 }
     }
 }
 
@@ -81,6 +83,10 @@ impl Variables for Kernel<'_> {
     fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
         let text = self.span_text(span).to_ascii_uppercase();
         self.identified_function(&text)
+    }
+
+    fn steps(&self) -> f64 {
+        self.variables.steps
     }
 }
 

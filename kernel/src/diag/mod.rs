@@ -134,9 +134,18 @@ diagnostics! {
     ALARM_SOFTENED 2900323 8 false "alarm that is not among the errors of its channel";
     NO_RADIUS 2900324 4 false "compensation by an offset without a radius";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
+    GROUP_TWICE 2900350 4 false "G code overridden by a later one of its group";
+    MACHINE_INCREMENTAL 2900351 4 false "machine coordinates in incremental mode";
+    CALL_LEVELS 2900352 12 true "more levels of calls than the control has (PS0077)";
+    MACRO_LEVELS 2900353 12 true "more levels of macro calls than the control has (PS0122)";
+    BRACKETS 2900354 12 true "more levels of brackets than the control has (PS0118)";
+    LOOP_ENTERED 2900355 12 true "loop that a jump leads into (PS0124)";
+    CALL_G_WORD 2900356 12 true "G word among the arguments of a macro call (PS0129)";
+    CALL_NOT_FIRST 2900357 12 true "words before a macro call (PS0127)";
     SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
     NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";
     OKUMA_ALARM 2900367 12 true "alarm of the user (Okuma)";
+    NO_FEED_PER_TURN 2900368 12 true "feed per revolution on a machine without M136";
 }
 
 #[cfg(test)]

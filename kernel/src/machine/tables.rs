@@ -335,6 +335,7 @@ mod tests {
             after,
             format,
             secondary: format,
+            increment: None,
             signed: true,
             names: false,
         }

@@ -38,7 +38,7 @@ const DEPTH: u32 = 100_000;
 const MOST_NESTED: usize = 250;
 
 /// Stack of a thread that runs macros, in bytes.
-pub(crate) const STACK: usize = 128 << 20;
+pub(crate) const STACK: usize = 256 << 20;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;

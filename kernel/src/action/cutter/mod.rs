@@ -248,7 +248,7 @@ impl Kernel<'_> {
     /// Radius that paths keep from the contour.
     fn cutter_radius(&self, number: u32) -> f64 {
         use crate::channel::frames::offsets::{BASE, Radii};
-        let own = if number == BASE { 0.0 } else { self.offset_radius(Radii::Cutter, number) };
+        let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
         let base = if self.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
         own + base
     }

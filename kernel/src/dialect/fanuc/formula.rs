@@ -412,6 +412,6 @@ mod tests {
     fn faults_are_told() {
         assert_eq!(value("1/0"), Err(Fault::Division));
         assert!(matches!(value("SQRT[-1]"), Err(Fault::Domain("SQRT", _))));
-        assert!(matches!(value("#[1.5]"), Err(Fault::NoVariable(_))));
+        assert!(matches!(value("#[0-1.5]"), Err(Fault::NoVariable(_))));
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         check.set_incomplete();
     }
     let head = head::read(&mut top);
-    let format = format::read(&mut top, check);
+    let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
     let data = data::read(&mut top, &mut names, head.unit);

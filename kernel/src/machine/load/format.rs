@@ -2,12 +2,12 @@
 //!
 //! Invariant: a delimiter that is there is not empty. Facts: reference control-emulator.md 5.5, 5.6.
 
-use crate::machine::model::{Format, RewindStop};
+use crate::machine::model::{Format, Preprocessor, RewindStop};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
 
 /// Reads the section; a machine without it has plain text without comments.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
+pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preprocessor) -> Format {
     let mut format = Format {
         rws: String::new(),
         rws_at: RewindStop::None,
@@ -18,7 +18,9 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
         eob: None,
     };
     let Some(mut section) = top.table("format", "[format]") else { return format };
-    format.eob = section.character("eob").flatten();
+    let comments = matches!(preprocessor, Preprocessor::Siemens | Preprocessor::Heidenhain);
+    // A semicolon begins their comments.
+    format.eob = section.character("eob").flatten().filter(|eob| *eob != ';' || !comments);
     format.rws = section.text("rws").unwrap_or_default().to_owned();
     let places = [("none", RewindStop::None), ("start", RewindStop::Start), ("optional", RewindStop::Optional)];
     format.rws_at = section.choice("rws_at", &places).unwrap_or(RewindStop::None);

@@ -5,7 +5,7 @@
 use crate::machine::ident::{CodeId, DataId};
 
 /// A register: a letter (or text) with a number.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Register {
     /// Index of the definition, 1–99.
     pub index: u8,
@@ -21,6 +21,8 @@ pub struct Register {
     pub format: NumberFormat,
     /// Number format in secondary units.
     pub secondary: NumberFormat,
+    /// Least increment of values of expressions; none: one in the last digit of the format.
+    pub increment: Option<f64>,
     /// Values may be negative.
     pub signed: bool,
     /// The text between `before` and `after` may be a tool's name.
