@@ -119,7 +119,7 @@ fn siemens(moves: &[Move]) -> String {
             }
             2 => words(by.map(|value| format!("IC({})", shown(value)))),
             3 => format!("G91\n{}\nG90", words(by.map(shown))),
-            4 => format!("G91 {} G90", words(to.map(|value| format!("AC({})", shown(value))))),
+            4 => format!("G90 {}", words(to.map(|value| format!("AC({})", shown(value))))),
             5 => format!("G91\n{}\nG90", words(to.map(|value| format!("AC({})", shown(value))))),
             6 => {
                 let [x, y, z] = to.map(shown);
