@@ -5,7 +5,7 @@
 
 use super::calls::{self, Frame};
 use super::fast::{self, Place};
-use super::{End, State, step};
+use super::{End, State, memory, step};
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
 use crate::compile::Program;
 use crate::fault::Fault;
@@ -87,6 +87,10 @@ pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, fra
     let mut place = Place { code, frame, at: 0 };
     loop {
         let end = match execute(program, state, host, &mut place) {
+            Ok(Pause::Call(..)) if host.stopped() => {
+                let fault = stopped(state);
+                calls::stopped(state, host, place.code, Stop::Fault(place.at, fault))
+            }
             Ok(Pause::Call(to, callee, list)) => match calls::call(program, state, callee) {
                 Ok((function, called)) => {
                     let waiting = std::mem::replace(place.frame, called);
@@ -139,15 +143,30 @@ fn execute<'p>(
             Some(Op::CallMacro { to, callee, list }) => return Ok(Pause::Call(*to, *callee, *list)),
             Some(_) => {}
         }
+        if state.is_vague() && matches!(code.ops.get(at), Some(Op::Command { .. } | Op::Call { .. })) {
+            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
+        }
         match step::step(state, host, code, &mut place.frame.registers, at) {
             Ok(Next::Step) => place.at += 1,
             Ok(Next::Jump(target)) => match fast::passed(at, target, state.ticks) {
+                Some(_) if host.stopped() => return Err(Box::new(Stop::Fault(at, stopped(state)))),
                 Some(left) => (place.at, state.ticks) = (usize::from(target), left),
                 None => return Err(Box::new(Stop::Fault(at, used_up(state)))),
             },
             Err(stop) => return Err(Box::new(stop)),
         }
+        if state.is_full() {
+            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
+        }
     }
+}
+
+/// The run is to end: no macro goes on.
+#[cold]
+#[inline(never)]
+fn stopped(state: &mut State) -> Fault {
+    state.ticks = 0;
+    Fault::new(crate::diag::Number::TICKS, "the run is stopped")
 }
 
 #[cold]
