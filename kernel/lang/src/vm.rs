@@ -13,7 +13,7 @@ mod run;
 mod step;
 pub(crate) mod units;
 
-pub(crate) use data::pay_to_look_inside;
+pub(crate) use data::{pay_to_look_inside, pay_to_write};
 pub use data::{range, sequence_of};
 pub use memory::Scale;
 pub use units::Unit;
@@ -79,6 +79,8 @@ pub struct State {
     names: Vec<String>,
     buffer: Vec<Value>,
     notes: Vec<Fault>,
+    /// Ticks when a stop of the run was looked at last.
+    looked: u64,
     /// Bytes of what formats and patterns remember.
     remembered: [usize; 2],
     memory: memory::Memory,
@@ -118,6 +120,7 @@ impl State {
             names: Vec::new(),
             buffer: Vec::new(),
             notes: Vec::new(),
+            looked: limits.ticks,
             remembered: [0; 2],
             memory: memory::Memory::new(limits.memory),
         }

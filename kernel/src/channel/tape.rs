@@ -9,6 +9,9 @@ use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
 
 use crate::machine::model::TapeRule;
 
+/// Steps of the searches of all rules on one block.
+const MOST_STEPS: u64 = 2 * STEPS;
+
 /// Rules by number, from 0; a machine has 256 at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Rules([u64; 4]);
@@ -141,11 +144,12 @@ impl Tape {
         memory: &mut Memory,
     ) -> (Option<String>, Edited) {
         let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
-        let mut next = Some(first);
+        let (mut next, mut left) = (Some(first), MOST_STEPS);
         while let Some(number) = next {
             let now = text.as_deref().unwrap_or(line);
             if let Some((pattern, replace)) = self.rules.get(number) {
-                let mut budget = STEPS;
+                let given = STEPS.min(left);
+                let mut budget = given;
                 edited.work += now.len();
                 match pattern.find_with(now, &mut budget, memory) {
                     Ok(None) => {}
@@ -167,7 +171,8 @@ impl Tape {
                     }
                     Err(_) => edited.stuck = Some(number),
                 }
-                edited.work += usize::try_from(STEPS - budget).unwrap_or(usize::MAX);
+                left -= given - budget;
+                edited.work += usize::try_from(given - budget).unwrap_or(usize::MAX);
             }
             next = candidates.next(number + 1, on);
         }

@@ -5,7 +5,7 @@ use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::pattern::STEPS;
 use crate::value::Value;
-use crate::vm::{State, pay_to_look_inside, range, sequence_of};
+use crate::vm::{State, pay_to_look_inside, pay_to_write, range, sequence_of};
 
 /// Steps of a search that one tick pays for.
 const STEPS_PER_TICK: u64 = 8;
@@ -112,6 +112,7 @@ pub(super) fn split(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<V
 
 pub(super) fn formatted(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let format = context.state.format(string(arguments, 0)?, false)?;
+    arguments.iter().try_for_each(|value| pay_to_write(context.state, value))?;
     let mut out = String::new();
     let mut outside = crate::vm::commands::Outside(context.host);
     crate::format::write(&mut out, &format, arguments.get(1..).unwrap_or(&[]), &mut outside)?;

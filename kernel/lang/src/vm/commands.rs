@@ -77,7 +77,7 @@ pub(super) fn command(
 
 /// The values of registers, which are looked at as a whole.
 fn given(state: &mut State, frame: &[Value], slots: &[Slot]) -> Outcome<Vec<Value>> {
-    slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| super::data::pay_to_look(state, value))?;
+    slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| super::data::pay_to_write(state, value))?;
     Ok(slots.iter().map(|slot| get(frame, *slot).clone()).collect())
 }
 

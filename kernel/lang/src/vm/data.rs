@@ -53,6 +53,16 @@ pub(super) fn pay_to_look(state: &mut State, value: &Value) -> Outcome<()> {
     }
 }
 
+/// Pays for writing a value as text.
+pub(crate) fn pay_to_write(state: &mut State, value: &Value) -> Outcome<()> {
+    match value {
+        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        Value::Sequence(elements) => state.spend(elements.len() * 2),
+        Value::Array(array) => state.spend(array.elements.len() * 2),
+        _ => Ok(()),
+    }
+}
+
 /// Pays for looking at every element, with the text of those that are texts.
 pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outcome<()> {
     state.spend(elements.len() / 4)?;

@@ -14,7 +14,7 @@ use crate::value::Value;
 use std::sync::Arc;
 
 /// Ticks that are used up at most before a stop of the run is looked at.
-const SLICE: u64 = 100_000;
+const SLICE: u64 = 20_000;
 
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];

@@ -87,10 +87,6 @@ pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, fra
     let mut place = Place { code, frame, at: 0 };
     loop {
         let end = match execute(program, state, host, &mut place) {
-            Ok(Pause::Call(..)) if host.stopped() => {
-                let fault = stopped(state);
-                calls::stopped(state, host, place.code, Stop::Fault(place.at, fault))
-            }
             Ok(Pause::Call(to, callee, list)) => match calls::call(program, state, callee) {
                 Ok((function, called)) => {
                     let waiting = std::mem::replace(place.frame, called);
@@ -128,6 +124,9 @@ pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, fra
     }
 }
 
+/// Ticks after which a stop of the run is looked at.
+const LOOK_EVERY: u64 = 10_000;
+
 /// Runs until the macro calls a function that needs more than the short form of a call, or ends.
 fn execute<'p>(
     program: &'p Program,
@@ -137,6 +136,12 @@ fn execute<'p>(
 ) -> Result<Pause, Box<Stop>> {
     loop {
         fast::run(program, state, place);
+        if state.looked.abs_diff(state.ticks) >= LOOK_EVERY {
+            state.looked = state.ticks;
+            if host.stopped() {
+                return Err(Box::new(Stop::Fault(place.at, stopped(state))));
+            }
+        }
         let (code, at) = (place.code, place.at);
         match code.ops.get(at) {
             None | Some(Op::Return) => return Ok(Pause::End),
@@ -149,7 +154,6 @@ fn execute<'p>(
         match step::step(state, host, code, &mut place.frame.registers, at) {
             Ok(Next::Step) => place.at += 1,
             Ok(Next::Jump(target)) => match fast::passed(at, target, state.ticks) {
-                Some(_) if host.stopped() => return Err(Box::new(Stop::Fault(at, stopped(state)))),
                 Some(left) => (place.at, state.ticks) = (usize::from(target), left),
                 None => return Err(Box::new(Stop::Fault(at, used_up(state)))),
             },
