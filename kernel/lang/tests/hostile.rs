@@ -20,7 +20,7 @@ fn run(text: &str, limits: Limits) -> Seen {
     let added = compile::add(&mut program, &mut host, Source::new("hostile", text), Options::default());
     assert!(!added.has_errors(), "{text}\n{:?}", added.diagnostics);
     let mut state = State::new(limits);
-    let index = *added.macros.last().unwrap();
+    let index = added.macros.last().copied().unwrap_or(0);
     let (end, _) = vm::run(&program, &mut state, &mut host, index, &mut []);
     Seen {
         end,
