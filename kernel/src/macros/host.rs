@@ -184,7 +184,7 @@ impl Host for Kernel<'_> {
         }
         let number = diagnostic.number;
         // The verdict of the job says it.
-        if number == Number::MEMORY {
+        if number == Number::MEMORY || state.is_over_memory() {
             return;
         }
         if !self.has_room(number == Number::TICKS) {
