@@ -214,6 +214,10 @@ impl Host for Kernel<'_> {
         self.openable(state, path)
     }
 
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.file_writable(path)
+    }
+
     fn read_file(&mut self, path: &str) -> Option<String> {
         self.file_text(path)
     }
