@@ -250,6 +250,8 @@ async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
         let (name, files) = pack::machine(Path::new(machine))?;
         client.upload(&files.blobs()).await?;
         request = v1::CheckMachineRequest { name, files: run::machine_files(files) };
+    } else {
+        run::known(&client, machine)?;
     }
     let answer = client.machines().check_machine(request).await?.into_inner();
     say_findings(&answer.findings);
@@ -277,6 +279,7 @@ async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Re
     let name = if pack::is_folder(machine) {
         run::put_machine(&client, Path::new(machine)).await?
     } else {
+        run::known(&client, machine)?;
         machine.to_owned()
     };
     let section = match part {

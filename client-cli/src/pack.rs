@@ -195,21 +195,38 @@ pub(crate) fn machine(folder: &Path) -> Result<(String, Files), Error> {
         if files.0.contains_key(&format!("{name}/machine.toml")) || !definition.is_file() {
             break;
         }
-        whole_folder(&mut files, &folder, &name, 0)?;
+        let root = fs::canonicalize(&folder).map_err(Error::file(&folder))?;
+        if !stays_in(&root, &definition) {
+            break;
+        }
+        whole_folder(&mut files, &root, &folder, &name, 0)?;
         let text = fs::read_to_string(&definition).map_err(Error::file(&definition))?;
         let parent = toml::from_str::<toml::Table>(&text).ok();
         let parent = parent.and_then(|table| table.get("extends")?.as_str().map(str::to_owned));
+        let parent = parent.filter(|name| is_plain(name));
         next = parent.and_then(|parent| Some((parent.clone(), folder.parent()?.join(parent))));
     }
     Ok((name, files))
 }
 
-/// Adds a folder with the folders in it, hidden ones and links to folders left out.
-fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
+/// A name of a folder that lies beside another one.
+fn is_plain(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    matches!((parts.next(), parts.next()), (Some(std::path::Component::Normal(_)), None))
+}
+
+/// A file is in a folder, also when links are followed.
+fn stays_in(root: &Path, path: &Path) -> bool {
+    fs::canonicalize(path).is_ok_and(|path| path.starts_with(root))
+}
+
+/// Adds a folder with the folders in it; hidden ones, links to folders and links to files outside of `root` are left
+/// out.
+fn whole_folder(files: &mut Files, root: &Path, folder: &Path, name: &str, depth: usize) -> Result<(), Error> {
     const DEEPEST: usize = 8;
     for path in files_of(folder)? {
         let file = file_name(&path)?;
-        if !file.starts_with('.') {
+        if !file.starts_with('.') && stays_in(root, &path) {
             files.add(format!("{name}/{file}"), &path)?;
         }
     }
@@ -220,7 +237,7 @@ fn whole_folder(files: &mut Files, folder: &Path, name: &str, depth: usize) -> R
     for path in folders {
         let inner = file_name(&path)?;
         if !inner.starts_with('.') && depth < DEEPEST {
-            whole_folder(files, &path, &format!("{name}/{inner}"), depth + 1)?;
+            whole_folder(files, root, &path, &format!("{name}/{inner}"), depth + 1)?;
         }
     }
     Ok(())
@@ -327,6 +344,35 @@ mod tests {
         let (_, files) = machine(&own).unwrap();
         let names: Vec<_> = files.0.keys().map(String::as_str).collect();
         assert_eq!(names, ["own/0/1/2/3/4/5/6/7/last.nc", "own/machine.toml"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_outside_of_a_machine_folder_is_packed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["machines/own/macros", "secret", "machines/linked"] {
+            fs::create_dir_all(at(name)).unwrap();
+        }
+        fs::write(at("secret/machine.toml"), "").unwrap();
+        fs::write(at("secret/key"), "").unwrap();
+        fs::write(at("machines/own/macros/real.mac"), "OUTPUT").unwrap();
+        symlink("real.mac", at("machines/own/macros/same.mac")).unwrap();
+        symlink(at("secret/key"), at("machines/own/macros/key.mac")).unwrap();
+        symlink("../../secret/key", at("machines/own/key")).unwrap();
+        let names = |machine: &str, definition: &str| {
+            fs::write(at("machines/own/machine.toml"), definition).unwrap();
+            let (_, files) = super::machine(&at(machine)).unwrap();
+            files.0.keys().cloned().collect::<Vec<_>>()
+        };
+        let own = ["own/machine.toml", "own/macros/real.mac", "own/macros/same.mac"];
+        assert_eq!(names("machines/own", ""), own);
+        assert_eq!(names("machines/own", "extends = \"../../secret\""), own);
+        let absolute = format!("extends = {:?}", at("secret"));
+        assert_eq!(names("machines/own", &absolute), own);
+        symlink(at("secret/machine.toml"), at("machines/linked/machine.toml")).unwrap();
+        assert_eq!(names("machines/linked", ""), [""; 0]);
     }
 
     #[test]

@@ -248,4 +248,15 @@ mod tests {
         assert!(report.contains("p.nc:4: b") && report.contains("a (2 times)"), "{report}");
         assert!(report.find("p.nc:4").unwrap() < report.find("(2 times)").unwrap(), "worst first");
     }
+
+    #[test]
+    fn a_cancelled_run_does_not_read_like_a_deadlock() {
+        let text = r#"{"state":"CANCELLED","makespan_ns":5000000,
+            "channels":[{"channel":1,"name":"UPPER","program":"a","state":"STOPPED"}],
+            "waits":[{"key":"M101","release_ns":null,"arrivals":[{"channel":1,"t_ns":1000000,"line":0}]}]}"#;
+        let report = report(&serde_json::from_str(text).unwrap(), false);
+        assert!(report.contains("cancelled before the end"), "{report}");
+        assert!(report.contains("M101     not yet") && !report.contains("never"), "{report}");
+        assert!(!report.contains("line 0"), "{report}");
+    }
 }

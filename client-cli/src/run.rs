@@ -125,13 +125,22 @@ async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String
     if pack::is_folder(machine) {
         return put_machine(client, Path::new(machine)).await;
     }
+    known(client, machine)?;
+    Ok(machine.clone())
+}
+
+/// Refuses what is neither a folder with a definition nor the name of a machine, as far as that is known here.
+pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
+    let names = package::shipped_names();
+    if names.iter().any(|name| name == machine) {
+        return Ok(());
+    }
     if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
         return Err(Error::Usage(format!(
             "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
         )));
     }
-    let names = package::shipped_names();
-    if client.is_embedded() && !names.contains(machine) {
+    if client.is_embedded() {
         let near = ident::nearest(machine, names.iter().map(String::as_str));
         let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
         return Err(Error::Usage(format!(
@@ -139,7 +148,7 @@ async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String
             names.join(", ")
         )));
     }
-    Ok(machine.clone())
+    Ok(())
 }
 
 /// Puts a machine folder on the server; gives `name@revision`.

@@ -77,7 +77,7 @@ fn parameters_a_console_and_other_line_ends() {
     let path = program(folder.path(), "part.nc", "G0 X1. NOISE\nM30\n");
     let machine = folder.path().join("told");
     std::fs::create_dir(&machine).unwrap();
-    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"told\"\n[macros]\nprogram_startup = \"start.mac\"\n";
+    let text = "extends = \"fanuc-mill\"\n[ce]\nname = \"told\"\n[control]\nunknown_code = \"warn\"\n[macros]\nprogram_startup = \"start.mac\"\n";
     program(&machine, "machine.toml", text);
     program(&machine, "start.mac", "PPRINT/'got !(*)',$UPARAM\nERROR/4,'mind it'\n");
     let (machine, out) = (machine.display().to_string(), folder.path().join("out").display().to_string());
@@ -183,7 +183,7 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
 fn warnings_are_counted_and_strict_makes_them_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");
-    let warns = program(folder.path(), "warns.nc", "O1\nG0 X1. NOISE\nG0 X2. HISS\nM30\n");
+    let warns = program(folder.path(), "warns.nc", "O1\nG0 X2.\nG0 X1. (no end\n");
     let run = |program: &str, more: &[&str]| {
         let output = counterpoint(&[&["run", "--machine", "fanuc-mill", program], more].concat());
         let first = String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().to_owned();
@@ -219,7 +219,7 @@ fn exit_codes_of_the_emulated_system() {
         code(&counterpoint(&arguments))
     };
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");
-    let warns = program(folder.path(), "warns.nc", "O1\nG0 X1. NOISE\nM30\n");
+    let warns = program(folder.path(), "warns.nc", "O1\nG0 X1.\n");
     let fails = program(folder.path(), "fails.nc", "O1\nG4\nM30\n");
     let loops = program(folder.path(), "loops.nc", "O1\nN1 GOTO 1\n");
     let empty = program(folder.path(), "empty.nc", "\n");

@@ -84,6 +84,15 @@ pub struct Outcome {
     pub sink_failed: bool,
 }
 
+/// A program of the job has embedded macro code, which needs no macro of the machine.
+fn has_embedded(info: &Info, files: &dyn Files) -> bool {
+    let has = |text: &[u8]| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(text, mark).is_some());
+    info.files.iter().any(|file| match file.source.get() {
+        Some(source) => source.as_ref().is_some_and(|source| has(source.bytes())),
+        None => files.read(&file.name).is_ok_and(|bytes| has(&bytes)),
+    })
+}
+
 impl Job {
     /// Loads the programs and assigns them to channels.
     ///
@@ -93,6 +102,7 @@ impl Job {
         spec.options.limits = spec.options.limits.capped();
         let info = crate::mcd::layout::assign(&spec, files).map_err(|findings| PrepareError { findings })?;
         let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
+        let macros = macros.or_else(|| has_embedded(&info, files).then(|| Arc::new(compile::Program::new())));
         Ok(Self { spec, info: Arc::new(info), macros })
     }
 

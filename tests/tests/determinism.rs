@@ -186,7 +186,7 @@ fn a_panic_in_one_kernel_reaches_the_owner_of_the_job() {
 /// One channel runs on by thousands of blocks beyond the time at which the other one ends the job.
 fn far_ahead(before: &str, idle_before: &str) {
     let ahead: String = (0..12_000).map(|n| format!("G1 X{}. Z-{}.\n", 20 + n % 7, n % 11)).collect();
-    let idle = "G90\n".repeat(6_000);
+    let idle = "G40\n".repeat(6_000);
     let texts = [format!("O1\nG98 F100.\n{before}{ahead}M30\n"), format!("O2\n{idle_before}{idle}M30\n")];
     let mut work = Work::texts(machine("fanuc-2path-lathe", ""), &texts, Options::default());
     work.options.limits.zero_time_blocks = 5_000;

@@ -118,7 +118,7 @@ fn motion(info: &Info, event: &Event, motion: &Motion) -> String {
 fn event(info: &Info, event: &Event) -> Option<String> {
     let text = match &event.kind {
         Kind::Motion(m) => motion(info, event, m),
-        Kind::Message { text } => format!("message {text}"),
+        Kind::Message { text, .. } => format!("message {text}"),
         Kind::Mode { text } => format!("mode {text}"),
         Kind::Tool { action, tool, .. } => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => {

@@ -1,7 +1,7 @@
 //! Bad input: each gets a diagnostic or a clear error within its limit, never a panic or a hang.
 
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::VerdictKind;
+use counterpoint_kernel::log::event::{Kind, VerdictKind};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, machine};
 use proptest::prelude::*;
@@ -13,6 +13,12 @@ fn limited() -> Options {
 
 fn run(text: impl AsRef<[u8]>) -> Done {
     Work::texts(machine("fanuc-2path-lathe", ""), &[text], limited()).run(None).expect("the job can be prepared")
+}
+
+/// On a machine that goes on after everything.
+fn going_on(text: impl AsRef<[u8]>) -> Done {
+    let machine = machine("fanuc-2path-lathe", "[control]\nunknown_code = \"warn\"\nstops = false\n");
+    Work::texts(machine, &[text], limited()).run(None).expect("the job can be prepared")
 }
 
 fn numbers(done: &Done) -> Vec<u32> {
@@ -60,7 +66,7 @@ fn a_missing_subprogram_names_the_places() {
 
 #[test]
 fn truncated_words_are_told_and_the_rest_acts() {
-    let done = run("G1 X\nG\nN\nG1 X10. Z- F100\nM30\n");
+    let done = going_on("G1 X\nG\nN\nG1 X10. Z- F100\nM30\n");
     assert!(numbers(&done).iter().filter(|n| **n == 2001005).count() >= 3, "{:#?}", done.summary.diagnostics);
 }
 
@@ -101,7 +107,7 @@ fn the_log_limit_ends_a_run_with_a_verdict() {
 fn diagnostics_of_a_channel_are_capped() {
     let mut text = "G98\n".to_owned();
     text.push_str(&"Y7 Q3 %% ??\n".repeat(5000));
-    let done = run(text + "M30\n");
+    let done = going_on(text + "M30\n");
     assert!(numbers(&done).contains(&2900018));
     assert!(done.summary.diagnostics.len() <= 1002);
 }
@@ -117,7 +123,7 @@ fn macro_mistakes_are_alarms_with_a_column() {
         ("#3000=1(LIMIT)\nM30\n", 2900065),
         ("G65 A1.\nM30\n", 2900066),
         ("GOTO99\nM30\n", 2900042),
-        ("#1=#[#[#[1.5]]]\nM30\n", 2900063),
+        ("#1=#[#[#[0-1.5]]]\nM30\n", 2900063),
     ] {
         assert_eq!(numbers(&run(text)), [number], "{text}");
     }
@@ -291,4 +297,43 @@ proptest! {
             prop_assert!(parallel.summary.makespan_ns >= 0);
         }
     }
+}
+
+/// A machine whose code macros each issue the code of the next one, and whose functions each call the next one.
+fn chain_of(macros: usize, functions: usize) -> std::sync::Arc<counterpoint_kernel::machine::Machine> {
+    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::machine::package::{Overlay, shipped};
+    let mut text = "extends = \"fanuc-mill\"\n[ce]\nname = \"chain\"\n[macros]\nfunctions = [\"f.mac\"]\n".to_owned();
+    let mut files = Memory::default();
+    for at in 1..=macros {
+        text += &format!("[[codes]]\nid = \"CODE_C{at}\"\ncustom = true\nword = \"G{}\"\n", 2000 + at);
+        text += &format!("[[macros.code]]\nmatch = [\"CODE_C{at}\"]\nfile = \"c{at}.mac\"\n");
+        let next = if at < macros { format!("EXEC/NOW,'G{}'\n", 2001 + at) } else { "PPRINT/'!(*)',DEEP0(1)\n".into() };
+        files.insert(format!("example/c{at}.mac"), next);
+    }
+    let mut lines = String::new();
+    for at in 0..functions {
+        let inner = if at + 1 < functions { format!("DEEP{}(N)+1", at + 1) } else { "N".to_owned() };
+        lines += &format!("MACRO/DEEP{at}(REAL,N)\nDEEP{at}={inner}\nENDMAC\n");
+    }
+    files.insert("example/f.mac", lines);
+    files.insert("example/machine.toml", text);
+    let loaded = counterpoint_kernel::machine::load(&Overlay::new(files, shipped()), "example");
+    let findings: Vec<_> = loaded.findings.iter().map(ToString::to_string).collect();
+    std::sync::Arc::new(loaded.machine.unwrap_or_else(|| panic!("{findings:#?}")))
+}
+
+#[test]
+fn macros_may_be_active_in_any_number_that_the_stack_bears() {
+    let run = |macros| {
+        let work = Work::texts(chain_of(macros, 900), &["G2001\nM30\n"], limited()).run(None);
+        let done = work.expect("the job can be prepared");
+        // G words of four digits.
+        let told: Vec<u32> = numbers(&done).into_iter().filter(|number| *number != 2_900_006).collect();
+        (done, told)
+    };
+    let (done, told) = run(900);
+    assert_eq!(told, [0_u32; 0]);
+    let answer = done.events.iter().any(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "900"));
+    assert!(answer, "the innermost macro has run, and its chain of functions");
 }

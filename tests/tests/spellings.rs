@@ -33,7 +33,7 @@ fn cases() -> ProptestConfig {
 
 fn machine(text: &str) -> Arc<Machine> {
     let mut user = Memory::default();
-    user.insert("spellings/machine.toml", text.to_owned());
+    user.insert("spellings/machine.toml", text);
     let loaded = load(&Overlay::new(user, shipped()), "spellings");
     let findings = format!("{:?}", loaded.findings);
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{findings}"))
@@ -127,8 +127,10 @@ fn siemens(moves: &[Move]) -> String {
             }
             7 => {
                 let [x, y, z] = to.map(shown);
-                format!("R9=1\nIF R9==2 GOTOF NO{count} IF R9==1 GOTOF YES{count}\nNO{count}: M30\nYES{count}: {}",
-                    words([x, y, z]))
+                format!(
+                    "R9=1\nIF R9==2 GOTOF NO{count} IF R9==1 GOTOF YES{count}\nNO{count}: M30\nYES{count}: {}",
+                    words([x, y, z])
+                )
             }
             8 => {
                 let [x, y, z] = to.map(shown);
@@ -143,11 +145,22 @@ fn siemens(moves: &[Move]) -> String {
                 "FOR NN=1 TO 3\nCASE NN OF 2 GOTOF AT{count} DEFAULT GOTOF ON{count}\nAT{count}: {}\nON{count}:\nENDFOR\nNN=0",
                 words(to.map(shown))
             ),
-            11 => format!("REPEAT\nR8=R8+1\nUNTIL R8>2\nR8=0\nLOOP\n{}\nGOTOF OUT{count}\nENDLOOP\nOUT{count}:", words(to.map(shown))),
-            12 => format!("DEFINE TARGET{count} AS X={} Y={}\n{go} TARGET{count} Z={}{feed}", shown(to[0]), shown(to[1]), shown(to[2])),
+            11 => format!(
+                "REPEAT\nR8=R8+1\nUNTIL R8>2\nR8=0\nLOOP\n{}\nGOTOF OUT{count}\nENDLOOP\nOUT{count}:",
+                words(to.map(shown))
+            ),
+            12 => format!(
+                "DEFINE TARGET{count} AS X={} Y={}\n{go} TARGET{count} Z={}{feed}",
+                shown(to[0]),
+                shown(to[1]),
+                shown(to[2])
+            ),
             13 => format!(
                 "{go}{feed}\nMCALL PLACE({},{},{})\nM8\nF{} \nMCALL",
-                shown(to[0]), shown(to[1]), shown(to[2]), step.feed.unwrap_or(100)
+                shown(to[0]),
+                shown(to[1]),
+                shown(to[2]),
+                step.feed.unwrap_or(100)
             ),
             _ => format!("PART{count}: R7=R7+1\n{}\nREPEAT PART{count} P=2\nR7=0", words(to.map(shown))),
         };
@@ -193,10 +206,20 @@ fn okuma(moves: &[Move]) -> String {
                 }
             }
             5 => format!("LK=0\nN1{count} LK=LK+1\nIF [LK LT #3H] N1{count}\n{}", words(to.map(shown))),
-            6 => format!("IF [1 EQ 2] NNO{count}\nGOTO NYES{count}\nNNO{count} M30\nNYES{count} {}", words(to.map(shown))),
+            6 => format!(
+                "IF [1 EQ 2] NNO{count}\nGOTO NYES{count}\nNNO{count} M30\nNYES{count} {}",
+                words(to.map(shown))
+            ),
             7 => words(to.map(|value| format!("SQRT[{0}*{0}]*{1}", shown(value), value.signum()))),
-            8 => words(by.map(|value| shown(value)).into_iter().zip(["VSIOX", "VSIOY", "VSIOZ"])
-                .map(|(by, here)| format!("[{here}+{by}]")).collect::<Vec<_>>().try_into().unwrap()),
+            8 => words(
+                by.map(shown)
+                    .into_iter()
+                    .zip(["VSIOX", "VSIOY", "VSIOZ"])
+                    .map(|(by, here)| format!("[{here}+{by}]"))
+                    .collect::<Vec<_>>()
+                    .try_into()
+                    .unwrap(),
+            ),
             _ => format!("{go} X[{}]Y[{}]Z[{}]{feed}", shown(to[0]), shown(to[1]), shown(to[2])),
         };
         text.push_str(&line);
@@ -261,9 +284,13 @@ fn heidenhain(moves: &[Move]) -> String {
             8 => format!(
                 "FN 0: Q5 = +0\nLBL {label}\nFN 1: Q5 = +Q5 + +1\nFN 12: IF +Q5 LT +3 GOTO LBL {label}\nL X{x} Y{y} Z{z}{feed}"
             ),
-            9 => format!("Q6 = 0\nLBL {label}\nQ6 = Q6 + 1\nCALL LBL {label} REP 2\nQ7 = {x} * Q6 / 3\nL XQ7 Y{y} Z{z}{feed}"),
+            9 => format!(
+                "Q6 = 0\nLBL {label}\nQ6 = Q6 + 1\nCALL LBL {label} REP 2\nQ7 = {x} * Q6 / 3\nL XQ7 Y{y} Z{z}{feed}"
+            ),
             10 => format!("; a comment ~\nL X+0 Y+0 ~\nL Z+0\nL X{x} ~\n Y{y} ~\n Z{z}{feed}"),
-            _ => format!("QR1 = SQRT ( SQ ( {x} ) ) * SGN {x}\nQS1 = TOCHAR ( DAT{y} DECIMALS3 )\nQ8 = TONUMB ( SRC_QS1 )\nL XQR1 YQ8 Z{z}{feed}"),
+            _ => format!(
+                "QR1 = SQRT ( SQ ( {x} ) ) * SGN {x}\nQS1 = TOCHAR ( DAT{y} DECIMALS3 )\nQ8 = TONUMB ( SRC_QS1 )\nL XQR1 YQ8 Z{z}{feed}"
+            ),
         };
         text.push_str(&line);
         text.push('\n');

@@ -1,6 +1,7 @@
 //! Pages of tests/spec/tables: prose, a small machine, programs, and what comes out.
 //!
-//! Fences of a page: `toml` is the machine (over `fanuc-mill` unless it says `extends`), `file NAME` a further file of
+//! Fences of a page: `toml` is the machine (over `fanuc-mill` unless it says `extends`, and going on after unknown text
+//! unless it has a section `[control]`), `file NAME` a further file of
 //! the machine's folder, `nc` or `nc NAME` a program (the first one runs), `options` keys of a job's options, `trace`
 //! the whole trace of channel 1, `diagnostics` the numbers, severities and texts in order, `findings` what the check of
 //! the machine says, `refused` why the job does not start. A page may hold several cases, each begins with a heading.
@@ -16,6 +17,9 @@ use counterpoint_kernel::log::listing;
 use counterpoint_kernel::machine::load;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::options::Options;
+
+/// Text that nothing knows is told, so that pages can show what is left.
+const CONTROL: &str = "\n[control]\nunknown_code = \"warn\"\n";
 
 #[derive(Default)]
 struct Case {
@@ -47,7 +51,8 @@ fn cases(page: &str) -> Vec<Case> {
             "toml" => {
                 let head = if body.contains("extends") { "" } else { "extends = \"fanuc-mill\"\n" };
                 let named = if body.contains("[ce]") { "" } else { "\n[ce]\nname = \"spec\"\n" };
-                case.machine.insert("spec/machine.toml", format!("{head}{body}{named}"));
+                let control = if body.contains("[control") { "" } else { CONTROL };
+                case.machine.insert("spec/machine.toml", format!("{head}{body}{named}{control}"));
                 case.has_machine = true;
             }
             "file" => case.machine.insert(format!("spec/{name}"), body),
@@ -65,6 +70,10 @@ fn cases(page: &str) -> Vec<Case> {
         }
     }
     cases.retain(|case| case.has_machine || !case.programs.is_empty());
+    for case in cases.iter_mut().filter(|case| !case.has_machine) {
+        let text = format!("extends = \"fanuc-mill\"\n\n[ce]\nname = \"spec\"\n{CONTROL}");
+        case.machine.insert("spec/machine.toml", text);
+    }
     cases
 }
 
@@ -79,8 +88,7 @@ impl Sink for Collect {
 
 fn check(page: &str, case: &Case) {
     let place = format!("{page}: {}", case.name);
-    let folder = if case.has_machine { "spec" } else { "fanuc-mill" };
-    let loaded = load(&Overlay::new(case.machine.clone(), shipped()), folder);
+    let loaded = load(&Overlay::new(case.machine.clone(), shipped()), "spec");
     let found: String = loaded.findings.iter().map(|finding| format!("{finding}\n")).collect();
     assert_eq!(found, case.findings.clone().unwrap_or_default(), "{place}: findings");
     let Some((first, _)) = case.programs.first() else { return };

@@ -180,7 +180,7 @@ impl Signs {
             ];
             for (name, kind) in NAMES {
                 let starts = bare.starts_with(name) || unnumbered.starts_with(name);
-                let cycle = name != "CYCLE" || bare.bytes().nth(name.len()).is_some_and(|c| c.is_ascii_digit());
+                let cycle = name != "CYCLE" || bare.as_bytes().get(name.len()).is_some_and(u8::is_ascii_digit);
                 if starts && cycle {
                     self.add(kind, name.trim_end_matches(['(', ' ']), 3);
                 }

@@ -7,7 +7,9 @@ use counterpoint_lang::format::wildcard_text;
 use crate::channel::frames::offsets::{EXTENDED, RANGE};
 use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
+use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
+use crate::machine::model::OutsideCorner;
 
 /// States that only offsets and macros ask for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,9 +28,15 @@ pub(crate) struct Compensation {
     pub(crate) vector: [f64; 3],
 }
 
-impl Default for Compensation {
-    fn default() -> Self {
-        Self { set: 1, direction: 0, corner: 0, dynamic: false, diameter: 0, vector: [0.0; 3] }
+impl Compensation {
+    /// At the start of a job.
+    pub(crate) fn of(machine: &Machine) -> Self {
+        let corner = match machine.compensation.corner {
+            OutsideCorner::Angle => 0,
+            OutsideCorner::Linear => 1,
+            OutsideCorner::Arc => 2,
+        };
+        Self { set: 1, direction: 0, corner, dynamic: false, diameter: 0, vector: [0.0; 3] }
     }
 }
 

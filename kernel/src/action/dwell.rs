@@ -6,17 +6,17 @@ use super::spindle::Turning;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
-use crate::machine::ident::data;
+use crate::machine::ident::{DataId, data};
 use crate::trace::{self, ACTION};
 
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(datum) = kernel.take(data::DELAY) else {
+    let Some(seconds) = kernel.take_seconds(data::DELAY) else {
         let text = format!("a dwell needs its time in '{}'", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    dwell(kernel, datum.value)
+    dwell(kernel, seconds)
 }
 
 /// Dwell in revolutions of the spindle.
@@ -27,6 +27,23 @@ pub(super) fn revolutions(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     };
     turns(kernel, datum.value)
+}
+
+impl Kernel<'_> {
+    /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
+    pub(super) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
+        let pointed = self.machine.habits.pointed_dwell && self.is_pointed(id);
+        self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
+    }
+
+    /// The word that supplies a value is in a smaller unit and has a decimal point.
+    fn is_pointed(&self, id: DataId) -> bool {
+        let sources = self.plan.sources.get(usize::from(id.0)).into_iter().flatten();
+        let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
+        let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
+        let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
+        mul != 0.0 && text.contains(&b'.')
+    }
 }
 
 fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {

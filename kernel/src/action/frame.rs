@@ -2,14 +2,27 @@
 //!
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
+use crate::channel::block::Firing;
 use crate::channel::frames::offsets::{BASE, Table};
+use crate::channel::state::group;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, MAX_AXES, Position};
-use crate::machine::ident::data;
+use crate::machine::ident::{codes, data};
 
-/// This block's positions are in the machine frame.
+/// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
+/// any frame.
 pub(super) fn machine_frame(kernel: &mut Kernel<'_>) -> Acted {
+    // The mode that the block says, wherever it says so, else the active one.
+    let code = |firing: &Firing| kernel.machine.codes.get(usize::from(firing.row)).filter(|row| row.enable);
+    let rows = kernel.block.firings.iter().rev().filter_map(code);
+    let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
+    let mode = said.or_else(|| kernel.modal.code(group::POSITION));
+    if mode == Some(codes::POSITION_RELATIVE) {
+        let text = format!("machine coordinates are ignored in incremental mode in '{}'", kernel.block_text());
+        kernel.diagnose(&diag::MACHINE_INCREMENTAL, text);
+        return Ok(());
+    }
     kernel.block.machine_frame = true;
     Ok(())
 }
@@ -112,10 +125,10 @@ impl Kernel<'_> {
             }
         };
         if place.tool_offset != BASE {
-            add(self.offset_values(Table::Length, place.tool_offset), 1.0);
+            add(self.worn_length(place.tool_offset), 1.0);
         }
         if place.length_sign != 0.0 && place.length_number != BASE {
-            add(self.directed(self.offset_values(Table::Length, place.length_number)), place.length_sign);
+            add(self.directed(self.worn_length(place.length_number)), place.length_sign);
         }
         if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
             let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };

@@ -14,9 +14,12 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
     if kernel.machine.habits.home == Home::Machine {
         return straight(kernel, number);
     }
-    let (coded, via) = kernel.targets();
+    let (mut coded, via) = kernel.targets();
     if coded == 0 {
-        return Ok(());
+        if !kernel.machine.habits.bare_home {
+            return Ok(());
+        }
+        coded = every_axis(kernel);
     }
     kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
     kernel.place.home_via = Some(via);
@@ -31,8 +34,12 @@ fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
     if coded != 0 {
         return kernel.rapid_to(coded, target);
     }
-    let all = (1_u16 << kernel.place.axes.len().min(8)) - 1;
-    to_reference(kernel, all as u8, number)
+    to_reference(kernel, every_axis(kernel), number)
+}
+
+/// All axes of the channel, bit by axis.
+fn every_axis(kernel: &Kernel<'_>) -> u8 {
+    ((1_u16 << kernel.place.axes.len().min(8)) - 1) as u8
 }
 
 /// Takes the axis words as positions of the machine frame.

@@ -16,16 +16,17 @@ enum What {
     /// Values of all axes.
     Axes(Table, u32),
     /// A length along Z.
-    Length(u32),
-    Radius(u32),
+    Length(Table, u32),
+    Radius(Radii, u32),
     /// Values of the axes and the radius of a turning tool.
-    Tool(u32),
+    Tool(Table, Radii, u32),
 }
 
 /// Geometry of turning tools: their numbers are above this one.
 const GEOMETRY: u32 = 10_000;
 
-/// Sets an offset: L2 work, L20 extended work, L10 length, L12 radius; without L a turning tool.
+/// Sets an offset: L2 work, L20 extended work, L10 and L11 length and its wear, L12 and L13 radius and its wear; without L
+/// a turning tool, its wear or above 10,000 its geometry.
 pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
     let whole = |value: f64| (0.0..=99_999.0).contains(&value).then_some(value as u32);
     let kind = kernel.take(data::OFFSET_KIND).map(|datum| datum.value);
@@ -33,9 +34,14 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
     let what = match (kind, number) {
         (Some(2.0), Some(number)) => Some(What::Axes(Table::Work, number)),
         (Some(20.0), Some(number)) if number > 0 => Some(What::Axes(Table::Work, EXTENDED + number)),
-        (Some(10.0), Some(number)) => Some(What::Length(number)),
-        (Some(12.0), Some(number)) => Some(What::Radius(number)),
-        (None, Some(number)) if kernel.is_turning() && number > GEOMETRY => Some(What::Tool(number - GEOMETRY)),
+        (Some(10.0), Some(number)) => Some(What::Length(Table::Length, number)),
+        (Some(11.0), Some(number)) => Some(What::Length(Table::Wear, number)),
+        (Some(12.0), Some(number)) => Some(What::Radius(Radii::Cutter, number)),
+        (Some(13.0), Some(number)) => Some(What::Radius(Radii::Wear, number)),
+        (None, Some(number)) if kernel.is_turning() && number > GEOMETRY => {
+            Some(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY))
+        }
+        (None, Some(number)) if kernel.is_turning() && number > 0 => Some(What::Tool(Table::Wear, Radii::Wear, number)),
         _ => None,
     };
     let Some(what) = what else {
@@ -47,15 +53,18 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
     };
     let kept = match what {
         What::Axes(table, number) => axes(kernel, table, number),
-        What::Length(number) => length(kernel, number),
-        What::Radius(number) => radius(kernel, number),
-        What::Tool(number) => axes(kernel, Table::Length, number) && radius(kernel, number),
+        What::Length(table, number) => length(kernel, table, number),
+        What::Radius(table, number) => radius(kernel, table, number),
+        What::Tool(table, radii, number) => axes(kernel, table, number) && radius(kernel, radii, number),
     };
     let (table, number) = match what {
         What::Axes(_, number) => ("workp", number),
-        What::Length(number) => ("length", number),
-        What::Radius(number) => ("radius", number),
-        What::Tool(number) => ("tool", number),
+        What::Length(Table::Wear, number) => ("length wear", number),
+        What::Length(_, number) => ("length", number),
+        What::Radius(Radii::Wear, number) => ("radius wear", number),
+        What::Radius(_, number) => ("radius", number),
+        What::Tool(Table::Wear, _, number) => ("tool wear", number),
+        What::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
     kernel.emit(0, Kind::Mode { text: text.into() });
@@ -79,24 +88,24 @@ fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
     kernel.set_offset(table, number, values)
 }
 
-fn length(kernel: &mut Kernel<'_>, number: u32) -> bool {
-    let mut values = kernel.offset_values(Table::Length, number);
+fn length(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
+    let mut values = kernel.offset_values(table, number);
     let along = kernel.place.cartesian.get(2).copied().flatten().map(usize::from);
     let relative = is_relative(kernel);
     let Some(value) = kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
     let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };
     *slot = if relative { *slot + value } else { value };
-    kernel.set_offset(Table::Length, number, values)
+    kernel.set_offset(table, number, values)
 }
 
 /// A missing value changes nothing.
-fn radius(kernel: &mut Kernel<'_>, number: u32) -> bool {
-    let before = kernel.offset_radius(Radii::Cutter, number);
+fn radius(kernel: &mut Kernel<'_>, table: Radii, number: u32) -> bool {
+    let before = kernel.offset_radius(table, number);
     let relative = is_relative(kernel);
     match kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) {
         Some(value) if value.is_finite() => {
             let value = if relative { before + value } else { value };
-            kernel.set_offset_radius(Radii::Cutter, number, value)
+            kernel.set_offset_radius(table, number, value)
         }
         Some(_) => false,
         None => true,

@@ -98,9 +98,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     let made = match made {
         Ok(made) => made,
         Err(error) => {
-            let text =
-                format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
-            kernel.diagnose(&diag::ARC_RADIUS, text);
+            super::arc::not_made(kernel, error);
             return kernel.feed_to(coded, to, feed, unit);
         }
     };

@@ -216,7 +216,7 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
                     return Ok(());
                 }
                 After::Alarm { text, verdict } => {
-                    let halt = kernel.alarm(&diag::WAIT_MISMATCH, text);
+                    let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
                     if let Some(verdict) = verdict {
                         kernel.emit_verdict(verdict);
                     }
@@ -247,7 +247,7 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, all: bool, release: impl FnOnce(u6
         }
         Wake::Alarm { tag, text } => {
             (kernel.clock, kernel.micro) = (tag.t, tag.micro);
-            Err(kernel.alarm(&diag::WAIT_MISMATCH, text))
+            Err(kernel.fatal(&diag::WAIT_MISMATCH, text))
         }
         Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
         Wake::Over => Err(Halt::Blocked),

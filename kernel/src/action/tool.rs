@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
 use crate::channel::{Acted, Kernel};
-use crate::diag;
+use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
 use crate::machine::ident::data;
 
@@ -11,6 +11,7 @@ use crate::machine::ident::data;
 pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
     let Some(word) = tool_word(kernel) else { return Ok(()) };
     let (tool, offset) = split(kernel, word);
+    kernel.place.chosen = true;
     kernel.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
@@ -18,7 +19,7 @@ pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     let (tool, offset) = match tool_word(kernel) {
         Some(word) => split(kernel, word),
-        None if kernel.place.selected > 0 => (kernel.place.selected, kernel.place.tool_offset),
+        None if kernel.place.chosen || kernel.place.selected > 0 => (kernel.place.selected, kernel.place.tool_offset),
         None => {
             let text = format!("no tool is selected for '{}'", kernel.block_text());
             kernel.diagnose(&diag::DATA_MISSING, text);
@@ -35,16 +36,33 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     }
     kernel.tool_event(action, tool, offset, ns)?;
     if kernel.machine.tool.offset_digits > 0 {
-        let offsets = &kernel.machine.tool.offsets;
-        if offset != 0 && !offsets.is_empty() && !offsets.iter().any(|o| o.number == offset) {
-            let text = format!("tool offset {offset} has no values in machine {}, zero is used", kernel.machine.name);
-            kernel.diagnose(&diag::NO_OFFSET, text);
-        }
+        missing_offset(kernel, offset);
         kernel.place.tool_offset = offset;
         kernel.reframe();
     }
     kernel.tell_tool();
     Ok(())
+}
+
+/// Tells of a tool offset that has no values; on a machine without any tool offsets once, as a remark.
+fn missing_offset(kernel: &mut Kernel<'_>, offset: u32) {
+    let machine = kernel.machine;
+    let offsets = &machine.tool.offsets;
+    let set = kernel.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
+    if offset == 0 || set || offsets.iter().any(|known| known.number == offset) {
+        return;
+    }
+    if !offsets.is_empty() {
+        let text = format!("tool offset {offset} has no values in machine {}, zero is used", machine.name);
+        kernel.diagnose(&diag::NO_OFFSET, text);
+    } else if !std::mem::replace(&mut kernel.place.told_offsets, true) {
+        let text = format!(
+            "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
+            machine.name,
+            kernel.block_text()
+        );
+        kernel.diagnose(&Facts { severity: 0, ..diag::NO_OFFSET }, text);
+    }
 }
 
 fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {

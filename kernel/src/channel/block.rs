@@ -86,6 +86,8 @@ pub(crate) struct Block {
     pub(crate) exact_stop: bool,
     /// A motion code acted.
     pub(crate) moved: bool,
+    /// One of its codes is swallowed.
+    pub(crate) swallows: bool,
 }
 
 impl Default for Block {
@@ -107,6 +109,7 @@ impl Default for Block {
             machine_frame: false,
             exact_stop: false,
             moved: false,
+            swallows: false,
         }
     }
 }
@@ -128,6 +131,7 @@ impl Block {
         self.machine_frame = false;
         self.exact_stop = false;
         self.moved = false;
+        self.swallows = false;
     }
 
     /// Adds a word; a block takes 255 at most, the rest is unknown text.

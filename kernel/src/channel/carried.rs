@@ -71,6 +71,7 @@ carried! {
         tape: (tape::Rules, counterpoint_lang::pattern::Memory),
     }
     anew: {
+        alarms,
         machine,
         info,
         options,

@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
-use super::block::Firing;
+use super::block::{Firing, Word};
 use super::modal_call::END_CALLS;
 use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
+use crate::machine::number::written;
 
 use super::state::group;
 
@@ -21,6 +22,7 @@ impl Kernel<'_> {
         if calls_macro || self.calls_each_block() {
             return self.macro_call();
         }
+        self.check_known()?;
         self.imply();
         self.sort();
         let mut index = 0;
@@ -68,7 +70,46 @@ impl Kernel<'_> {
                 self.queue(row, code, 0.0, false);
             }
         }
+        if self.block.firings.len() > 1 && !self.plan.exclusive.is_empty() {
+            self.last_of_groups();
+        }
         call
+    }
+
+    /// Of several G codes of one group the last one acts.
+    #[inline(never)]
+    fn last_of_groups(&mut self) {
+        for position in 0..self.block.words.len() {
+            let Some((word, at, group)) = self.code_of_word(position) else { continue };
+            let later = |at: usize| self.code_of_word(at).filter(|&(_, _, other)| other == group);
+            let Some((last, ..)) = (position + 1..self.block.words.len()).find_map(later) else { continue };
+            self.block.firings.remove(at);
+            if last.value != word.value {
+                let text = format!(
+                    "{} has no effect: {} of the same group comes later in '{}'",
+                    self.word_text(word),
+                    self.word_text(last),
+                    self.block_text()
+                );
+                self.diagnose(&diag::GROUP_TWICE, text);
+            }
+        }
+    }
+
+    /// The word at a position, the place of the code that it fires and the group in which only the last one acts.
+    fn code_of_word(&self, position: usize) -> Option<(Word, usize, u16)> {
+        let word = self.block.words.get(position).copied().filter(|word| Some(word.register) == self.plan.g)?;
+        let rows = self.machine.tables.code(word.register, word.value);
+        let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
+        let at = self.block.firings.iter().position(fired)?;
+        let group = self.block.firings.get(at).and_then(|firing| self.plan.exclusive.get(usize::from(firing.row)))?;
+        (*group != 0).then_some((word, at, *group))
+    }
+
+    /// A word as its register writes it.
+    fn word_text(&self, word: Word) -> String {
+        let register = self.machine.registers.get(usize::from(word.register));
+        register.map_or_else(String::new, |r| format!("{}{}", r.before, written(word.value, &r.format)))
     }
 
     /// Second pass over words whose rows depend on other words of the block.
@@ -121,6 +162,7 @@ impl Kernel<'_> {
     }
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
+        self.block.swallows |= !row.process;
         self.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
     }
 
@@ -128,6 +170,9 @@ impl Kernel<'_> {
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
+        if self.block.swallows {
+            self.drop_ignored();
+        }
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
@@ -142,6 +187,18 @@ impl Kernel<'_> {
             self.queue_modal(group);
             if !forever {
                 self.modal.refires.remove(index);
+            }
+        }
+    }
+
+    /// Words of axes that swallowed codes of the block ignore move nothing.
+    #[cold]
+    fn drop_ignored(&mut self) {
+        for at in 0..self.block.firings.len() {
+            let row = self.block.firings.get(at).and_then(|firing| self.machine.codes.get(usize::from(firing.row)));
+            let row = row.filter(|row| !row.process);
+            for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
+                self.block.take(register);
             }
         }
     }
@@ -201,6 +258,7 @@ impl Kernel<'_> {
 
     /// Lets one code act.
     pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
+        self.check_stop()?;
         let machine = self.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if firing.fragile && !self.is_left(row.group) {

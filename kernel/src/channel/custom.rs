@@ -12,11 +12,12 @@ use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
 use super::{Acted, Halt, Kernel, burden};
 use crate::diag;
+use crate::log::event::Kind;
 use crate::machine::ident::data;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
-use crate::macros::runtime::{Later, Task};
+use crate::macros::runtime::{Later, TICKS, Task};
 use crate::trace::{self, Stage};
 
 impl Kernel<'_> {
@@ -24,6 +25,16 @@ impl Kernel<'_> {
     #[inline]
     pub(crate) fn later_block(&mut self) -> Option<Later> {
         self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())
+    }
+
+    /// Tells the listing what such a block is: no line of a file has it.
+    pub(crate) fn name_block(&mut self, block: &Later) {
+        let text = match block {
+            Later::Text(text, _) => text.to_string(),
+            Later::Items(items, _) => self.listed(items),
+        };
+        let text = format!("{}{text}", trace::BLOCK).into();
+        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
     }
 
     /// Processes such a block.
@@ -57,14 +68,55 @@ impl Kernel<'_> {
         let code = runtime.store.code.take();
         let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
+        let asked = self.flow.pending.take();
         // A block within a block is one, too.
-        let done = self.work(burden::BLOCK).and_then(|()| self.check_limits()).and_then(|()| process(self));
+        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
+        let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
+        // The rest of that block is dropped, not that of the one around it.
+        let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
+        // A return or an end waits for the end of the block that was interrupted.
+        match std::mem::replace(&mut self.flow.pending, asked) {
+            Some(own) if self.flow.pending.is_some() => self.ask(own),
+            Some(own) => self.flow.pending = Some(own),
+            None => {}
+        }
         let nested: Block = std::mem::replace(&mut self.block, block);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
             (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark) = kept;
+        }
+        done
+    }
+
+    /// Carries out the call that a block inside another one asks for: the whole subprogram, before the macro goes on.
+    fn call_at_once(&mut self) -> Acted {
+        use super::flow::Pending::{Call, CallRange, CallText};
+        if !matches!(self.flow.pending, Some(Call { .. } | CallRange { .. } | CallText(_))) {
+            return Ok(());
+        }
+        let level = self.flow.frames.len();
+        let place = (self.file, self.line, self.edited.clone());
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        let later = std::mem::take(&mut runtime.later);
+        let matching = std::mem::replace(&mut runtime.matching, true);
+        let ticks = runtime.ticks(None);
+        let mut done = self.follow();
+        while done.is_ok() && self.flow.frames.len() > level {
+            if let Some(runtime) = self.macros.as_deref_mut() {
+                // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
+                runtime.ticks(Some(TICKS));
+            }
+            done = self.step();
+        }
+        (self.file, self.line, self.edited) = place;
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.ticks(ticks);
+            runtime.matching = matching;
+            // What its last block left for later comes after what was left before.
+            let own = std::mem::replace(&mut runtime.later, later);
+            runtime.later.extend(own);
         }
         done
     }
@@ -338,10 +390,8 @@ impl Kernel<'_> {
         let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         let [flag, text, _] = arguments;
-        if flag.as_real() == Some(0.0) {
-            return Ok(Verdict::Drop);
-        }
-        match (given, text) {
+        let drops = flag.as_real() == Some(0.0);
+        let verdict = match (given, text) {
             (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
                 let (length, limit) = (text.len(), self.options.limits.block_length);
                 if length > limit {
@@ -351,16 +401,17 @@ impl Kernel<'_> {
                 if let Some(runtime) = self.macros.as_deref_mut() {
                     runtime.text = Some(text);
                 }
-                Ok(Verdict::Edited)
+                Verdict::Edited
             }
-            (Some(_), Value::Text(_)) | (None, _) => Ok(Verdict::Go),
+            (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
             (Some(_), other) => {
                 let text =
                     format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
                 self.diagnose(&diag::MACRO_RESULT, text);
-                Ok(Verdict::Go)
+                Verdict::Go
             }
-        }
+        };
+        Ok(if drops { Verdict::Drop } else { verdict })
     }
 
     /// Left-over text after the codes: the block shutdown macro may change it.

@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers or
 //! labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number
-//! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file; a startup macro
-//! can send a call to any file of the job.
+//! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
+//! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
 
 use std::sync::Arc;
 
@@ -26,6 +26,8 @@ type Found = Option<(FileId, Range)>;
 pub(crate) struct Called {
     pub(crate) what: Callee,
     pub(crate) passes: u32,
+    /// The block that calls, on a kernel with macros.
+    pub(crate) block: Option<Arc<str>>,
 }
 
 /// What is called.
@@ -53,6 +55,12 @@ impl std::fmt::Display for Callee {
 }
 
 impl Kernel<'_> {
+    /// What the block in process calls.
+    pub(super) fn called(&self, what: Callee, passes: u32) -> Called {
+        let block = self.macros.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
+        Called { what, passes, block }
+    }
+
     /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
@@ -81,9 +89,15 @@ impl Kernel<'_> {
     }
 
     /// Runs the shutdown macro of a pass.
-    pub(crate) fn subprogram_shutdown(&mut self, called: &Called, pass: u32, level: usize) -> Acted {
+    pub(crate) fn subprogram_shutdown(
+        &mut self,
+        called: &Called,
+        pass: u32,
+        place: (FileId, Range),
+        level: usize,
+    ) -> Acted {
         let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
-        let mut arguments = self.call_arguments(called, pass, None, level);
+        let mut arguments = self.call_arguments(called, pass, Some(place), level);
         self.run_macro(code, Task::None, &mut arguments).map(|_| ())
     }
 
@@ -93,7 +107,7 @@ impl Kernel<'_> {
         let (called, here) = (frame.called.clone(), (frame.file, frame.range));
         let pass = called.passes.saturating_sub(frame.repeats + 1);
         let level = self.flow.frames.len() - 1;
-        self.subprogram_shutdown(&called, pass.saturating_sub(1), level)?;
+        self.subprogram_shutdown(&called, pass.saturating_sub(1), here, level)?;
         match self.subprogram_startup(&called, pass, Some(here), level)? {
             Some(Some((file, range))) => {
                 if let Some(frame) = self.flow.frames.last_mut() {
@@ -117,8 +131,8 @@ impl Kernel<'_> {
 
     fn call_arguments(&self, called: &Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
         let (file, offset) = match found {
-            Some((file, range)) => (self.info.file_name(file), f64::from(range.first.saturating_sub(1))),
-            None => ("", -1.0),
+            Some((file, range)) => (self.info.file_name(file).to_owned(), f64::from(range.first.saturating_sub(1))),
+            None => (self.looked_for(&called.what), -1.0),
         };
         let (kind, number, (first, last)) = match &called.what {
             Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
@@ -131,7 +145,7 @@ impl Kernel<'_> {
             Value::Real(f64::from(first)),
             Value::Real(f64::from(last)),
             Value::Real(f64::from(called.passes.saturating_sub(1))),
-            Value::text(self.block_text()),
+            Value::text(called.block.as_deref().unwrap_or_default()),
             Value::Real(level as f64),
             Value::Real(f64::from(pass)),
             Value::text(file),

@@ -41,6 +41,7 @@ impl Kernel<'_> {
         if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
             return self.macro_call();
         }
+        self.check_known()?;
         self.head_sequence();
         if let (Some(number), Some(runtime)) = (self.block.sequence, self.macros.as_deref_mut()) {
             runtime.last_sequence = number;

@@ -9,6 +9,7 @@ use super::state::Modal;
 use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
+use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
@@ -24,18 +25,21 @@ impl Kernel<'_> {
         self.plain_macro(Hook::Declaration)?;
         self.plain_macro(Hook::ProgramStartup)?;
         // A call that the startup macro made takes place before the first block.
-        self.follow()
+        let done = self.follow();
+        self.went_on(done)
     }
 
-    /// Program Shutdown, when the program has come to its end.
+    /// Program Shutdown, when the program has come to its end or stands on an alarm.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
         let Some(runtime) = self.macros.as_deref_mut() else { return halt };
-        if !matches!(halt, Halt::End(_)) {
+        if !matches!(halt, Halt::End(_) | Halt::Alarm) {
             return halt;
         }
+        (runtime.halt, runtime.ending) = (None, false);
         runtime.later.clear();
         runtime.closing = true;
         runtime.text = None;
+        self.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -64,7 +68,7 @@ impl Kernel<'_> {
         let name = self.info.file_name(file).to_owned();
         let Some((file, range)) = self.place_in_file(&name, line)? else {
             let text = format!("the run cannot go on at line {line} of {name}");
-            return Err(self.alarm(&diag::FILE_UNREADABLE, text));
+            return Err(self.fatal(&diag::FILE_UNREADABLE, text));
         };
         self.start_over(file, range, name.into(), reset)
     }
@@ -74,7 +78,7 @@ impl Kernel<'_> {
         if reset {
             self.modal = Modal::new(self.machine);
             self.initial_codes();
-            (self.place.tool, self.place.selected) = (0, 0);
+            (self.place.tool, self.place.selected, self.place.chosen) = (0, 0, false);
             (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
             action::frame::forget(self);
             if let Some(channel) = self.machine.channels.iter().find(|channel| channel.number == self.rank) {
@@ -102,29 +106,43 @@ impl Kernel<'_> {
         }
         self.interpreter_started();
         self.plain_macro(Hook::ProgramStartup)?;
-        self.follow()
+        let done = self.follow();
+        self.went_on(done)
     }
 
     /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.
     pub(crate) fn identified(&mut self, index: u32) -> Result<f64, Fault> {
         let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return self.get_known(index) };
-        match self.identify(code, index, Value::Null)? {
-            Answer::Own => self.get_known(index),
+        match self.identify_variable(code, index, Value::Null)? {
+            Answer::Unknown => self.get_known(index),
             Answer::Drop => Ok(0.0),
             Answer::Keep => Err(Fault::Kept(index)),
-            Answer::Text(text) => self.value_of_text(&text, index),
+            Answer::Instead(text) => self.value_of_text(&text, Fault::NoVariable(f64::from(index))),
+        }
+    }
+
+    /// Asks it for the value of a function that the control does not have.
+    pub(crate) fn identified_function(&mut self, text: &str) -> Result<f64, Fault> {
+        let unknown = Fault::NoFunction(text.to_owned());
+        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Err(unknown) };
+        match self.identify_text(code, text, Value::Null)? {
+            Answer::Unknown => Err(unknown),
+            Answer::Drop => Ok(0.0),
+            Answer::Keep => Err(Fault::KeptFunction(text.to_owned())),
+            Answer::Instead(text) => self.value_of_text(&text, unknown),
         }
     }
 
     /// Asks it where to write a variable that the kernel does not know; true if that is settled.
     pub(crate) fn identify_write(&mut self, index: u32, value: f64) -> Result<bool, Fault> {
         let Some(code) = self.hook(Hook::Identification).filter(|_| index >= 1000) else { return Ok(false) };
-        match self.identify(code, index, Value::Real(number(value)))? {
-            Answer::Own => Ok(false),
+        match self.identify_variable(code, index, Value::Real(number(value)))? {
+            Answer::Unknown => Ok(false),
             Answer::Drop => Ok(true),
             Answer::Keep => Err(Fault::Kept(index)),
-            Answer::Text(text) => {
+            Answer::Instead(text) => {
                 let wanted = text.trim().strip_prefix('#').and_then(|text| text.trim().parse::<u32>().ok());
                 match wanted.filter(|wanted| *wanted != index && (*wanted < 1000 || self.is_common(*wanted))) {
                     Some(wanted) => self.set_variable(wanted, value).map(|()| true),
@@ -134,31 +152,52 @@ impl Kernel<'_> {
         }
     }
 
-    fn identify(&mut self, code: u16, index: u32, assigned: Value) -> Result<Answer, Fault> {
+    /// The same for a variable: a text that is not changed is an error.
+    fn identify_variable(&mut self, code: u16, index: u32, assigned: Value) -> Result<Answer, Fault> {
         let asked = format!("#{index}");
-        let (flag, text) = match self.ask_identification(code, &asked, assigned) {
-            Ok(answer) => answer,
-            Err(halt) => {
-                self.keep_halt(halt);
-                return Err(Fault::Stopped);
-            }
-        };
-        Ok(match text.as_text().filter(|text| text.trim() != asked) {
-            Some(text) if flag == 1.0 => Answer::Text(text.to_owned()),
+        match self.identify_text(code, &asked, assigned)? {
             // Evaluating the same text again would ask for ever.
-            _ if flag == 1.0 => return Err(Fault::NoVariable(f64::from(index))),
-            _ if flag == -1.0 => Answer::Drop,
-            _ if flag == 2.0 => Answer::Keep,
-            _ => Answer::Own,
+            Answer::Instead(text) if text.trim() == asked => Err(Fault::NoVariable(f64::from(index))),
+            answer => Ok(answer),
+        }
+    }
+
+    fn identify_text(&mut self, code: u16, text: &str, assigned: Value) -> Result<Answer, Fault> {
+        self.ask_identification(code, text, assigned).map_err(|halt| {
+            self.keep_halt(halt);
+            Fault::Stopped
         })
     }
 
-    /// Runs the identification macro: what it left in `$P1` and `$P2`.
-    pub(super) fn ask_identification(&mut self, code: u16, asked: &str, assigned: Value) -> Result<(f64, Value), Halt> {
+    /// Runs the identification macro on a text that nobody knows, with the value that is being assigned to it.
+    ///
+    /// # Errors
+    /// The macro stopped the channel.
+    pub(super) fn ask_identification(&mut self, code: u16, asked: &str, assigned: Value) -> Result<Answer, Halt> {
         let mut arguments = [Value::Real(0.0), Value::text(asked), assigned];
         self.run_macro(code, Task::None, &mut arguments)?;
         let [flag, text, _] = arguments;
-        Ok((flag.as_real().unwrap_or(0.0), text))
+        let flag = flag.as_real().unwrap_or(0.0);
+        if flag != 1.0 {
+            return Ok(match flag {
+                -1.0 => Answer::Drop,
+                2.0 => Answer::Keep,
+                _ => Answer::Unknown,
+            });
+        }
+        Ok(match text {
+            Value::Text(text) => Answer::Instead(text.as_ref().clone()),
+            // As many digits as tell the number from every other.
+            Value::Real(number) if number.is_finite() => Answer::Instead(number.to_string()),
+            other => {
+                let text = format!(
+                    "$P2 of the identification macro is {} in place of '{asked}'; a text or a number is expected",
+                    other.kind_name()
+                );
+                self.diagnose(&diag::MACRO_RESULT, text);
+                Answer::Unknown
+            }
+        })
     }
 
     fn set_identifying(&mut self, on: bool) {
@@ -167,32 +206,19 @@ impl Kernel<'_> {
         }
     }
 
-    /// Value of an expression that a macro gave in place of a variable.
-    fn value_of_text(&mut self, text: &str, index: u32) -> Result<f64, Fault> {
-        let unknown = Fault::NoVariable(f64::from(index));
-        let statement =
-            compile(format!("#1=[{text}]").as_bytes(), Names::default()).map_err(|_| unknown.clone())?.statement;
-        let Statement::Assign(list) = statement else { return Err(unknown) };
+    /// Value of an expression that a macro gave in place of something that nobody knows; the same text again would be
+    /// asked for ever, so what nobody knows in it stays `unknown`.
+    fn value_of_text(&mut self, text: &str, unknown: Fault) -> Result<f64, Fault> {
+        let Ok(line) = compile(format!("#1=[{text}]").as_bytes(), Names::default()) else { return Err(unknown) };
+        let Statement::Assign(list) = line.statement else { return Err(unknown) };
         match list.as_slice() {
             [(_, value)] => {
                 self.set_identifying(true);
                 let value = value.eval(self);
                 self.set_identifying(false);
-                value
+                if let Err(Fault::NoFunction(_)) = value { Err(unknown) } else { value }
             }
             _ => Err(unknown),
         }
     }
-}
-
-/// What the identification macro wants.
-enum Answer {
-    /// The kernel's own way.
-    Own,
-    /// Nothing is to happen; the value is 0.
-    Drop,
-    /// The text stays on the block.
-    Keep,
-    /// This text instead.
-    Text(String),
 }

@@ -81,16 +81,13 @@ impl Kernel<'_> {
         Some(Datum { value, incremental: false, absolute: false, raw: value })
     }
 
-    /// A word is there, but its row says that nothing may take it.
+    /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
     pub(super) fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
-        if self.block.present & refused != 0 {
-            let text = format!(
-                "{} is asked for in '{}', but its row is not processed",
-                self.machine.data_name(id),
-                self.block_text()
-            );
+        if (self.block.present | RECALLED) & refused != 0 {
+            let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };
+            let text = format!("{} is asked for in '{}', but {why}", self.machine.data_name(id), self.block_text());
             self.diagnose(&diag::DATA_REFUSED, text);
             return true;
         }

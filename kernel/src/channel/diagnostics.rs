@@ -4,6 +4,7 @@
 
 use super::Kernel;
 use crate::machine::model::{DiagnosticRule, Diagnostics};
+use crate::macros::model::Hook;
 
 /// The machine's own text for what the kernel says.
 const ORIGINAL: &str = "!(*)";
@@ -22,6 +23,12 @@ impl Diagnostics {
         self.rules.get(index)
     }
 
+    /// Whether the machine stops at a number, where it says so.
+    #[must_use]
+    pub fn stops(&self, number: u32) -> Option<bool> {
+        self.rule(number)?.stops
+    }
+
     /// Severity and text of a diagnostic on this machine, `None` when it is switched off or below the floor. `before`
     /// counts how often the number was raised before; the last one that is shown says so.
     #[must_use]
@@ -35,20 +42,26 @@ impl Diagnostics {
         if !rule.enable || rule.repeat.is_some_and(|most| before >= most) {
             return None;
         }
-        let mut text = match &rule.text {
-            Some(own) => own.replace(ORIGINAL, &text),
-            None => text,
-        };
+        let (severity, mut text) = self.shown(rule, severity, text)?;
         if rule.repeat == Some(before.saturating_add(1)) {
             text.push_str(" (further ones are not shown)");
         }
         Some((severity, text))
     }
+
+    /// The same for a number that is shown, whatever its rule says about that.
+    fn shown(&self, rule: &DiagnosticRule, severity: u8, text: String) -> Option<(u8, String)> {
+        let text = match &rule.text {
+            Some(own) => own.replace(ORIGINAL, &text),
+            None => text,
+        };
+        (severity >= self.min_severity).then_some((severity, text))
+    }
 }
 
 impl Kernel<'_> {
     /// Severity and text of a diagnostic on this machine; an alarm is never lost.
-    pub(super) fn customised(
+    pub(crate) fn customised(
         &mut self,
         number: u32,
         (severity, alarm): (u8, bool),
@@ -66,6 +79,13 @@ impl Kernel<'_> {
             0
         };
         let kept = alarm.then(|| (severity, text.clone()));
+        let runtime = self.macros.as_deref();
+        let on = runtime.is_some_and(|runtime| runtime.severities.get(&number).is_some_and(|(_, on)| *on));
+        // The diagnostic macro sees numbers that are off too.
+        let seen = on || self.hook(Hook::Diagnostic).is_some();
+        if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
+            return table.shown(rule, rule.severity.unwrap_or(severity), text).or(kept);
+        }
         table.custom(number, severity, text, before).or(kept)
     }
 }
@@ -79,7 +99,7 @@ mod tests {
     }
 
     fn rule() -> DiagnosticRule {
-        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None }
+        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None, stops: None }
     }
 
     #[test]

@@ -89,6 +89,8 @@ pub(crate) struct Flow {
     pub(crate) caching: bool,
     /// Compiled lines of the pre-processor.
     pub(crate) compiled: Kept<Line>,
+    /// Loops that the programs are in: level of the program and line of the statement that opens the loop.
+    pub(crate) loops: Vec<(usize, u32)>,
     /// Loop partners by program (file and first line).
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
@@ -114,7 +116,7 @@ impl Frame {
             repeats: 0,
             closes: false,
             own_variables: false,
-            called: Called { what: Callee::Program(0), passes: 1 },
+            called: Called { what: Callee::Program(0), passes: 1, block: None },
             by: None,
             name,
         }
@@ -130,6 +132,7 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
+        self.check_stop()?;
         let flow = &self.flow;
         if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }
@@ -175,8 +178,9 @@ impl Kernel<'_> {
             Callee::Program(number) => number.to_string(),
             other => other.to_string(),
         })?;
+        self.check_levels(arguments.is_some(), &what)?;
         let mut found = self.find_program(&what)?;
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -217,9 +221,10 @@ impl Kernel<'_> {
     /// current file (reference control-emulator.md 5.7).
     fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
         self.check_nesting(|| what.to_string())?;
+        self.check_levels(false, &what)?;
         let range = self.find_range(&what);
         let mut found = range.map(|range| (self.file, range));
-        let called = Called { what: what.clone(), passes };
+        let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
                 None => return Ok(()),
@@ -258,6 +263,26 @@ impl Kernel<'_> {
         Err(self.alarm(&diag::NESTING, text))
     }
 
+    /// What the control itself allows: levels of macros, of subprograms, and of both together.
+    fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
+        let levels = self.machine.subprograms.levels;
+        let all = self.flow.frames.len();
+        let macros = self.call_level();
+        let deep = |own: usize, limit: Option<u16>| limit.filter(|limit| own > usize::from(*limit));
+        let own = if is_macro { deep(macros + 1, levels.macros) } else { None };
+        let (facts, limit, kind) = if let Some(limit) = own {
+            (&diag::MACRO_LEVELS, limit, "macro calls")
+        } else if let Some(limit) = deep(all, levels.all) {
+            (&diag::CALL_LEVELS, limit, "calls")
+        } else if let Some(limit) = deep(all - macros, levels.subprograms).filter(|_| !is_macro) {
+            (&diag::CALL_LEVELS, limit, "subprogram calls")
+        } else {
+            return Ok(());
+        };
+        let text = format!("more than {limit} levels of {kind} at the call of {what} in '{}'", self.block_text());
+        Err(self.alarm(facts, text))
+    }
+
     pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call { program: frame.name.clone(), level });
@@ -278,6 +303,7 @@ impl Kernel<'_> {
             frame.repeats -= 1;
             let (first, last) = (frame.range.first, frame.range.last);
             (frame.next, frame.offset) = (first, 0);
+            self.flow.loops.retain(|(level, _)| *level < self.flow.frames.len());
             self.interpreter_again();
             self.end_pass(first, last)?;
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
@@ -287,10 +313,12 @@ impl Kernel<'_> {
                 self.variables.leave();
             }
             self.interpreter_left();
+            self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
-                self.subprogram_shutdown(&frame.called, frame.called.passes.saturating_sub(1), usize::from(level))?;
+                let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
+                self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;
             }
         }
         match target {
@@ -306,6 +334,7 @@ impl Kernel<'_> {
         match self.machine.subprograms.main_return {
             MainReturn::Restart => {
                 let first = self.frame().map_or(1, |f| f.range.first);
+                self.flow.loops.clear();
                 self.jump_to_line(first)
             }
             MainReturn::End => {
@@ -330,7 +359,10 @@ impl Kernel<'_> {
         };
         let found = first_from(next).or_else(|| first_from(range.first));
         match found {
-            Some(line) => self.jump_to_line(line),
+            Some(line) => {
+                self.leave_loops(line);
+                self.jump_to_line(line)
+            }
             None => {
                 let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
                 Err(self.alarm(&diag::JUMP_TARGET, text))

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::custom_calls::{Called, Callee};
+use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
 use super::frames::affine::Affine;
 use super::frames::offsets::Table;
@@ -119,7 +119,7 @@ impl Kernel<'_> {
     pub(super) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
-        let called = Called { what: Callee::Named(Arc::clone(&name)), passes };
+        let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
@@ -199,7 +199,8 @@ impl Host for Kernel<'_> {
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
-        Kernel::diagnose(self, facts, text);
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.machine.habits.unknown_alarms;
+        Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
     fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
@@ -244,13 +245,10 @@ impl Host for Kernel<'_> {
         let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
-        let (flag, answer) = self.ask_identification(code, text, assigned)?;
-        Ok(match answer.as_text().filter(|answer| answer.trim() != text.trim()) {
-            Some(answer) if flag == 1.0 => Answer::Instead(answer.to_owned()),
-            _ if flag == -1.0 => Answer::Drop,
-            _ if flag == 2.0 => Answer::Keep,
+        Ok(match self.ask_identification(code, text, assigned)? {
             // Evaluating the same text again would ask for ever.
-            _ => Answer::Unknown,
+            Answer::Instead(answer) if answer.trim() == text.trim() => Answer::Unknown,
+            answer => answer,
         })
     }
 
@@ -280,6 +278,12 @@ impl Host for Kernel<'_> {
     fn is_code_text(&self, text: &str) -> bool {
         let mut texts = self.machine.tables.texts.iter();
         texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
+    }
+
+    fn knows_code(&self, letter: u8, value: f64) -> bool {
+        let tables = &self.machine.tables;
+        let register = tables.letter.get(usize::from(letter)).copied().flatten();
+        register.is_some_and(|(register, _)| !tables.code(register, value).is_empty())
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
@@ -315,18 +319,19 @@ impl Host for Kernel<'_> {
         let machine = self.machine_point(&self.place.position);
         let counted = self.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
-            let named = self.machine.axes.get(axis.machine)?;
-            let factor = self.program_factor(at);
-            Some(AxisPlace {
-                name: named.name.clone(),
-                letter: named.letter.clone(),
-                diameter: self.factor_across(at) * axis.scale < 1.0,
-                work: work / factor,
-                from: from / factor,
-                machine: machine / factor,
-            })
-        });
+        let places =
+            self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
+                let named = self.machine.axes.get(axis.machine)?;
+                let factor = self.program_factor(at);
+                Some(AxisPlace {
+                    name: named.name.clone(),
+                    letter: named.letter.clone(),
+                    diameter: self.factor_across(at) * axis.scale < 1.0,
+                    work: work / factor,
+                    from: from / factor,
+                    machine: machine / factor,
+                })
+            });
         places.collect()
     }
 

@@ -35,7 +35,7 @@ impl Kernel<'_> {
         }
         self.left_name();
         if !self.block.unknown.is_empty() {
-            self.unknown_text();
+            self.unknown_text()?;
         }
         if self.block.odd & odd::OPEN_COMMENT != 0 {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
@@ -54,6 +54,10 @@ impl Kernel<'_> {
 
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
         let machine = self.machine;
+        let mut rows = self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        if rows.any(|row| row.ignores.contains(&register)) {
+            return;
+        }
         let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
         let (feed, _) = feed_of(self.modal.code(group::FEED));
         let mut known = false;
@@ -122,65 +126,5 @@ impl Kernel<'_> {
         if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
             self.block.take_name();
         }
-    }
-
-    fn unknown_text(&mut self) {
-        const MOST: usize = 60;
-        let left = self.left_text();
-        let mut text = left.split_whitespace().collect::<Vec<_>>().join(" ");
-        if text.chars().count() > MOST {
-            text = text.chars().take(MOST - 3).chain("...".chars()).collect();
-        }
-        if text.is_empty() {
-            return;
-        }
-        let block = self.block_text();
-        let hint = letter_for_zero(&text, &block);
-        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'{hint}"));
-    }
-}
-
-/// What to say of a word of the block with the letter O where a zero is meant (`X5O`, `G O1`), if `left` has one.
-fn letter_for_zero(left: &str, block: &str) -> String {
-    let is_o = |c: char| matches!(c, 'O' | 'o');
-    if !left.contains(is_o) {
-        return String::new();
-    }
-    let number = |c: char| c.is_ascii_digit() || is_o(c) || matches!(c, '.' | '+' | '-');
-    let mut rest = block;
-    let mut before = ' ';
-    while let Some(letter) = rest.chars().next() {
-        let tail = rest.get(letter.len_utf8()..).unwrap_or_default();
-        let address = letter.is_ascii_alphabetic() && !is_o(letter) && !before.is_ascii_alphabetic();
-        if address {
-            let length = tail.len() - tail.trim_start_matches(number).len();
-            let (value, after) = tail.split_at(length);
-            let letters = value.chars().filter(|c| is_o(*c)).count();
-            let name = letters > 1 || after.starts_with(|c: char| c.is_ascii_alphabetic());
-            let name = name && !value.contains(|c: char| c.is_ascii_digit());
-            if letters > 0 && !name {
-                return format!(": {letter}{value} has the letter O for a zero");
-            }
-        }
-        (rest, before) = (tail, letter);
-    }
-    String::new()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_letter_for_a_zero_is_found_in_words() {
-        let hint = |left: &str, block: &str| letter_for_zero(left, block);
-        assert_eq!(hint("O", "G90 G0 X5O Y1."), ": X5O has the letter O for a zero");
-        assert_eq!(hint("O.", "G1 X1O. F100"), ": X1O. has the letter O for a zero");
-        assert_eq!(hint("GO", "GO X1."), ": GO has the letter O for a zero");
-        assert_eq!(hint("o", "g1 z-o.5"), ": z-o.5 has the letter O for a zero");
-        assert_eq!(hint("POCKET", "POCKET4(1)"), "");
-        assert_eq!(hint("FOO O", "GOTO 1 FOO O"), "");
-        assert_eq!(hint("NOISE", "G0 X1. NOISE"), "");
-        assert_eq!(hint("Q", "G1 XO Q"), "");
     }
 }

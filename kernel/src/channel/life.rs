@@ -53,13 +53,14 @@ impl Kernel<'_> {
     fn finish(&mut self, halt: Halt) {
         let (how, phase, state) = match halt {
             Halt::End(_) => (Terminal::Ended, Phase::ProgramEnd, State::Ended),
-            Halt::Alarm => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
+            Halt::Alarm | Halt::Dropped => (Terminal::Alarmed, Phase::Alarmed, State::Alarmed),
             Halt::Stopped => (Terminal::Stopped, Phase::Stopped, State::Stopped),
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
             self.tell_order();
         }
+        self.tell_softened(halt);
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }

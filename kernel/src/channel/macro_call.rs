@@ -78,6 +78,11 @@ impl Kernel<'_> {
     fn call_words(&mut self, words: &[TemplateWord], mut own: Option<(u8, f64)>) -> Result<Words, Halt> {
         let mut read = Words::default();
         let mut levels = [0_u8; 3];
+        let calls = |word: &TemplateWord| {
+            let value = word.value.as_constant().filter(|_| word.name == Name::Letter(b'G'));
+            value.is_some_and(|value| Self::way_of_call(value).is_some())
+        };
+        let strict = self.machine.subprograms.strict && own.is_none() && words.iter().any(calls);
         for word in words {
             let Name::Letter(letter) = word.name else {
                 self.block.unknown.push((word.start, word.end));
@@ -95,13 +100,21 @@ impl Kernel<'_> {
                     }
                 },
             };
-            let plain = number(value);
+            let plain = match (letter, word.written) {
+                // Numbers of programs and passes are whole.
+                (b'P' | b'L', None) => number(value).round(),
+                _ => number(value),
+            };
             if own.is_some() && own == register.map(|(register, _)| (register, plain)) {
                 own = None;
                 continue;
             }
+            let calls = read.way.is_none() && letter == b'G' && Self::way_of_call(plain).is_some();
+            if strict && !calls {
+                self.check_place(letter, read.way.is_some())?;
+            }
             match letter {
-                b'G' if read.way.is_none() && Self::way_of_call(plain).is_some() => {
+                b'G' if calls => {
                     read.way = Self::way_of_call(plain);
                 }
                 b'N' | b'O' => {}
@@ -120,6 +133,25 @@ impl Kernel<'_> {
             }
         }
         Ok(read)
+    }
+}
+
+impl Kernel<'_> {
+    /// Arguments come behind the word that calls, and G words are none.
+    fn check_place(&mut self, letter: u8, behind: bool) -> Acted {
+        if matches!(letter, b'N' | b'O') {
+            return Ok(());
+        }
+        let letter = char::from(letter);
+        if !behind {
+            let text = format!("{letter} stands before the macro call in '{}'", self.block_text());
+            return Err(self.alarm(&diag::CALL_NOT_FIRST, text));
+        }
+        if letter == 'G' {
+            let text = format!("G is no argument of the macro call in '{}'", self.block_text());
+            return Err(self.alarm(&diag::CALL_G_WORD, text));
+        }
+        Ok(())
     }
 }
 

@@ -80,8 +80,9 @@ impl Kernel<'_> {
                 Ok(line)
             }
             Err(error) => {
+                let facts = if error.brackets { &diag::BRACKETS } else { &diag::MACRO_SYNTAX };
                 let text = format!("{error} in '{}'", self.block_text());
-                Err(self.alarm(&diag::MACRO_SYNTAX, text))
+                Err(self.alarm(facts, text))
             }
         }
     }
@@ -113,16 +114,14 @@ impl Kernel<'_> {
             Statement::Goto(target) => self.goto(target),
             Statement::While(condition, _) => {
                 if self.truth(condition)? {
-                    Ok(())
+                    Ok(self.enter_loop()?)
                 } else {
+                    self.leave_loop();
                     Ok(self.skip_past(Pairs::of_loop)?)
                 }
             }
-            Statement::Do(_) => Ok(()),
-            Statement::End(_) => match self.pairs().of_loop(self.line) {
-                Some(start) => Ok(self.jump_to_line(start)?),
-                None => Err(self.unpaired().into()),
-            },
+            Statement::Do(_) => Ok(self.enter_loop()?),
+            Statement::End(_) => Ok(self.end_loop()?),
             Statement::IfBlock(condition) => {
                 if self.truth(condition)? {
                     Ok(())
@@ -133,6 +132,54 @@ impl Kernel<'_> {
             Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
             Statement::EndIf | Statement::Ignored => Ok(()),
         }
+    }
+
+    /// The current line opens a loop, or begins its next pass.
+    fn enter_loop(&mut self) -> Acted {
+        let place = (self.flow.frames.len(), self.line);
+        if self.flow.loops.contains(&place) {
+            return Ok(());
+        }
+        if self.pairs().of_loop(self.line).is_none() {
+            return Err(self.unpaired());
+        }
+        self.flow.loops.push(place);
+        Ok(())
+    }
+
+    /// The loop that the current line opens is over, and with it those inside.
+    fn leave_loop(&mut self) {
+        let place = (self.flow.frames.len(), self.line);
+        if let Some(at) = self.flow.loops.iter().position(|inside| *inside == place) {
+            self.flow.loops.truncate(at);
+        }
+    }
+
+    /// The end of a loop: its next pass, if the program has come in through its start.
+    fn end_loop(&mut self) -> Acted {
+        let Some(start) = self.pairs().of_loop(self.line) else { return Err(self.unpaired()) };
+        let place = (self.flow.frames.len(), start);
+        match self.flow.loops.iter().position(|inside| *inside == place) {
+            Some(at) => {
+                self.flow.loops.truncate(at + 1);
+                self.jump_to_line(start)
+            }
+            None => {
+                let text =
+                    format!("'{}' ends a loop that line {start} opens, but a jump has led into it", self.block_text());
+                Err(self.alarm(&diag::LOOP_ENTERED, text))
+            }
+        }
+    }
+
+    /// A jump within the program leaves the loops that do not hold its target.
+    pub(super) fn leave_loops(&mut self, target: u32) {
+        if self.flow.loops.is_empty() {
+            return;
+        }
+        let (pairs, here) = (self.pairs(), self.flow.frames.len());
+        let holds = |start: u32| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target));
+        self.flow.loops.retain(|&(level, start)| level != here || holds(start));
     }
 
     /// Goes on after the partner of the current line.
@@ -176,8 +223,8 @@ impl Kernel<'_> {
     }
 
     fn goto(&mut self, target: &Expr) -> Result<(), Left> {
-        let value = number(self.eval(target)?);
-        if value < 1.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
+        let value = number(self.eval(target)?).round();
+        if !(1.0..=f64::from(u32::MAX)).contains(&value) {
             let text = format!("{value} is no sequence number to go to in '{}'", self.block_text());
             return Err(self.alarm(&diag::JUMP_TARGET, text).into());
         }
@@ -192,13 +239,22 @@ impl Kernel<'_> {
         if let Some(value) = expr.as_constant() {
             return Ok(value);
         }
-        let result = expr.eval(self);
-        result.map_err(|fault| self.left(&fault))
+        match expr.eval(self) {
+            Ok(value) => Ok(value),
+            // What has no value counts as 0 where the machine goes on.
+            Err(fault) => self.faulty(&fault).map(|()| 0.0),
+        }
     }
 
-    /// Why a fault ends its statement.
-    fn left(&mut self, fault: &Fault) -> Left {
-        if let Fault::Kept(_) = fault { Left::Text } else { Left::Halt(self.fault(fault)) }
+    /// A fault ends its statement, unless the machine goes on from it.
+    fn faulty(&mut self, fault: &Fault) -> Result<(), Left> {
+        if matches!(fault, Fault::Kept(_) | Fault::KeptFunction(_)) {
+            return Err(Left::Text);
+        }
+        match self.fault(fault) {
+            Halt::Dropped => Ok(()),
+            halt => Err(Left::Halt(halt)),
+        }
     }
 
     /// Alarm of a fault.
@@ -207,6 +263,7 @@ impl Kernel<'_> {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
             Fault::Domain(..) => &diag::MACRO_DOMAIN,
+            Fault::NoFunction(_) | Fault::KeptFunction(_) => &diag::MACRO_SYNTAX,
             Fault::NoVariable(_) | Fault::ReadOnly(_) | Fault::Kept(_) => &diag::MACRO_VARIABLE,
         };
         let text = format!("{fault} in '{}'", self.block_text());
@@ -216,10 +273,10 @@ impl Kernel<'_> {
     fn assign(&mut self, target: &Expr, value: &Expr) -> Result<(), Left> {
         let value = self.eval(value)?;
         let target = number(self.eval(target)?);
-        if target < 0.0 || target.fract() != 0.0 || target > f64::from(u32::MAX) {
-            return Err(self.fault(&Fault::NoVariable(target)).into());
-        }
-        let index = target as u32;
+        let index = match fanuc::variable_index(target) {
+            Ok(index) => index,
+            Err(fault) => return self.faulty(&fault),
+        };
         match index {
             3000 => {
                 let text = format!("alarm {} raised by the program in '{}'", 3000.0 + number(value), self.block_text());
@@ -227,11 +284,14 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text });
+                self.emit(0, Kind::Message { text, printed: false });
                 Ok(())
             }
             3001..=3004 => Ok(()),
-            _ => self.set_variable(index, value).map_err(|fault| self.left(&fault)),
+            _ => match self.set_variable(index, value) {
+                Ok(()) => Ok(()),
+                Err(fault) => self.faulty(&fault),
+            },
         }
     }
 
@@ -239,7 +299,11 @@ impl Kernel<'_> {
     fn template(&mut self, words: &[TemplateWord]) -> Result<(), Left> {
         self.flow.pass.effects = true;
         for word in words {
-            let value = match self.eval(&word.value) {
+            let steps = if word.written.is_some() { None } else { self.steps_of(word.name) };
+            self.variables.steps = steps.unwrap_or(1.0);
+            let value = self.eval(&word.value);
+            self.variables.steps = 1.0;
+            let value = match value {
                 Ok(value) => value,
                 Err(Left::Halt(halt)) => return Err(halt.into()),
                 Err(Left::Text) => {
@@ -250,6 +314,7 @@ impl Kernel<'_> {
             if is_vacant(value) {
                 continue;
             }
+            let value = steps.map_or(value, |steps| fanuc::to_step(value, steps));
             let register = match word.name {
                 Name::Letter(letter) => self.plan.scanner.register(letter),
                 Name::Register(register, _) if self.sequence_word(register, value) => continue,
@@ -282,6 +347,16 @@ impl Kernel<'_> {
             }
         }
         Ok(self.act_block()?)
+    }
+
+    /// Steps of one unit that the value of an expression at an address is rounded to.
+    fn steps_of(&self, name: Name) -> Option<f64> {
+        let register = match name {
+            Name::Letter(letter) => self.plan.scanner.register(letter)?.0,
+            Name::Register(register, _) => register,
+            Name::Text(_) => return None,
+        };
+        self.plan.steps.get(usize::from(register))?.get(usize::from(self.secondary)).copied()
     }
 
     /// A number beside an expression is read as on a line without one.

@@ -22,6 +22,7 @@ pub(crate) mod flow;
 pub(crate) mod frames;
 mod interpreted;
 pub(crate) mod leftover;
+mod letter_zero;
 pub(crate) mod life;
 mod macro_call;
 pub(crate) mod macros;
@@ -30,12 +31,13 @@ mod passes;
 pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod remarks;
-mod report;
+pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
 pub(crate) mod state;
 pub(crate) mod tape;
 mod text;
+mod unknown;
 pub(crate) mod variables;
 mod word_calls;
 
@@ -70,6 +72,8 @@ pub(crate) enum Halt {
     End(Option<Stop>),
     /// An alarm of the control.
     Alarm,
+    /// An alarm that the machine goes on from: the rest of the block is dropped. It never leaves the block loop.
+    Dropped,
     /// The job was stopped.
     Stopped,
     /// It stands at a wait that will never end.
@@ -120,6 +124,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) diagnostics: u32,
     /// Memory and work that it has used up.
     pub(crate) burden: burden::Burden,
+    /// Alarms of the control so far.
+    pub(crate) alarms: report::Alarms,
     /// Waits it has met.
     pub(crate) meetings: Known,
     /// Macros of the machine, if it has any.

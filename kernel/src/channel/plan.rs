@@ -9,7 +9,7 @@ use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, Dimension};
+use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct Plan {
     pub(crate) head_sequences: [Option<u8>; 2],
     /// Registers that carry the spindle speed.
     pub(crate) speed_registers: u128,
-    /// First enabled row of each code, for machines with macros.
+    /// First enabled row of each code.
     pub(crate) rows_of_code: Vec<Option<u16>>,
     /// Rules of the tape editor.
     pub(crate) tape: Option<Tape>,
@@ -49,6 +49,11 @@ pub(crate) struct Plan {
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
     pub(crate) recall: Option<Vec<bool>>,
+    /// Group within which only the last G code of a block acts, by code row, 0 for none; empty where all act.
+    pub(crate) exclusive: Vec<u16>,
+    /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
+    /// where values stay as they are.
+    pub(crate) steps: Vec<[f64; 2]>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
     pub(crate) refused: Vec<u128>,
 }
@@ -68,10 +73,54 @@ fn recall(machine: &Machine) -> Option<Vec<bool>> {
 fn refused(machine: &Machine) -> Vec<u128> {
     let of = |rows: &Vec<u16>| {
         let rows = rows.iter().filter_map(|&row| machine.data.get(usize::from(row)));
-        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 128);
+        let registers = rows.filter(|row| !row.process).filter_map(|row| row.register).filter(|&r| r < 127);
         registers.fold(0, |bits, r| bits | 1 << r)
     };
-    machine.tables.rows_of_data.iter().map(of).collect()
+    let mut refused: Vec<u128> = machine.tables.rows_of_data.iter().map(of).collect();
+    // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
+    let needed = [data::SPINDLE_RPM, data::FEED_UPM, data::FEED_UPR, data::FEED_1T];
+    for row in machine.data.iter().filter(|row| !row.enable && needed.contains(&row.id)) {
+        let at = usize::from(row.id.0);
+        if machine.tables.rows_of_data.get(at).is_some_and(Vec::is_empty)
+            && let Some(bits) = refused.get_mut(at)
+        {
+            *bits = RECALLED;
+        }
+    }
+    refused
+}
+
+/// Group of the one-shot codes, which have none in the table of identifiers.
+const ONE_SHOT: u16 = 1000;
+
+/// Groups of rows whose codes exclude each other on a block: those of G words.
+fn exclusive(machine: &Machine, g: Option<u8>) -> Vec<u16> {
+    if !machine.habits.last_of_group {
+        return Vec::new();
+    }
+    let group = |row: &CodeRow| match row.form {
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } if Some(register) == g => {
+            match row.group {
+                0 => ONE_SHOT,
+                _ if row.id == codes::LCS_TRANSLATE_ON => ONE_SHOT,
+                group => group,
+            }
+        }
+        _ => 0,
+    };
+    machine.codes.iter().map(group).collect()
+}
+
+/// Steps of one unit at each register.
+fn steps(machine: &Machine) -> Vec<[f64; 2]> {
+    if !machine.habits.rounded {
+        return Vec::new();
+    }
+    let of = |register: &Register| {
+        let digits = |digits: u8| register.increment.map_or(10_f64.powi(i32::from(digits)), f64::recip);
+        [digits(register.format.frac), digits(register.secondary.frac)]
+    };
+    machine.registers.iter().map(of).collect()
 }
 
 /// A data row, cut down to what taking a value needs.
@@ -128,11 +177,8 @@ fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
     machine.tables.rows_of_data.iter().map(|rows| rows.iter().filter_map(source).collect()).collect()
 }
 
-/// First enabled row of each code; nothing for machines that never ask.
+/// First enabled row of each code.
 fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
-    if machine.macros.is_none() {
-        return Vec::new();
-    }
     let mut rows = vec![None; crate::machine::ident::codes::TABLE.len() + machine.custom_codes.len()];
     for (row, at) in machine.codes.iter().zip(0_u16..) {
         if let Some(slot @ None) = rows.get_mut(usize::from(row.id.0))
@@ -166,6 +212,7 @@ impl Plan {
             known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
         });
         let across = across(machine);
+        let refused = refused(machine);
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
@@ -186,7 +233,8 @@ impl Plan {
                 .enumerate()
                 .map(|(id, rows)| {
                     let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
-                    let remembered = if recalled(id) { RECALLED } else { 0 };
+                    let off = refused.get(id).copied().unwrap_or(0) & RECALLED;
+                    let remembered = if recalled(id) { RECALLED } else { off };
                     registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
                 })
                 .collect(),
@@ -194,9 +242,11 @@ impl Plan {
             speed_registers,
             rows_of_code: rows_of_code(machine),
             tape: Tape::new(&machine.tape_editor),
+            exclusive: exclusive(machine, g),
+            steps: steps(machine),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
             recall,
-            refused: refused(machine),
+            refused,
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }
     }

@@ -23,8 +23,14 @@ impl Kernel<'_> {
     }
 
     /// One block.
-    fn step(&mut self) -> Acted {
+    pub(super) fn step(&mut self) -> Acted {
+        let done = self.one_block();
+        self.went_on(done)
+    }
+
+    fn one_block(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
+            self.name_block(&block);
             self.begin_block()?;
             self.process_later(block)?;
             return self.follow();
@@ -52,11 +58,11 @@ impl Kernel<'_> {
         let held;
         let text = if self.plan.reshapes {
             held = self.reshape(text, line)?;
-            match held.as_deref() {
-                Some(text) if text.trim_ascii().is_empty() => return Ok(()),
-                Some(text) => text,
-                None => text,
+            let text = held.text();
+            if text.trim_ascii().is_empty() {
+                return Ok(());
             }
+            text
         } else {
             text
         };
@@ -184,7 +190,7 @@ impl Kernel<'_> {
         });
         match failure {
             None => Ok(()),
-            Some(error) => Err(self.alarm(&diag::FILE_UNREADABLE, error.to_string())),
+            Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Kernel<'_> {
     pub(super) fn display(&mut self, text: &str) {
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.emit(0, Kind::Message { text: text.into() });
+        self.emit(0, Kind::Message { text: text.into(), printed: false });
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {

@@ -1,16 +1,38 @@
-//! Diagnostics of a kernel.
+//! Diagnostics of a kernel, and what those do that are alarms of the control.
+//!
+//! Facts: reference control-emulator.md 7.5 (the emulated system goes on in all cases until an end code). Decision: a real
+//! control stops at its alarms; which of both a machine does is data of its own (`[control] stops`, `stops` of a number).
+//! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
+//! succeeded, however softly the alarm is told.
 
 use super::burden::{RESULT, shortened};
-use super::{Halt, Kernel};
+use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
 
+/// Alarms of a channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Alarms {
+    /// A diagnostic of this block stops the channel before the next code acts.
+    stopping: bool,
+    /// Diagnostics of severity 8 or more in the log.
+    errors: u32,
+    /// Alarms gone on from that are not among them.
+    softened: u32,
+}
+
+/// Severity from which a diagnostic is an error.
+const ERROR: u8 = 8;
+
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
-    /// nothing but alarms.
+    /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
-        if self.has_room(facts.alarm) {
-            self.log_diagnostic(facts, text.into());
+        let stops = self.stops_at(facts);
+        if self.has_room(stops) {
+            self.log_diagnostic(facts, text.into(), stops);
+        } else if facts.alarm {
+            self.alarms.softened = self.alarms.softened.saturating_add(1);
         }
     }
 
@@ -22,28 +44,105 @@ impl Kernel<'_> {
             if self.diagnostics == limit + 1 {
                 let text =
                     format!("more than {limit} diagnostics in channel {}; further ones are not logged", self.rank);
-                self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text);
+                self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text, false);
             }
             return false;
         }
         true
     }
 
-    fn log_diagnostic(&mut self, facts: &Facts, text: String) {
-        let Some((severity, text)) = self.customised(facts.number, (facts.severity, facts.alarm), text) else { return };
-        if self.macros.is_some() {
-            return self.issue((facts.number, severity), text, None);
+    fn log_diagnostic(&mut self, facts: &Facts, text: String, stops: bool) {
+        let errors = self.alarms.errors;
+        if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
+            if self.macros.is_some() {
+                self.issue((facts.number, severity), text, (None, stops));
+            } else {
+                self.count_error(severity);
+                let text = shortened(&text);
+                self.burden.result(text.len() + RESULT);
+                let (number, text) = (facts.number, text.into());
+                let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+                self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+            }
         }
-        let text = shortened(&text);
-        self.burden.result(text.len() + RESULT);
-        let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
-        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
+        self.alarms.stopping |= stops;
+        let own = self.machine.diagnostics.stops(facts.number);
+        if facts.alarm && own != Some(false) && self.alarms.errors == errors {
+            self.alarms.softened = self.alarms.softened.saturating_add(1);
+        }
     }
 
-    /// Logs an alarm of the control and returns what stops the channel.
+    /// Whether the channel stops at a diagnostic.
+    fn stops_at(&self, facts: &Facts) -> bool {
+        let own = self.machine.diagnostics.stops(facts.number);
+        own.unwrap_or(facts.alarm && self.machine.habits.stops)
+    }
+
+    /// The machine goes on from this alarm.
+    pub(super) fn goes_on_at(&self, facts: &Facts) -> bool {
+        !self.stops_at(facts)
+    }
+
+    /// Counts what has come into the log.
+    pub(crate) fn count_error(&mut self, severity: u8) {
+        if severity >= ERROR {
+            self.alarms.errors = self.alarms.errors.saturating_add(1);
+        }
+    }
+
+    /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
+        if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped }
+    }
+
+    /// Logs an alarm that leaves nothing to go on with.
+    pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
+        self.diagnose(facts, text);
         Halt::Alarm
+    }
+
+    /// A diagnostic of this block has stopped the channel.
+    #[inline(always)]
+    pub(crate) fn check_stop(&self) -> Acted {
+        if self.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
+    }
+
+    /// The channel stops before the next code acts.
+    pub(crate) fn stop_here(&mut self) {
+        self.alarms.stopping = true;
+    }
+
+    /// Program Shutdown runs behind an alarm.
+    pub(super) fn clear_stop(&mut self) {
+        self.alarms.stopping = false;
+    }
+
+    /// An alarm that the machine goes on from ends its block; what the block had asked for before still happens.
+    #[inline(always)]
+    pub(crate) fn went_on(&mut self, done: Acted) -> Acted {
+        if done == Err(Halt::Dropped) { self.goes_on() } else { done }
+    }
+
+    #[cold]
+    fn goes_on(&mut self) -> Acted {
+        match self.follow() {
+            Err(Halt::Dropped) => Ok(()),
+            done => done,
+        }
+    }
+
+    /// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
+    pub(crate) fn tell_softened(&mut self, halt: Halt) {
+        let Alarms { errors, softened, .. } = self.alarms;
+        if errors > 0 || softened == 0 && halt != Halt::Alarm {
+            return;
+        }
+        let what = if halt == Halt::Alarm { "stands on an alarm" } else { "went on after an alarm" };
+        let text = format!("channel {} {what} that the machine tells as less than an error", self.rank);
+        let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
+        let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
+        self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }
 
     /// Text of the current block, for messages: at most 60 characters.

@@ -44,6 +44,10 @@ pub(crate) struct Scanner {
     /// Active optional-skip levels, bit n.
     levels: u16,
     sequence: Option<u8>,
+    /// Register of program numbers, which a colon may stand for at the start of a block.
+    definition: Option<u8>,
+    /// Most levels of brackets in an expression.
+    brackets: Option<u8>,
     letters: [(u8, bool); 128],
     /// Special registers, and texts that would be read as words; `None` on most machines.
     early: Option<Box<Early>>,
@@ -72,11 +76,11 @@ impl Scanner {
                 *slot = upper;
             }
         }
-        let sequence = machine
-            .data
-            .iter()
-            .find(|row| row.id == crate::machine::ident::data::SEQNO && row.enable)
-            .and_then(|row| row.register);
+        let register_of = |id| machine.data.iter().find(|row| row.id == id && row.enable).and_then(|row| row.register);
+        let sequence = register_of(crate::machine::ident::data::SEQNO);
+        // On Siemens controls the colon is the letter of main blocks.
+        let siemens = machine.preprocessor == crate::machine::model::Preprocessor::Siemens;
+        let definition = register_of(crate::machine::ident::data::DEFSUB_ID).filter(|_| !siemens);
         Self {
             comment: pair(&machine.format.comment),
             message: pair(&machine.format.message),
@@ -98,6 +102,8 @@ impl Scanner {
             names_stay: machine.preprocessor == crate::machine::model::Preprocessor::Siemens,
             levels: levels(machine, opskip),
             sequence,
+            definition,
+            brackets: machine.habits.brackets,
             letters,
             early: Early::new(machine),
         }
@@ -140,6 +146,7 @@ impl Scanner {
             like_words: early.map_or(&[], |early| &early.texts),
             registers: early.map_or(&[], |early| &early.registers),
             texts: &self.texts,
+            brackets: self.brackets,
         }
     }
 
@@ -211,6 +218,13 @@ impl Scanner {
                 block.texts.push(*row);
                 return at + text.len().max(1);
             }
+        }
+        if byte == b':'
+            && let Some(register) = self.definition
+            && block.words.is_empty()
+            && let Some(end) = self.word(line, at + 1, (at, register, false), false, block)
+        {
+            return end;
         }
         if byte == b'<'
             && self.macros

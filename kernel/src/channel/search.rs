@@ -195,6 +195,18 @@ impl Kernel<'_> {
         (format!("{folder}{stem}_{id}.{extension}"), format!("{folder}{stem}.{extension}"))
     }
 
+    /// The file of the machine's placement where something missing was looked for.
+    pub(super) fn looked_for(&self, what: &Callee) -> String {
+        let main = || self.flow.frames.first().map_or("", |frame| self.info.file_name(frame.file)).to_owned();
+        let (each, one) = self.subprogram_files(what);
+        match (what, self.machine.subprograms.placement) {
+            (Callee::Blocks(..) | Callee::Labels(..), _) => self.info.file_name(self.file).to_owned(),
+            (_, Placement::SameFile) => main(),
+            (_, Placement::OneFile) => one,
+            (_, Placement::FileEach) => each,
+        }
+    }
+
     /// Files stored with the machine that are named after the program: the definition word, four digits or more, or the
     /// name.
     fn stored(&self, what: &Callee) -> Vec<String> {

@@ -162,6 +162,10 @@ pub(crate) struct Place {
     pub(crate) tool: u32,
     /// Preselected tool.
     pub(crate) selected: u32,
+    /// It has been told that the machine has no tool offsets.
+    pub(crate) told_offsets: bool,
+    /// A tool has been preselected, be it none (T0).
+    pub(crate) chosen: bool,
     /// Clamped axes, bit by axis.
     pub(crate) clamped: u8,
     /// What lies between the program and the work frame; none while nothing of it is active.
@@ -215,10 +219,12 @@ impl Place {
             cartesian,
             tool: 0,
             selected: 0,
+            told_offsets: false,
+            chosen: false,
             clamped: 0,
             frames: None,
             offsets: None,
-            compensation: Default::default(),
+            compensation: crate::action::compensation::Compensation::of(machine),
         }
     }
 }

@@ -9,15 +9,33 @@ use super::{Halt, Kernel};
 use crate::diag;
 use crate::trace::Stage;
 
+/// The text of a block.
+pub(crate) enum Reshaped<'l> {
+    /// What the line holds up to the character that ends it.
+    Line(&'l [u8]),
+    /// One of several blocks of the line, or what the tape editor has made of it.
+    Own(Arc<[u8]>),
+}
+
+impl Reshaped<'_> {
+    /// The text.
+    pub(crate) fn text(&self) -> &[u8] {
+        match self {
+            Self::Line(text) => text,
+            Self::Own(text) => text,
+        }
+    }
+}
+
 impl Kernel<'_> {
-    /// The block of a line: its part up to the character that ends blocks, after the tape editor. `None` = the line as
-    /// it is. Sets where reading goes on.
+    /// The block of a line: its part up to the character that ends blocks, after the tape editor. Sets where reading
+    /// goes on.
     ///
     /// # Errors
     /// A rule of the tape editor makes the block too long, or the job is to end.
-    pub(crate) fn reshape(&mut self, line: &[u8], number: u32) -> Result<Option<Arc<[u8]>>, Halt> {
-        let block = self.part(line, number);
-        let mut text = (block.len() < line.len()).then(|| Arc::from(block));
+    pub(crate) fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
+        let (block, only) = self.part(line, number);
+        let mut text = (!only).then(|| Arc::from(block));
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
             let limit = self.options.limits.block_length;
@@ -43,24 +61,24 @@ impl Kernel<'_> {
             }
         }
         self.edited.clone_from(&text);
-        Ok(text)
+        Ok(match text {
+            Some(text) => Reshaped::Own(text),
+            None => Reshaped::Line(block),
+        })
     }
 
-    /// The part of a line that is the next block.
-    fn part<'l>(&mut self, line: &'l [u8], number: u32) -> &'l [u8] {
-        if self.machine.format.eob.is_none() {
-            return line;
-        }
-        let scanner = &self.plan.scanner;
-        let Some(frame) = self.flow.frames.last_mut() else { return line };
+    /// The part of a line that is the next block, and whether it is the only one of the line.
+    fn part<'l>(&mut self, line: &'l [u8], number: u32) -> (&'l [u8], bool) {
+        let Some(frame) = self.flow.frames.last_mut() else { return (line, true) };
         let from = std::mem::take(&mut frame.offset) as usize;
         let rest = line.get(from..).unwrap_or_default();
-        let Some(end) = scanner.block_end(rest) else { return rest };
+        let Some(end) = self.plan.scanner.block_end(rest) else { return (rest, from == 0) };
         let after = rest.get(end + 1..).unwrap_or_default();
-        if !after.trim_ascii().is_empty() {
+        let last = after.trim_ascii().is_empty();
+        if !last {
             (frame.next, frame.offset) = (number, (from + end + 1) as u32);
         }
-        rest.get(..end).unwrap_or_default()
+        (rest.get(..end).unwrap_or_default(), from == 0 && last)
     }
 
     /// The trace of block delete.
@@ -79,7 +97,11 @@ impl Kernel<'_> {
     pub(crate) fn current_text(&self) -> &[u8] {
         match &self.edited {
             Some(text) => text,
-            None => self.info.source(self.file).map_or(&[][..], |source| source.line(self.line)),
+            None => {
+                let line = self.info.source(self.file).map_or(&[][..], |source| source.line(self.line));
+                let end = self.plan.scanner.block_end(line).unwrap_or(line.len());
+                line.get(..end).unwrap_or_default()
+            }
         }
     }
 }

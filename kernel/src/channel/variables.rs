@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use super::frames::offsets::EXTENDED;
 use super::state::group;
+use crate::diag;
 use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
 use crate::machine::ident::codes;
 
@@ -19,11 +20,13 @@ type Locals = [f64; 34];
 pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
+    /// Steps of one unit that ROUND rounds to in the expression being evaluated.
+    pub(super) steps: f64,
 }
 
 impl Default for ChannelVariables {
     fn default() -> Self {
-        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default() }
+        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default(), steps: 1.0 }
     }
 }
 
@@ -63,10 +66,27 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 
 impl Variables for Kernel<'_> {
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
-            return self.identified(index);
+        let value = if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
+            self.identified(index)
+        } else {
+            self.get_known(index)
+        };
+        match value {
+            Err(fault @ Fault::NoVariable(_)) if self.goes_on_at(&diag::MACRO_VARIABLE) => {
+                self.fault(&fault);
+                Ok(0.0)
+            }
+            value => value,
         }
-        self.get_known(index)
+    }
+
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        let text = self.span_text(span).to_ascii_uppercase();
+        self.identified_function(&text)
+    }
+
+    fn steps(&self) -> f64 {
+        self.variables.steps
     }
 }
 

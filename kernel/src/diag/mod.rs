@@ -10,7 +10,8 @@ pub struct Facts {
     pub number: u32,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
-    /// The control stops the channel (an alarm of the real control).
+    /// A real control stops the channel here (an alarm); whether the machine does: `[control] stops` and `stops` of the
+    /// number.
     pub alarm: bool,
     /// What it is about, for the index of the pages.
     pub title: &'static str,
@@ -61,7 +62,7 @@ diagnostics! {
     NO_REFERENCE 2900025 8 false "reference point that the machine does not define";
     SPINDLE_LIMIT 2900026 4 false "spindle speed above the machine's largest";
     NO_MOTION_MODE 2900027 8 false "axis word while no motion code is active";
-    AXIS_NOT_IN_CHANNEL 2900028 8 false "word of an axis that the channel does not have";
+    AXIS_NOT_IN_CHANNEL 2900028 8 true "word of an axis that the channel does not have";
     RETURN_WITHOUT_HOME 2900029 8 false "return from reference without an intermediate point";
     NO_SPINDLE 2900030 8 false "spindle code in a channel without a spindle";
     SUBPROGRAM_MISSING 2900040 12 true "subprogram that is nowhere to be found";
@@ -95,7 +96,7 @@ diagnostics! {
     SIEMENS_ALARM 2900204 4 false "alarm of the program that is only shown";
     SIEMENS_IGNORED 2900205 4 false "part of a statement that is not carried out";
     SIEMENS_FILE 2900206 4 false "definition file that does not exist";
-    STATEMENT_UNKNOWN 2900240 8 false "statement of a control that its pre-processor does not understand";
+    STATEMENT_UNKNOWN 2900240 8 true "statement of a control that its pre-processor does not understand";
     PARAMETER_UNSET 2900241 4 false "Q parameter that is read before it has a value";
     PATH_NOT_MADE 2900242 8 false "path block of a pre-processor that cannot be made";
     TOOL_NAME 2900243 8 false "tool name without a number";
@@ -127,10 +128,24 @@ diagnostics! {
     RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
     OKUMA_UNKNOWN 2900180 8 false "variable or function that nobody knows (Okuma)";
     OKUMA_CONTINUED 2900181 8 false "line that goes on with a block that is not above it (Okuma)";
+    UNKNOWN_CODE 2900320 12 true "code that the control does not have";
+    UNKNOWN_TEXT 2900321 12 true "address or statement that the control does not know";
+    UNKNOWN_MOVES 2900322 8 false "unknown code on a block that moves by the active one";
+    ALARM_SOFTENED 2900323 8 false "alarm that is not among the errors of its channel";
+    NO_RADIUS 2900324 4 false "compensation by an offset without a radius";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
+    GROUP_TWICE 2900350 4 false "G code overridden by a later one of its group";
+    MACHINE_INCREMENTAL 2900351 4 false "machine coordinates in incremental mode";
+    CALL_LEVELS 2900352 12 true "more levels of calls than the control has (PS0077)";
+    MACRO_LEVELS 2900353 12 true "more levels of macro calls than the control has (PS0122)";
+    BRACKETS 2900354 12 true "more levels of brackets than the control has (PS0118)";
+    LOOP_ENTERED 2900355 12 true "loop that a jump leads into (PS0124)";
+    CALL_G_WORD 2900356 12 true "G word among the arguments of a macro call (PS0129)";
+    CALL_NOT_FIRST 2900357 12 true "words before a macro call (PS0127)";
     SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
     NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";
     OKUMA_ALARM 2900367 12 true "alarm of the user (Okuma)";
+    NO_FEED_PER_TURN 2900368 12 true "feed per revolution on a machine without M136";
 }
 
 #[cfg(test)]

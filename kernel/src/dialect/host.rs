@@ -234,6 +234,9 @@ pub(crate) trait Host {
     /// A literal text of the machine's code table, letter case ignored.
     fn is_code_text(&self, text: &str) -> bool;
 
+    /// The machine has a code for the word of a letter with this value.
+    fn knows_code(&self, letter: u8, value: f64) -> bool;
+
     /// Positions of the channel's axes by name: in the work frame as programmed, in the machine frame.
     fn positions(&self) -> Vec<(String, f64, f64)>;
 

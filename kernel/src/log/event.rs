@@ -97,10 +97,12 @@ pub enum Kind {
         /// Nesting level that was left, from 1.
         level: u16,
     },
-    /// An operator message or comment shown to the operator.
+    /// An operator message or comment shown to the operator, or a line that a macro prints.
     Message {
         /// Its text.
         text: Box<str>,
+        /// A macro has printed it (PPRINT): it is a line of the listing.
+        printed: bool,
     },
     /// The channel arrived at a meeting point and may now stand still.
     Wait(Arc<Wait>),

@@ -103,11 +103,13 @@ impl Folds {
             lane.bars.wait(last_ns - ns, last_ns, stay);
         });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
+        let mut cut_short = false;
         for (lane, channel) in lanes.into_iter().zip(&info.channels) {
             let Lane { number, digest, mut tally, mut bars, track, program, tools, spans, .. } = lane;
             let stay = meetings.standing(number);
             let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
+            cut_short |= tally.is_cut_short(state);
             if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
                 bars.wait(stay.since_ns, end_ns, stay);
             }
@@ -129,7 +131,7 @@ impl Folds {
         let tracks = tracks.into_iter().zip(&rows).map(|(track, row)| (track, row.tools.as_slice())).collect();
         let toolpath = toolpath::Toolpath::new(&info, tracks);
         Results {
-            summary: findings.finish(ends, meetings.clone(), outcome.cancelled, digest),
+            summary: findings.finish(ends, meetings.clone(), (outcome.cancelled, cut_short), digest),
             timeline: Timeline::new(&info, rows, meetings),
             toolpath,
         }

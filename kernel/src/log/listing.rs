@@ -169,8 +169,10 @@ pub fn render_merged(
                 counts.add(diagnostic.severity);
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
-            Kind::Block { .. } if tracer.shows(info, &event) => {
-                blocks::write_prefix(&event, &mut out)?;
+            Kind::Block { .. } => {
+                if tracer.shows(info, &event) {
+                    blocks::write_prefix(&event, &mut out)?;
+                }
                 tracer.block(info, &event, &mut out)?;
             }
             Kind::Wait(wait) => {

@@ -27,9 +27,9 @@ pub const MAX_DIAGNOSTICS: usize = 10_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum State {
-    /// All programs ended without an error.
+    /// Every program came to its end without an error.
     Succeeded,
-    /// A verdict or a diagnostic of severity 8 or more.
+    /// A verdict, a diagnostic of severity 8 or more, or a channel that did not come to its end.
     Failed,
     /// Cancelled before its end.
     Cancelled,
@@ -201,11 +201,17 @@ impl Findings {
         }
     }
 
-    /// The log is complete; `log_digest` is its fingerprint.
-    pub(crate) fn finish(self, channels: Vec<Channel>, waits: Waits, cancelled: bool, log_digest: String) -> Summary {
+    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not come to its end.
+    pub(crate) fn finish(
+        self,
+        channels: Vec<Channel>,
+        waits: Waits,
+        (cancelled, cut_short): (bool, bool),
+        log_digest: String,
+    ) -> Summary {
         let state = if cancelled {
             State::Cancelled
-        } else if self.verdict.is_some() || self.highest_severity >= 8 {
+        } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short {
             State::Failed
         } else {
             State::Succeeded

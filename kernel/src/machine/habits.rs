@@ -18,6 +18,22 @@ pub struct Habits {
     pub frame_increments: bool,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
+    /// Of several G codes of one group on a block only the last one acts.
+    pub last_of_group: bool,
+    /// Most levels of brackets in an expression; none: as many as fit.
+    pub brackets: Option<u8>,
+    /// A code of a reference point without axes sends all axes there.
+    pub bare_home: bool,
+    /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
+    pub pointed_dwell: bool,
+    /// Values of expressions at addresses are rounded to the least increment of the register.
+    pub rounded: bool,
+    /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
+    /// rest of the block acts.
+    pub unknown_alarms: bool,
+    /// What is an alarm of a real control stops the channel; otherwise the rest of the block is dropped and the program
+    /// goes on.
+    pub stops: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
     pub texts: Vec<String>,
     /// Those that are whole numbers, `$IUDQ`.
@@ -71,6 +87,13 @@ impl Default for Habits {
             least_feed: None,
             frame_increments: false,
             heads_in_file: false,
+            last_of_group: false,
+            rounded: false,
+            brackets: None,
+            bare_home: false,
+            pointed_dwell: false,
+            unknown_alarms: false,
+            stops: false,
             texts: Vec::new(),
             integers: Vec::new(),
             numbers: Vec::new(),

@@ -116,6 +116,8 @@ pub struct DiagnosticRule {
     pub enable: bool,
     /// How often a channel shows it.
     pub repeat: Option<u32>,
+    /// It stops the channel, or does not; `None` = as `[control] stops` says of alarms.
+    pub stops: Option<bool>,
 }
 
 /// A file stored with the machine; it is never written.

@@ -18,6 +18,8 @@ pub struct Arcs {
     pub helix: Helix,
     /// Which circles take a number of turns.
     pub turns: Turns,
+    /// A circle by its radius to its own start is no motion; otherwise it is reported.
+    pub stands: bool,
 }
 
 /// Codes that may make helices.

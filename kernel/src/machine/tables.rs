@@ -335,6 +335,7 @@ mod tests {
             after,
             format,
             secondary: format,
+            increment: None,
             signed: true,
             names: false,
         }
@@ -353,6 +354,7 @@ mod tests {
             add: 0.0,
             with: Vec::new(),
             without: Vec::new(),
+            ignores: Vec::new(),
             seconds: 0.0,
             axis: None,
             line: 0,

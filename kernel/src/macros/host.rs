@@ -187,17 +187,23 @@ impl Host for Kernel<'_> {
         if number == Number::MEMORY || state.is_over_memory() {
             return;
         }
-        if !self.has_room(number == Number::TICKS) {
+        let stops = number == Number::TICKS || self.machine.diagnostics.stops(number.0) == Some(true);
+        if !self.has_room(stops) {
             return;
         }
-        let origin = self.origin_of(&diagnostic);
-        let what = (number.0, diagnostic.severity);
+        if stops {
+            self.stop_here();
+        }
+        let origin = (self.origin_of(&diagnostic), stops);
+        let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);
+        let Some((severity, message)) = shown else { return };
+        let what = (number.0, severity);
         if self.hook(Hook::Diagnostic).is_none() {
-            return self.issue(what, diagnostic.message, origin);
+            return self.issue(what, message, origin);
         }
         // Whatever stops the run here is met again by the next thing the macro asks for.
         let _ = self.meanwhile(state, |kernel| {
-            kernel.issue(what, diagnostic.message, origin);
+            kernel.issue(what, message, origin);
             Ok(())
         });
     }

@@ -35,10 +35,10 @@ pub(crate) const TICKS: u64 = 5_000_000;
 const DEPTH: u32 = 100_000;
 
 /// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
-const MOST_NESTED: usize = 1000;
+const MOST_NESTED: usize = 250;
 
 /// Stack of a thread that runs macros, in bytes.
-pub(crate) const STACK: usize = 128 << 20;
+pub(crate) const STACK: usize = 256 << 20;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;
@@ -327,6 +327,14 @@ impl Runtime {
         self.state = Some(state);
     }
 
+    /// Steps that the running macros have left, before they are set.
+    pub(crate) fn ticks(&mut self, left: Option<u64>) -> Option<u64> {
+        let state = self.state.as_deref_mut()?;
+        let before = state.ticks;
+        state.ticks = left.unwrap_or(before);
+        Some(before)
+    }
+
     /// The innermost running macro.
     pub(crate) fn call(&mut self) -> Option<&mut Call> {
         self.calls.last_mut()
@@ -353,10 +361,13 @@ fn command_line(info: &Info) -> String {
 impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
-        self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
-            let kernels = self.machine.channels.len();
-            let memory = self.shares().macros;
-            let mut runtime = Runtime::new(macros, program, self.kernel_number(), (kernels, memory));
+        let none = Macros::default();
+        // A machine without macros has a program all the same if its programs have embedded code.
+        let macros = self.machine.macros.as_deref().unwrap_or(&none);
+        let memory = self.shares().macros;
+        self.macros = program.map(|program| {
+            let mut runtime =
+                Runtime::new(macros, program, self.kernel_number(), (self.machine.channels.len(), memory));
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();

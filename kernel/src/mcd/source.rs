@@ -1,7 +1,7 @@
 //! A source file: its bytes and the index of its lines.
 //!
-//! Invariant: bytes are kept as they are; a line ends at LF, CR LF or a lone CR, and the line's text excludes
-//! its end. Lines count from 1.
+//! A byte order mark is no text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line ends at LF,
+//! CR LF or a lone CR, and the line's text excludes its end. Lines count from 1.
 
 use std::sync::{Arc, OnceLock};
 
@@ -23,6 +23,25 @@ pub struct Source {
     sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
 }
 
+/// A text without its byte order mark, in UTF-8 if it is UTF-16. UTF-16 without a mark is told by zeros in every second
+/// byte of its first two characters.
+fn plain(bytes: Bytes) -> Bytes {
+    let wide = |from: usize, unit: fn([u8; 2]) -> u16| {
+        let pairs = bytes.get(from..).unwrap_or_default().chunks_exact(2);
+        let units = pairs.filter_map(|pair| pair.try_into().ok().map(unit));
+        let characters = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        Bytes::from(characters.collect::<String>())
+    };
+    match *bytes {
+        [0xEF, 0xBB, 0xBF, ..] => bytes.slice(3..),
+        [0xFF, 0xFE, ..] => wide(2, u16::from_le_bytes),
+        [0xFE, 0xFF, ..] => wide(2, u16::from_be_bytes),
+        [1..=255, 0, 1..=255, 0, ..] => wide(0, u16::from_le_bytes),
+        [0, 1..=255, 0, 1..=255, ..] => wide(0, u16::from_be_bytes),
+        _ => bytes,
+    }
+}
+
 impl Source {
     /// Indexes the lines of `bytes`. Files of 4 GiB or more are cut at 4 GiB − 1.
     #[must_use]
@@ -33,6 +52,7 @@ impl Source {
     /// The same for a machine, which may tell its programs apart in a way of its own.
     #[must_use]
     pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>) -> Self {
+        let bytes = plain(bytes);
         let limit = bytes.len().min(u32::MAX as usize - 1);
         let text = bytes.get(..limit).unwrap_or_default();
         let mut starts = Vec::with_capacity(text.len() / 16 + 2);
@@ -48,6 +68,11 @@ impl Source {
         }
         starts.shrink_to_fit();
         Self { name: name.into(), bytes, starts, shape, programs: OnceLock::new(), sequences: OnceLock::new() }
+    }
+
+    /// The whole text.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
     }
 
     /// Number of lines.
@@ -147,6 +172,27 @@ mod tests {
         assert_eq!(lines("a\n\nb\n"), ["a", "", "b"]);
         assert_eq!(lines("\r\r\n\r"), ["", "", ""]);
         assert!(lines("").is_empty());
+    }
+
+    #[test]
+    fn byte_order_marks_and_wide_characters_are_understood() {
+        let text = "%\nO1 (\u{fc})\r\nG0 X1.\rM30";
+        let expected = ["%", "O1 (\u{fc})", "G0 X1.", "M30"];
+        let read = |bytes: Vec<u8>| {
+            let source = Source::new("t", bytes.into());
+            (1..=source.lines()).map(|n| String::from_utf8_lossy(source.line(n)).into_owned()).collect::<Vec<_>>()
+        };
+        let wide = |mark: &str, unit: fn(u16) -> [u8; 2]| {
+            format!("{mark}{text}").encode_utf16().flat_map(unit).collect::<Vec<u8>>()
+        };
+        assert_eq!(read(format!("\u{feff}{text}").into_bytes()), expected);
+        for mark in ["\u{feff}", ""] {
+            assert_eq!(read(wide(mark, u16::to_le_bytes)), expected, "{mark:?}");
+            assert_eq!(read(wide(mark, u16::to_be_bytes)), expected, "{mark:?}");
+        }
+        // Half a character at the end, and half of a pair, are no reason to give up.
+        assert_eq!(read(vec![0xFF, 0xFE, b'G', 0, b'0']), ["G"]);
+        assert_eq!(read(vec![0xFE, 0xFF, 0xD8, 0, 0, b'M']), ["\u{fffd}M"]);
     }
 
     #[test]

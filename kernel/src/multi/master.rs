@@ -59,6 +59,9 @@ impl<'a> Shop<'a> {
             }
         }
         let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
+        if let Err(halt) = done {
+            kernel.tell_softened(halt);
+        }
         let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
         let mut programs = Vec::new();
         for (number, at) in machine.channels.iter().zip(1_i64..) {
@@ -154,6 +157,9 @@ impl<'a> Shop<'a> {
         (kernel.clock, kernel.micro) = (t, micro);
         kernel.macros = Some(runtime);
         let done = kernel.plain_macro(Hook::MachineShutdown);
+        if let Err(halt) = done {
+            kernel.tell_softened(halt);
+        }
         kernel.close_files(Halt::End(None));
         let restart = kernel.macros.as_deref_mut().and_then(|runtime| runtime.restart.take());
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));

@@ -369,6 +369,7 @@ impl<'a> Shop<'a> {
             idle_blocks: 0,
             diagnostics: 0,
             burden: Default::default(),
+            alarms: crate::channel::report::Alarms::default(),
             meetings: Known::default(),
             macros: None,
             stripped: Vec::new(),

@@ -14,7 +14,7 @@ use super::coordinator::switch::{Pause, Switch};
 use super::{Shop, Start, Way};
 use crate::channel::carried::Lived;
 
-/// Bytes of the stack of a kernel, those of a thread of its own.
+/// Bytes of the stack of a kernel without macros, those of a thread of its own.
 const STACK: usize = 2 << 20;
 
 /// What a kernel leaves when it has come to its end.
@@ -84,7 +84,8 @@ impl<'a> Shop<'a> {
         let mut coroutines = Vec::new();
         for (start, way) in work {
             let number = start.channel.number;
-            let Ok(stack) = DefaultStack::new(STACK) else {
+            let stack = if self.job.macros().is_some() { crate::macros::STACK } else { STACK };
+            let Ok(stack) = DefaultStack::new(stack) else {
                 // The operating system refuses the memory: the job cannot be run and counts as cancelled.
                 self.control.cancel();
                 self.coordinator.closed(number);

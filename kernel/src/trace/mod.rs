@@ -23,6 +23,9 @@ use crate::machine::number::written;
 /// for.
 pub const LISTING: char = 'L';
 
+/// Begin of the control of the listing that gives the text of the next block, which is not the line of a file.
+pub const BLOCK: &str = "block ";
+
 /// Letter of actions. Most are read off the events; what no event tells is a line of its own.
 pub const ACTION: char = 'A';
 

@@ -48,7 +48,8 @@ fn kinds() -> Vec<Kind> {
         Kind::Stop(Stop::Rewind),
         Kind::Call { program: "O9001".into(), level: 2 },
         Kind::Return { level: 2 },
-        Kind::Message { text: "é".repeat(9000).into() },
+        Kind::Message { text: "é".repeat(9000).into(), printed: false },
+        Kind::Message { text: "printed".into(), printed: true },
         Kind::Wait(Arc::new(Wait {
             key: "M101".into(),
             primitive: Primitive::Order,

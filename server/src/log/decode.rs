@@ -195,7 +195,7 @@ fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
         20 => Kind::Stop(numbers::stop_of(m.number(1))?),
         21 => Kind::Call { program: m.get(1).text(), level: m.number(2) as u16 },
         22 => Kind::Return { level: m.number(1) as u16 },
-        23 => Kind::Message { text: m.get(1).text() },
+        23 => Kind::Message { text: m.get(1).text(), printed: m.number(2) != 0 },
         24 => Kind::Wait(Arc::new(Wait {
             key: m.get(1).text().into(),
             primitive: numbers::primitive_of(m.number(2))?,

@@ -90,7 +90,10 @@ fn kind(out: &mut Vec<u8>, kind: &Kind, axes: usize) {
             varint_field(out, 2, u64::from(*level));
         }),
         Kind::Return { level } => nested(out, 22, |out| varint_field(out, 1, u64::from(*level))),
-        Kind::Message { text } => nested(out, 23, |out| text_field(out, 1, text)),
+        Kind::Message { text, printed } => nested(out, 23, |out| {
+            text_field(out, 1, text);
+            varint_field(out, 2, u64::from(*printed));
+        }),
         Kind::Wait(wait) => nested(out, 24, |out| {
             text_field(out, 1, &wait.key);
             varint_field(out, 2, primitive(wait.primitive));

@@ -14,6 +14,8 @@ const LIMIT: u32 = 2_900_070;
 const LONG: u32 = 2_900_014;
 /// Statement that cannot be read.
 const SYNTAX: u32 = 2_900_060;
+/// Levels of brackets that the control does not have.
+const BRACKETS: u32 = 2_900_354;
 /// Macro that used up its steps.
 const STEPS: u32 = 2_910_055;
 
@@ -180,38 +182,42 @@ fn programs() -> Vec<Case> {
             "O1\nN1 M98 P2\nGOTO1\nO2\nM98 P99990003\nM99\nO3\nG90\nM99\n".into(),
             &[LIMIT],
         ),
-        fanuc("fanuc: subprogram within subprogram", "O1\nM98 P1\nM30\n".into(), &[2_900_041]),
+        fanuc("fanuc: subprogram within subprogram", "O1\nM98 P1\nM30\n".into(), &[2_900_041, 2_900_352]),
         fanuc("fanuc: a line of a megabyte", format!("G1 X{}\n", "1".repeat(mega)), &[LONG]),
         fanuc("fanuc: a block of many words", format!("{}\n", "X1.".repeat(mega / 3)), &[LONG]),
-        fanuc("fanuc: deep brackets", format!("#1={}1\n", "[".repeat(8000)), &[SYNTAX]),
-        fanuc("fanuc: deep brackets of a megabyte", format!("#1={}1\n", "[".repeat(mega)), &[LONG, SYNTAX]),
-        fanuc("fanuc: deep variables", format!("#1={}1\n", "#".repeat(8000)), &[SYNTAX]),
-        fanuc("fanuc: deep IF", format!("{}#1=1\n", "IF[1EQ1]THEN ".repeat(600)), &[SYNTAX]),
+        fanuc("fanuc: deep brackets", format!("#1={}1\n", "[".repeat(8000)), &[SYNTAX, BRACKETS]),
+        fanuc("fanuc: deep brackets of a megabyte", format!("#1={}1\n", "[".repeat(mega)), &[LONG, SYNTAX, BRACKETS]),
+        fanuc("fanuc: deep variables", format!("#1={}1\n", "#".repeat(8000)), &[SYNTAX, BRACKETS]),
+        fanuc("fanuc: deep IF", format!("{}#1=1\n", "IF[1EQ1]THEN ".repeat(600)), &[SYNTAX, BRACKETS]),
         fanuc(
             "fanuc: loops that do not pair",
             format!("WHILE[1EQ1]DO2\n{}{}", "DO1\n".repeat(100_000), "END3\n".repeat(100_000)),
-            &[LIMIT, 2_900_064],
+            &[LIMIT, 2_900_064, 2_900_355],
         ),
         fanuc("fanuc: jumps among equal numbers", format!("{}N2 GOTO1\n", "N1\n".repeat(100_000)), &[LIMIT]),
         fanuc("fanuc: a million numbers", numbered("GOTO1\n"), &[LIMIT]),
-        fanuc("fanuc: MCALL storm", "O1\nG66 P2\nN1 G0 X1.\nG0 X2.\nGOTO1\nO2\nG90\nM99\n".into(), &[LIMIT, 2_900_041]),
-        fanuc("fanuc: endless diagnostics", "N1 Y7 Q3 %% ??\nGOTO1\n".into(), &[2_900_018]),
+        fanuc(
+            "fanuc: MCALL storm",
+            "O1\nG66 P2\nN1 G0 X1.\nG0 X2.\nGOTO1\nO2\nG90\nM99\n".into(),
+            &[LIMIT, 2_900_041, 2_900_352, 2_900_353],
+        ),
+        fanuc("fanuc: endless diagnostics", "N1 Y7 Q3 %% ??\nGOTO1\n".into(), &[2_900_018, 2_900_320, 2_900_321]),
         fanuc("fanuc: dwells without end", "N1 G4 P1\nGOTO1\n".into(), &[LIMIT]),
-        dialect("siemens: deep brackets", SIEMENS, format!("R1={}1\n", "(".repeat(8000)), &[SYNTAX]),
+        dialect("siemens: deep brackets", SIEMENS, format!("R1={}1\n", "(".repeat(8000)), &[SYNTAX, BRACKETS]),
         dialect(
             "siemens: deep brackets of a megabyte",
             SIEMENS,
             format!("R1={}1\n", "(".repeat(mega)),
-            &[LONG, SYNTAX],
+            &[LONG, SYNTAX, BRACKETS],
         ),
-        dialect("siemens: deep NOT", SIEMENS, format!("R1={}1\n", "NOT ".repeat(2000)), &[SYNTAX]),
+        dialect("siemens: deep NOT", SIEMENS, format!("R1={}1\n", "NOT ".repeat(2000)), &[SYNTAX, BRACKETS]),
         dialect(
             "siemens: deep minus",
             SIEMENS,
             format!("R1={}1\n", "-".repeat(8000)),
             &[SYNTAX, LIMIT, LONG, 2_900_016],
         ),
-        dialect("siemens: deep names", SIEMENS, format!("R1={}1\n", "R[".repeat(4000)), &[SYNTAX]),
+        dialect("siemens: deep names", SIEMENS, format!("R1={}1\n", "R[".repeat(4000)), &[SYNTAX, BRACKETS]),
         dialect(
             "siemens: big arrays",
             SIEMENS,
@@ -243,9 +249,14 @@ fn programs() -> Vec<Case> {
             "MCALL SUB\nAGAIN: X1\nX2\nGOTOB AGAIN\nM30\n%_N_SUB_SPF\nG90\nM17\n".into(),
             &[LIMIT, 2_900_040, 2_900_060],
         ),
-        dialect("okuma: deep brackets", OKUMA, format!("VC1={}1\n", "[".repeat(8000)), &[SYNTAX]),
-        dialect("okuma: deep brackets of a megabyte", OKUMA, format!("VC1={}1\n", "[".repeat(mega)), &[LONG, SYNTAX]),
-        dialect("okuma: deep NOT", OKUMA, format!("VC1={}1\n", "NOT ".repeat(2000)), &[SYNTAX]),
+        dialect("okuma: deep brackets", OKUMA, format!("VC1={}1\n", "[".repeat(8000)), &[SYNTAX, BRACKETS]),
+        dialect(
+            "okuma: deep brackets of a megabyte",
+            OKUMA,
+            format!("VC1={}1\n", "[".repeat(mega)),
+            &[LONG, SYNTAX, BRACKETS],
+        ),
+        dialect("okuma: deep NOT", OKUMA, format!("VC1={}1\n", "NOT ".repeat(2000)), &[SYNTAX, BRACKETS]),
         dialect(
             "okuma: distinct lines",
             OKUMA,
@@ -257,13 +268,13 @@ fn programs() -> Vec<Case> {
             "heidenhain: deep brackets",
             HEIDENHAIN,
             format!("BEGIN PGM A MM\nQ1 = {}1\n", "(".repeat(8000)),
-            &[SYNTAX],
+            &[SYNTAX, BRACKETS],
         ),
         dialect(
             "heidenhain: deep brackets of a megabyte",
             HEIDENHAIN,
             format!("BEGIN PGM A MM\nQ1 = {}1\n", "(".repeat(mega)),
-            &[LONG, SYNTAX],
+            &[LONG, SYNTAX, BRACKETS],
         ),
         dialect(
             "heidenhain: deep minus",

@@ -67,7 +67,7 @@ impl Seen {
                 self.at = None;
             }
             Kind::Mode { text } if text.starts_with("unwind") => (self.at, self.joints) = (None, None),
-            Kind::Message { text } => {
+            Kind::Message { text, .. } => {
                 if let Some(values) = text.strip_prefix("J ") {
                     let values: Vec<f64> = values.split(' ').map(|value| value.parse().unwrap_or(f64::NAN)).collect();
                     if let Some(before) = &self.joints

@@ -159,9 +159,7 @@ fn cut(
     let (mut made, reached) = match made {
         Ok(made) => made,
         Err(error) => {
-            let text =
-                format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
-            kernel.diagnose(&diag::ARC_RADIUS, text);
+            not_made(kernel, error);
             return kernel.feed_to_point(coded, target, feed, unit);
         }
     };
@@ -184,6 +182,16 @@ fn cut(
     check_machine(kernel, form, &made, rises);
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
     if kernel.place.frames.is_some() { turned::circle(kernel, plane, &circle) } else { kernel.circle_to(&circle) }
+}
+
+/// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
+/// radius has no length and moves nothing in its plane.
+pub(super) fn not_made(kernel: &mut Kernel<'_>, error: geometry::Error) {
+    if error == geometry::Error::SamePoint && kernel.machine.arcs.stands {
+        return;
+    }
+    let text = format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+    kernel.diagnose(&diag::ARC_RADIUS, text);
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

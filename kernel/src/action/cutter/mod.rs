@@ -83,6 +83,9 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
     };
     let number = kernel.diameter_in_force().unwrap_or(0);
     let radius = kernel.cutter_radius(number);
+    if radius == 0.0 {
+        no_radius(kernel, number);
+    }
     if kernel.cutter().is_none() && radius == 0.0 {
         return Ok(());
     }
@@ -108,6 +111,17 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
     };
     kernel.frames().cutter = Some(Box::new(new));
     Ok(())
+}
+
+/// Says that compensation changes nothing: the control would go on the contour as well, the part would be wrong.
+fn no_radius(kernel: &mut Kernel<'_>, number: u32) {
+    let block = kernel.block_text();
+    let text = if number == 0 {
+        format!("no offset number is in force for the compensation of '{block}', the tool goes on the contour")
+    } else {
+        format!("offset {number} has no radius for the compensation of '{block}', the tool goes on the contour")
+    };
+    kernel.diagnose(&diag::NO_RADIUS, text);
 }
 
 /// The active plane and its axes; under polar interpolation that of the part.
@@ -234,7 +248,7 @@ impl Kernel<'_> {
     /// Radius that paths keep from the contour.
     fn cutter_radius(&self, number: u32) -> f64 {
         use crate::channel::frames::offsets::{BASE, Radii};
-        let own = if number == BASE { 0.0 } else { self.offset_radius(Radii::Cutter, number) };
+        let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
         let base = if self.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
         own + base
     }

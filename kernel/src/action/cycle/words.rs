@@ -168,10 +168,10 @@ fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
         kernel.cycle.rigid = 1.0;
     }
     if kind.dwells()
-        && let Some(dwell) = kernel.take(data::CYCLE_DWELL)
+        && let Some(dwell) = kernel.take_seconds(data::CYCLE_DWELL)
         && let [bottom, ..] = &mut kernel.cycle.dwell
     {
-        *bottom = dwell.value;
+        *bottom = dwell;
     }
     if kind.steps() != Steps::None {
         if let Some(step) = kernel.take(data::CYCLE_STEP) {

@@ -61,7 +61,11 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty() && self.polar.is_none() && self.tip.is_none() && self.cutter.is_none() && self.ways.is_none()
+        self.local.is_empty()
+            && self.polar.is_none()
+            && self.tip.is_none()
+            && self.cutter.is_none()
+            && self.ways.is_none()
     }
 
     /// Axis that says the distance across while words are coordinates of the part.

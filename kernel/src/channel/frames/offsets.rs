@@ -29,6 +29,8 @@ const MOST: usize = 10_000;
 pub(crate) struct Offsets {
     work: BTreeMap<u32, Position>,
     length: BTreeMap<u32, Position>,
+    wear: BTreeMap<u32, Position>,
+    worn_radius: BTreeMap<u32, f64>,
     radius: BTreeMap<u32, f64>,
     corner: BTreeMap<u32, f64>,
 }
@@ -38,6 +40,8 @@ pub(crate) struct Offsets {
 pub(crate) enum Table {
     Work,
     Length,
+    /// Wear, which is added to the length.
+    Wear,
 }
 
 /// A table of radii.
@@ -47,9 +51,16 @@ pub(crate) enum Radii {
     Cutter,
     /// Of the corner; on a lathe the same as the other.
     Corner,
+    /// Wear, which is added to the radius for the compensation of paths.
+    Wear,
 }
 
 impl Offsets {
+    /// A value of the tool offset has been set.
+    pub(crate) fn has_tool(&self, number: u32) -> bool {
+        self.length.contains_key(&number) || self.radius.contains_key(&number)
+    }
+
     /// A work offset has been set.
     pub(crate) fn has_work(&self, number: u32) -> bool {
         self.work.contains_key(&number)
@@ -60,7 +71,11 @@ impl Kernel<'_> {
     /// Values of an offset.
     pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
         let set = self.place.offsets.as_deref().and_then(|offsets| {
-            let table = if table == Table::Work { &offsets.work } else { &offsets.length };
+            let table = match table {
+                Table::Work => &offsets.work,
+                Table::Length => &offsets.length,
+                Table::Wear => &offsets.wear,
+            };
             table.get(&number)
         });
         if let Some(values) = set {
@@ -69,6 +84,7 @@ impl Kernel<'_> {
         let values = match table {
             Table::Work => (number as usize).checked_sub(1).and_then(|at| self.machine.work_offsets.get(at)),
             Table::Length => self.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
+            Table::Wear => None,
         };
         let mut position = [0.0; MAX_AXES];
         for (slot, axis) in position.iter_mut().zip(&self.place.axes) {
@@ -83,7 +99,11 @@ impl Kernel<'_> {
             return false;
         }
         let offsets = self.place.offsets.get_or_insert_default();
-        let slot = if table == Table::Work { &mut offsets.work } else { &mut offsets.length };
+        let slot = match table {
+            Table::Work => &mut offsets.work,
+            Table::Length => &mut offsets.length,
+            Table::Wear => &mut offsets.wear,
+        };
         if slot.len() >= MOST && !slot.contains_key(&number) {
             return false;
         }
@@ -92,15 +112,35 @@ impl Kernel<'_> {
         true
     }
 
+    /// Length and wear of an offset together.
+    pub(crate) fn worn_length(&self, number: u32) -> Position {
+        let mut values = self.offset_values(Table::Length, number);
+        if self.place.offsets.is_some() {
+            for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
+                *slot += wear;
+            }
+        }
+        values
+    }
+
+    /// Radius and wear of an offset together, for the compensation of paths.
+    pub(crate) fn worn_radius(&self, number: u32) -> f64 {
+        self.offset_radius(Radii::Cutter, number) + self.offset_radius(Radii::Wear, number)
+    }
+
     fn radii(&self, table: Radii) -> Radii {
-        if self.machine.tool.offset_digits > 0 { Radii::Cutter } else { table }
+        if self.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
     }
 
     /// A radius, without the base value.
     pub(crate) fn offset_radius(&self, table: Radii, number: u32) -> f64 {
         let table = self.radii(table);
         let set = self.place.offsets.as_deref().and_then(|offsets| {
-            let table = if table == Radii::Cutter { &offsets.radius } else { &offsets.corner };
+            let table = match table {
+                Radii::Cutter => &offsets.radius,
+                Radii::Corner => &offsets.corner,
+                Radii::Wear => &offsets.worn_radius,
+            };
             table.get(&number)
         });
         set.copied().unwrap_or_else(|| {
@@ -116,7 +156,11 @@ impl Kernel<'_> {
             return false;
         }
         let offsets = self.place.offsets.get_or_insert_default();
-        let slot = if table == Radii::Cutter { &mut offsets.radius } else { &mut offsets.corner };
+        let slot = match table {
+            Radii::Cutter => &mut offsets.radius,
+            Radii::Corner => &mut offsets.corner,
+            Radii::Wear => &mut offsets.worn_radius,
+        };
         if slot.len() >= MOST && !slot.contains_key(&number) {
             return false;
         }

@@ -87,12 +87,18 @@ impl Scanner {
 
     /// Place of the first character that ends a block, outside comments and messages.
     pub(in crate::channel) fn block_end(&self, line: &[u8]) -> Option<usize> {
+        // Most lines have none.
+        memchr::memchr(self.eob?, line)?;
         let mut at = 0;
         while let Some(&byte) = line.get(at) {
             if Some(byte) == self.eob {
                 return Some(at);
             }
-            at = self.comment_end(line, at).unwrap_or(at + 1);
+            at = match byte {
+                // Embedded code is a text of its own.
+                b'{' => closing_brace(line, at).map_or(at + 1, |close| close + 1),
+                _ => self.comment_end(line, at).unwrap_or(at + 1),
+            };
         }
         None
     }
@@ -112,6 +118,20 @@ impl Scanner {
             .flatten()
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
+}
+
+/// The brace that closes the one at `at`.
+fn closing_brace(line: &[u8], at: usize) -> Option<usize> {
+    let mut depth = 0_usize;
+    for (offset, byte) in line.get(at..)?.iter().enumerate() {
+        match byte {
+            b'{' => depth += 1,
+            b'}' if depth <= 1 => return Some(at + offset),
+            b'}' => depth -= 1,
+            _ => {}
+        }
+    }
+    None
 }
 
 pub(super) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {

@@ -104,8 +104,13 @@ impl Parser<'_> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' before the condition"));
         }
+        // Its own brackets are no level.
+        self.at += 1;
         let mut ops = Vec::new();
-        self.primary(&mut ops)?;
+        self.logical(&mut ops, Operand::Relation)?;
+        if !self.accept(b']') {
+            return Err(self.error("']'"));
+        }
         self.checked(ops)
     }
 

@@ -12,6 +12,8 @@ pub(crate) struct Error {
     pub(crate) at: usize,
     /// What was expected.
     pub(crate) text: String,
+    /// There are more brackets inside each other than the control has room for.
+    pub(crate) brackets: bool,
 }
 
 /// Deepest nesting of brackets.
@@ -34,7 +36,7 @@ impl Parser<'_> {
         let rest = self.text.get(self.at..).unwrap_or_default();
         let found = String::from_utf8_lossy(rest.get(..rest.len().min(12)).unwrap_or_default()).trim().to_owned();
         let found = if found.is_empty() { "the end of the block".to_owned() } else { format!("'{found}'") };
-        Error { at: self.at, text: format!("expected {expected}, found {found}") }
+        Error { at: self.at, text: format!("expected {expected}, found {found}"), brackets: false }
     }
 
     pub(super) fn blanks(&mut self) {
@@ -101,6 +103,10 @@ impl Parser<'_> {
 
     pub(super) fn nest(&mut self) -> Result<(), Error> {
         self.depth += 1;
-        if self.depth > NESTING { Err(self.error("at most 32 levels of brackets")) } else { Ok(()) }
+        let most = self.names.brackets.map_or(NESTING, usize::from).min(NESTING);
+        if self.depth <= most {
+            return Ok(());
+        }
+        Err(Error { brackets: true, ..self.error(&format!("at most {most} levels of brackets")) })
     }
 }

@@ -33,6 +33,11 @@ pub(crate) enum Fault {
     /// The identification macro wants the text to stay on the block.
     #[error("there is no variable #{0}")]
     Kept(u32),
+    /// The same for the text of a function.
+    #[error("there is no function {0}")]
+    KeptFunction(String),
+    #[error("there is no function {0}")]
+    NoFunction(String),
     #[error("the job was stopped")]
     Stopped,
 }
@@ -41,6 +46,16 @@ pub(crate) enum Fault {
 pub(crate) trait Variables {
     /// Value of `#index`, [`VACANT`] when it has none.
     fn get(&mut self, index: u32) -> Result<f64, Fault>;
+
+    /// Value of a function that the control does not have, by the place of its text in the block.
+    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
+        Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
+    }
+
+    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address behind an address.
+    fn steps(&self) -> f64 {
+        1.0
+    }
 }
 
 /// Postfix operation.
@@ -51,6 +66,8 @@ pub(crate) enum Op {
     Variable(u32),
     /// `#` of the value on the stack.
     Indirect,
+    /// `NAME[…]` that the control does not have: the place of its text in the block.
+    Unknown(u32, u32),
     Add,
     Sub,
     Mul,
@@ -126,6 +143,11 @@ impl Expr {
                     let index = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, variables.get(variable_index(index)?)?);
                 }
+                Op::Unknown(start, end) => push(&mut stack, &mut top, variables.unknown_function((*start, *end))?),
+                Op::Round => {
+                    let value = number(pop(&stack, &mut top));
+                    push(&mut stack, &mut top, to_step(value, variables.steps()));
+                }
                 op if is_unary(*op) => {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, unary(*op, value)?);
@@ -153,13 +175,16 @@ fn pop(stack: &[f64; STACK], top: &mut usize) -> f64 {
     stack.get(*top).copied().unwrap_or(0.0)
 }
 
-/// Index of a variable from a value: a whole number from 0.
+/// A value rounded to the nearest of so many steps of one unit, halves away from zero.
+pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
+    let rounded = (value * steps).round() / steps;
+    if rounded.is_finite() { rounded } else { value }
+}
+
+/// Index of a variable from a value, which is rounded to a whole number.
 pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
-    if value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0 {
-        Ok(value as u32)
-    } else {
-        Err(Fault::NoVariable(value))
-    }
+    let index = value.round();
+    if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
 }
 
 fn is_unary(op: Op) -> bool {
@@ -198,7 +223,6 @@ fn unary(op: Op, v: f64) -> Result<f64, Fault> {
         Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
         Op::Sqrt => v.sqrt(),
         Op::Abs => v.abs(),
-        Op::Round => v.round(),
         Op::Fix => v.trunc(),
         Op::Fup => away(v),
         Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
@@ -228,8 +252,9 @@ fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {
         Op::Mul => a * b,
         Op::Div if b == 0.0 => return Err(Fault::Division),
         Op::Div => a / b,
-        Op::Mod if b == 0.0 => return Err(Fault::Division),
-        Op::Mod => a - b * (a / b).trunc(),
+        // Of whole numbers, with the sign of the dividend.
+        Op::Mod if b.round() == 0.0 => return Err(Fault::Division),
+        Op::Mod => a.round() % b.round() + 0.0,
         Op::And => ((a as i64) & (b as i64)) as f64,
         Op::Or => ((a as i64) | (b as i64)) as f64,
         Op::Both => truth(a != 0.0 && b != 0.0),

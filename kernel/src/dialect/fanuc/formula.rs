@@ -41,7 +41,7 @@ impl Parser<'_> {
         let (mut depth, mut most) = (0_usize, 0_usize);
         for op in &ops {
             match op {
-                Op::Number(_) | Op::Variable(_) => depth += 1,
+                Op::Number(_) | Op::Variable(_) | Op::Unknown(..) => depth += 1,
                 Op::Add
                 | Op::Sub
                 | Op::Mul
@@ -278,7 +278,7 @@ impl Parser<'_> {
             }
         }
         let Some((op, length)) = best else {
-            return Err(self.error("a value"));
+            return self.unknown_function(ops);
         };
         self.at += length;
         if self.peek() != Some(b'[') {
@@ -290,6 +290,38 @@ impl Parser<'_> {
         self.bracketed(ops)?;
         ops.push(op);
         Ok(())
+    }
+
+    /// A function begins here that the control has.
+    pub(super) fn stands_function(&mut self) -> bool {
+        let letters = self.letters();
+        letters.len() >= 2 && FUNCTIONS.iter().any(|(name, _)| name.starts_with(&letters))
+    }
+
+    /// `NAME[…]` that the control does not have: the machine may know its value.
+    fn unknown_function(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        let start = self.at;
+        let name = self.text.get(start..).unwrap_or_default();
+        let name = name.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
+        self.at += name;
+        if self.peek() != Some(b'[') {
+            self.at = start;
+            return Err(self.error("a value"));
+        }
+        let mut open = 0_usize;
+        while let Some(byte) = self.text.get(self.at) {
+            self.at += 1;
+            match byte {
+                b'[' => open += 1,
+                b']' if open == 1 => {
+                    ops.push(Op::Unknown(start as u32, self.at as u32));
+                    return Ok(());
+                }
+                b']' => open -= 1,
+                _ => {}
+            }
+        }
+        Err(self.error("']'"))
     }
 
     /// The arguments of `ATAN[y]`, `ATAN[y]/[x]`, `ATAN[y,x]`.
@@ -380,6 +412,6 @@ mod tests {
     fn faults_are_told() {
         assert_eq!(value("1/0"), Err(Fault::Division));
         assert!(matches!(value("SQRT[-1]"), Err(Fault::Domain("SQRT", _))));
-        assert!(matches!(value("#[1.5]"), Err(Fault::NoVariable(_))));
+        assert!(matches!(value("#[0-1.5]"), Err(Fault::NoVariable(_))));
     }
 }

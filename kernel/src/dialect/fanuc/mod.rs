@@ -14,6 +14,6 @@ mod statement;
 mod words;
 
 pub(crate) use compile::compile;
-pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number};
+pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number, to_step, variable_index};
 pub(crate) use key_words::key_word;
 pub(crate) use statement::{Line, Name, Names, Number, Statement, TemplateWord};

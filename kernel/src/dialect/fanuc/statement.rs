@@ -93,4 +93,6 @@ pub(crate) struct Names<'a> {
     pub(crate) registers: &'a [Special],
     /// All literal texts with their rows, longest first.
     pub(crate) texts: &'a [(Vec<u8>, u16)],
+    /// Most levels of brackets in an expression.
+    pub(crate) brackets: Option<u8>,
 }

@@ -102,6 +102,10 @@ impl Parser<'_> {
         };
         self.blanks();
         let start = self.at;
+        // Letters behind that of the word are a function only if the control has it.
+        if self.peek().is_some_and(|byte| byte.is_ascii_uppercase()) && !self.stands_function() {
+            return Err(self.error("a value"));
+        }
         self.primary(&mut ops)?;
         self.written = match ops.as_slice() {
             [Op::Number(value)] => self.as_written(start, if negative { -*value } else { *value }),

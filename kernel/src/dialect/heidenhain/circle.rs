@@ -158,6 +158,9 @@ impl Walk<'_> {
         let (across, length) =
             (chord[1] * heading[0] - chord[0] * heading[1], chord[0] * chord[0] + chord[1] * chord[1]);
         if across.abs() <= 1e-9 * length.max(1e-9) {
+            if chord[0] * heading[0] + chord[1] * heading[1] < 0.0 {
+                self.complain("a tangential circle cannot lead straight back, its end is reached straight");
+            }
             self.head_for(chord);
             return vec![self.straight(&end, &others)];
         }

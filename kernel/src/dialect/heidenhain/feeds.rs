@@ -57,6 +57,10 @@ impl Heidenhain {
                 "FZ" if !host.is_register("FZ") => value * self.teeth(host)?,
                 _ => continue,
             };
+            if !host.knows_code(b'M', 136.0) {
+                let text = format!("the machine has no code M136 for the feed of '{}'", host.block_text());
+                return Err(host.alarm(&diag::NO_FEED_PER_TURN, text));
+            }
             self.begin_units();
             *word = Seen { name: "F".into(), value: Some(value), text: format!("M136 F{}", shown(value)) };
         }

@@ -74,6 +74,9 @@ impl Walk<'_> {
                 return Vec::new();
             }
         };
+        if sweep.is_some_and(|sweep| sweep != 0.0 && (sweep < 0.0) != clockwise) {
+            self.complain("the angle about the pole and the direction do not agree, the direction counts");
+        }
         let angle = |point: Point| libm::atan2(point[1] - pole[1], point[0] - pole[0]).to_degrees();
         let (from, radius) = (angle(start), libm::hypot(start[0] - pole[0], start[1] - pole[1]));
         let turned = match sweep {

@@ -277,7 +277,10 @@ mod tests {
         assert!(matches!(read("V33"), Expr::Variable(Variable::Common(Family::V, _))));
         assert_eq!(read("VTOFX[1]"), Expr::Variable(Variable::System("VTOFX".into(), [Expr::Number(1.0)].into())));
         assert_eq!(read("HALF[ 1, 2]"), Expr::Unknown("HALF[ 1, 2]".into()));
-        assert_eq!((read("#81H"), read("$fF".to_ascii_uppercase().as_str())), (Expr::Number(129.0), Expr::Number(255.0)));
+        assert_eq!(
+            (read("#81H"), read("$fF".to_ascii_uppercase().as_str())),
+            (Expr::Number(129.0), Expr::Number(255.0))
+        );
         assert_eq!((read("EMPTY"), read("-.5")), (Expr::Empty, Expr::Number(-0.5)));
     }
 }

@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::{ALARM_TEXTS, Okuma};
 use super::eval::{Eval, Stop};
 use super::expr::{Expr, Variable};
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
+use super::{ALARM_TEXTS, Okuma};
 use crate::channel::{Acted, Halt};
 use crate::diag;
 use crate::dialect::{self, Answer, Host};

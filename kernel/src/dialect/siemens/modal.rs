@@ -113,7 +113,7 @@ fn asks(host: &dyn Host, left: &Left) -> bool {
             }
         }
     }
-    axis || (rates && !others && (straight || (!curve && host.moves_straight()))) || (straight && !others)
+    axis || (!others && (straight || (rates && !curve && host.moves_straight())))
 }
 
 /// Words of a block, without texts and what stands in parentheses.

@@ -101,6 +101,7 @@ impl Siemens {
                 break;
             }
         }
+        whole_translation(host, &mut left);
         self.call_modally(host, &mut left);
         self.finish(host, line, left)
     }
@@ -402,6 +403,24 @@ fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
         text = rest.get(usize::from(digit.is_some())..).unwrap_or_default().trim_start();
     }
     Some(text)
+}
+
+/// TRANS replaces the whole translation: axes that it does not name are not moved any more.
+fn whole_translation(host: &dyn Host, left: &mut Left) {
+    let mut words = left.words.split(' ');
+    if !words.any(|word| word == "TRANS") || !host.is_code_text("TRANS") {
+        return;
+    }
+    for axis in host.axes().iter().filter(|axis| matches!(axis.letter.as_str(), "X" | "Y" | "Z")) {
+        let is_axis = |word: &str| {
+            let (letter, value) = word.split_at_checked(1).unwrap_or_default();
+            letter.eq_ignore_ascii_case(&axis.letter) && !value.starts_with(|c: char| c.is_ascii_alphabetic())
+        };
+        if !left.words.split(' ').any(is_axis) {
+            let word = format!("{}0", axis.letter);
+            left.add(&word);
+        }
+    }
 }
 
 /// G90 and G91: whether positions are distances.

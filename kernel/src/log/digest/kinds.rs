@@ -79,7 +79,13 @@ pub(super) fn write_kind(out: &mut Vec<u8>, kind: &Kind) {
             out.extend_from_slice(&u32::from(*letter).to_le_bytes());
             float(out, *value);
         }
-        Kind::Mode { text: words } | Kind::Message { text: words } => text(out, words),
+        Kind::Mode { text: words } => text(out, words),
+        Kind::Message { text: words, printed } => {
+            text(out, words);
+            if *printed {
+                out.push(1);
+            }
+        }
         Kind::Frame { shift } => {
             shift.iter().for_each(|&value| float(out, value));
         }

@@ -59,7 +59,7 @@ fn the_form_is_fixed() {
     // Kind 1, no flags; then time, duration, microstep, file, line, number.
     assert_eq!(words(std::slice::from_ref(&block)), [1, 7, 3, 1, 1, 40, 258]);
     // The next event follows in the same place (1 + 2 + 8 + 16) and takes no time (4).
-    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message { text: "ab".into() }) };
+    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message { text: "ab".into(), printed: false }) };
     let both = form(&[block.clone(), message]);
     assert_eq!(both.get(form(&[block]).len()..), Some(&[13, 31, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'][..]));
 }
@@ -156,7 +156,7 @@ fn every_field_counts() {
         Kind::Call { program: "O1".into(), level: 1 },
         Kind::Call { program: "O1".into(), level: 2 },
         Kind::Return { level: 1 },
-        Kind::Message { text: "plane zx".into() },
+        Kind::Message { text: "plane zx".into(), printed: false },
         Kind::Wait(Arc::new(wait.clone())),
         Kind::Wait(Arc::new(Wait { participants: [1, 3].into(), ..wait.clone() })),
         Kind::Wait(Arc::new(Wait { primitive: Primitive::Join, ..wait })),

@@ -55,7 +55,13 @@ pub(super) fn write(info: &Info, event: &Event, out: &mut Vec<u8>) {
             text(out, "letter", letter.encode_utf8(&mut [0; 4]));
             float(out, "value", *value);
         }
-        Kind::Mode { text: words } | Kind::Message { text: words } => text(out, "text", words),
+        Kind::Mode { text: words } => text(out, "text", words),
+        Kind::Message { text: words, printed } => {
+            text(out, "text", words);
+            if *printed {
+                boolean(out, "printed", *printed);
+            }
+        }
         Kind::Frame { shift } => position(out, "shift", axes, shift),
         Kind::Stop(stop) => serial(out, "stop", stop),
         Kind::Call { program, level } => {

@@ -47,7 +47,7 @@ fn a_circle_in_space_tells_its_centre_and_its_middle() {
 
 #[test]
 fn odd_texts_and_numbers_stay_valid() {
-    let text = line(&at(1, 1, 0, 0, Kind::Message { text: "a\"b\\c\n\u{1}ä".into() }));
+    let text = line(&at(1, 1, 0, 0, Kind::Message { text: "a\"b\\c\n\u{1}ä".into(), printed: false }));
     assert!(text.ends_with(r#""text":"a\"b\\c\n\u0001ä"}"#), "{text}");
     let spindle = Spindle {
         spindle: 1,

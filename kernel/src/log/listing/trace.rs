@@ -10,7 +10,7 @@ use super::blocks;
 use crate::log::event::{Event, Kind};
 use crate::log::info::Info;
 use crate::machine::model::StoredFile;
-use crate::trace::{ACTION, DWELL, LISTING};
+use crate::trace::{ACTION, BLOCK, DWELL, LISTING};
 
 /// Writes blocks and what the letters ask for.
 #[derive(Debug, Default)]
@@ -20,6 +20,8 @@ pub(super) struct Tracer {
     off: bool,
     /// What the next dwell does has been told in other words than its seconds.
     told: bool,
+    /// Text of the next block, if it is not the line of a file.
+    own: Option<Box<str>>,
 }
 
 impl Tracer {
@@ -29,18 +31,25 @@ impl Tracer {
     }
 
     /// The line of a block.
-    pub(super) fn block(&self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+    pub(super) fn block(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
+        let own = self.own.take();
         if !self.shows(info, event) {
             return Ok(());
         }
-        if info.trace.has('I') {
-            return writeln!(out, "Block :   {}", info.line_text(event.file, event.line));
+        match own {
+            Some(text) if info.trace.has('I') => writeln!(out, "Block :   {text}"),
+            Some(text) => writeln!(out, "exec! {text}"),
+            None if info.trace.has('I') => writeln!(out, "Block :   {}", info.line_text(event.file, event.line)),
+            None => blocks::write_block(info, event, out),
         }
-        blocks::write_block(info, event, out)
     }
 
-    /// LPRINT.
+    /// LPRINT, and the text of a block to come.
     fn control(&mut self, text: &str, out: &mut dyn Write) -> Result<()> {
+        if let Some(block) = text.strip_prefix(BLOCK) {
+            self.own = Some(block.into());
+            return Ok(());
+        }
         match text {
             "on" => self.off = false,
             "off" => self.off = true,
@@ -54,7 +63,9 @@ impl Tracer {
     pub(super) fn event(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
         match &event.kind {
             Kind::Trace { letter: LISTING, text } => return self.control(text, out),
-            _ if info.trace.is_empty() || self.off => return Ok(()),
+            _ if self.off => return Ok(()),
+            Kind::Message { text, printed: true } => return writeln!(out, "{text}"),
+            _ if info.trace.is_empty() => return Ok(()),
             _ => {}
         }
         match &event.kind {
@@ -63,7 +74,7 @@ impl Tracer {
                 self.told = *letter == ACTION && text.contains(DWELL);
                 writeln!(out, "{text}")
             }
-            Kind::Message { text } if info.trace.has('S') => writeln!(out, "Display : {text}"),
+            Kind::Message { text, .. } if info.trace.has('S') => writeln!(out, "Display : {text}"),
             _ if info.trace.has('A') => {
                 let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);
                 self.actions.of(axes, event).iter().try_for_each(|action| writeln!(out, "      | {action}"))

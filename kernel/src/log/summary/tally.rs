@@ -10,6 +10,8 @@ use crate::log::work::Work;
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     end: Option<(ChannelState, i64)>,
+    /// Its program has begun.
+    begun: bool,
     pub(crate) blocks: u64,
     pub(crate) feed_ns: i64,
     pub(crate) rapid_ns: i64,
@@ -39,6 +41,7 @@ impl Tally {
 
     /// A phase in the life of its kernel.
     pub(crate) fn life(&mut self, phase: Phase, t_ns: i64) {
+        self.begun |= phase == Phase::ProgramStart;
         if let Some(state) = terminal(phase) {
             self.end = Some((state, t_ns));
         } else if let Some((_, before)) = self.end.take_if(|_| phase == Phase::ProgramStart) {
@@ -55,6 +58,11 @@ impl Tally {
     /// Its program came to an end or stands on an alarm.
     pub(crate) fn ended(&self) -> bool {
         matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
+    }
+
+    /// A program that has begun and, by the state of its channel, did not come to its end.
+    pub(crate) fn is_cut_short(&self, state: ChannelState) -> bool {
+        self.begun && matches!(state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
     }
 
     /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.

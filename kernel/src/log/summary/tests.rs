@@ -56,6 +56,7 @@ fn a_blocked_channel_ends_at_its_wait() {
 fn the_json_is_the_documented_one() {
     let info = lathe(&["G1 X10.", "G0 X2."]);
     let events = [
+        life(2, 0, Phase::NotStarted),
         life(1, 0, Phase::ProgramStart),
         at(1, 1, 0, 0, Kind::Block { number: 1 }),
         at(1, 1, 0, 3 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[10.0]))),
@@ -71,7 +72,7 @@ fn the_json_is_the_documented_one() {
             r#"{"state":"SUCCEEDED","highest_severity":4,"makespan_ns":3000000000,"log_digest":"d","channels":["#,
             r#"{"channel":1,"name":"UPPER","program":"jobs/p1.nc","state":"ENDED","blocks":1,"end_ns":3000000000,"#,
             r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0},"#,
-            r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"STOPPED","blocks":0,"end_ns":3000000000,"#,
+            r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"NOT_STARTED","blocks":0,"end_ns":0,"#,
             r#""feed_ns":0,"rapid_ns":0,"misc_ns":0,"wait_ns":0}],"waits":[],"verdict":null,"diagnostics":["#,
             r#"{"number":2001005,"severity":4,"channel":1,"file":"jobs/p1.nc","line":1,"block":"G1 X10.","#,
             r#""text":"no \"Q\"","t_ns":3000000000}]}"#

@@ -230,7 +230,7 @@ fn the_lower_turret_is_below_the_axis_and_scales_show_diameters() {
         .unwrap()
         .parse()
         .unwrap();
-    let top = |d: &str| d.split(|c: char| matches!(c, 'M' | ' ' | 'l' | '-')).nth(2).unwrap().parse::<f64>().unwrap();
+    let top = |d: &str| d.split(['M', ' ', 'l', '-']).nth(2).unwrap().parse::<f64>().unwrap();
     let paths = drawn(&svg);
     assert!(top(paths[0]) < axis && top(paths[2]) > axis, "{axis} {paths:?}");
     assert!(svg.contains(">X (diameter) / mm, lower turret below the axis</text>"), "{svg}");

@@ -25,7 +25,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         check.set_incomplete();
     }
     let head = head::read(&mut top);
-    let format = format::read(&mut top, check);
+    let format = format::read(&mut top, check, head.preprocessor);
     let registers = registers::read(&mut top, check);
     let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
     let data = data::read(&mut top, &mut names, head.unit);
@@ -55,9 +55,11 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let tool = tool::read(&mut top, &axes, check);
     let work_offsets = tool::read_work(&mut top, &axes, check);
     let storage = storage::read(&mut top, files);
-    let macros = macros::read(&mut top, &names, &codes, files, &storage);
+    let mut shown = Vec::new();
+    let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
+    overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
-    let dialogs = dialogs::read(&mut top, files, check);
+    let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let diagnostics = diagnostics::read(&mut top, files);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());

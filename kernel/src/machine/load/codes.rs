@@ -51,8 +51,18 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
     let add = section.number("add").unwrap_or(0.0);
     let with = registers(section, "with", names);
     let without = registers(section, "without", names);
+    let ignores = registers(section, "ignores", names);
     if with.iter().any(|register| without.contains(register)) {
         section.error("without", "a register cannot be both in `with` and in `without`");
+    }
+    if let Some(CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = &form {
+        if without.contains(register) {
+            section.error("without", "the row's own register is on every block that it could match: it never does");
+        }
+        if with.contains(register) {
+            let text = "the row's own register is on every block that it could match: this says nothing";
+            names.check.warning(section.place_of("with"), text);
+        }
     }
     let seconds = section.at_least_zero("seconds").unwrap_or(0.0);
     let axis = section.choice("axis", &[("X", 0), ("Y", 1), ("Z", 2)]);
@@ -75,6 +85,7 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow>
         add,
         with,
         without,
+        ignores,
         seconds,
         axis,
         line: section.place().line,

@@ -10,16 +10,27 @@ use crate::machine::toml::check::Check;
 use crate::machine::toml::node::{self, Node, Place};
 use crate::machine::toml::parse::parse;
 use crate::machine::toml::section::Section;
+use crate::macros::model::Macros;
+use crate::macros::system;
 
 /// Most dialogs of a machine, and most fields and buttons of one.
 const MOST: usize = 200;
 
-/// Reads the dialogs in file order.
-pub(super) fn read(top: &mut Section<'_>, files: &dyn Files, check: &Check) -> Vec<Dialog> {
+/// A variable that a dialog names: its name, where, and whether it only decides about a field.
+type Named = (String, Place, bool);
+
+/// Reads the dialogs in file order; `shown` are those that macros show by name.
+pub(super) fn read(
+    top: &mut Section<'_>,
+    files: &dyn Files,
+    macros: Option<&Macros>,
+    shown: &[(String, Place)],
+    check: &Check,
+) -> Vec<Dialog> {
     let mut dialogs: Vec<Dialog> = Vec::new();
     for mut row in top.rows("dialogs", "[[dialogs]]", MOST) {
         let dialog = match row.name("file", 128) {
-            None => read_dialog(row, check),
+            None => read_dialog(row, macros, check),
             Some(name) => {
                 let folder = row.place().file.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
                 let path = format!("{folder}/{name}");
@@ -30,7 +41,7 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files, check: &Check) -> V
                     Ok(content) if !name.contains("..") => {
                         let place = Place { file: path.as_str().into(), line: 0, column: 0 };
                         let table = parse(&place.file, &content, check);
-                        read_dialog(Section::new(&table, place, "a dialog file", check), check)
+                        read_dialog(Section::new(&table, place, "a dialog file", check), macros, check)
                     }
                     _ => {
                         check.error(&at, format!("there is no file {path}"));
@@ -57,20 +68,60 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files, check: &Check) -> V
             }
         }
     }
+    for (name, place) in shown {
+        if !dialogs.iter().any(|dialog| same_name(&dialog.name, name)) {
+            check.error(place, format!("this machine has no dialog '{name}'; [[dialogs]] with this name is expected"));
+        }
+    }
     dialogs
 }
 
-fn read_dialog(mut row: Section<'_>, check: &Check) -> Option<(Dialog, Place)> {
+/// Variables of a dialog that nothing has: what is typed there would be lost.
+fn check_variables(dialog: &[Field], named: &[Named], macros: Option<&Macros>, check: &Check) {
+    let Some(macros) = macros else { return };
+    for (variable, place, decides) in named {
+        let name = variable.trim().to_ascii_uppercase();
+        let in_dialog = dialog.iter().any(|field| field.variable.eq_ignore_ascii_case(&name));
+        if *decides && in_dialog {
+            continue;
+        }
+        let known = if name.starts_with('$') {
+            system::find(&name).is_some_and(|variable| variable.indices.is_empty())
+        } else if let Some(number) = name.strip_prefix("%G") {
+            number.parse::<u8>().is_ok_and(|number| number < 100)
+        } else {
+            macros.program.shared_variable(&name).is_some()
+        };
+        if !known {
+            let or = if *decides { "a variable of a field of this dialog, " } else { "" };
+            let text = format!(
+                "no macro declares {variable}; {or}a GLOBAL or OBJECT variable of the declaration, %G00 to %G99 or a \
+                 system variable is expected"
+            );
+            check.error(place, text);
+        }
+    }
+}
+
+fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> Option<(Dialog, Place)> {
     row.require("name", "the name of the dialog");
     let name = row.name("name", 64).map(str::to_owned);
     let title = row.text("title").map(str::to_owned);
-    let fields = row.rows("fields", "a field", MOST).into_iter().filter_map(|field| read_field(field, check)).collect();
+    let mut named = Vec::new();
+    let fields = row.rows("fields", "a field", MOST);
+    let fields: Vec<Field> = fields.into_iter().filter_map(|field| read_field(field, &mut named, check)).collect();
+    check_variables(&fields, &named, macros, check);
     let mut buttons: Vec<Button> = row.rows("buttons", "a button", MOST).into_iter().filter_map(read_button).collect();
     if buttons.is_empty() {
         buttons.push(Button { label: "OK".into(), kind: ButtonKind::Ok });
         buttons.push(Button { label: "Cancel".into(), kind: ButtonKind::Cancel });
     } else if !buttons.iter().any(|button| button.kind == ButtonKind::Ok) {
         row.error("buttons", "a dialog needs a button of type \"ok\"");
+    }
+    for (index, button) in buttons.iter().enumerate() {
+        if buttons.iter().take(index).any(|other| other.label.eq_ignore_ascii_case(&button.label)) {
+            row.error("buttons", format!("two buttons have the label \"{}\", the result of the dialog", button.label));
+        }
     }
     let place = row.place_of("name").clone();
     row.finish();
@@ -96,7 +147,7 @@ fn read_button(mut row: Section<'_>) -> Option<Button> {
     Some(Button { label: label?, kind })
 }
 
-fn read_field(mut row: Section<'_>, check: &Check) -> Option<Field> {
+fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Option<Field> {
     let words = [("label", 0), ("text", 1), ("number", 2), ("check", 3), ("choice", 4)];
     row.require("kind", "\"label\", \"text\", \"number\", \"check\" or \"choice\"");
     let kind = row.choice("kind", &words)?;
@@ -128,6 +179,12 @@ fn read_field(mut row: Section<'_>, check: &Check) -> Option<Field> {
     let unless = row.name("unless", 32).map(|variable| (variable.to_owned(), false));
     if when.is_some() && unless.is_some() {
         row.error("unless", "a field has `when` or `unless`, not both");
+    }
+    if !variable.is_empty() {
+        named.push((variable.clone(), row.place_of("variable").clone(), false));
+    }
+    for (key, decides) in [("when", &when), ("unless", &unless)] {
+        named.extend(decides.iter().map(|(variable, _)| (variable.clone(), row.place_of(key).clone(), true)));
     }
     let mut field = Field { label, variable, kind, default: None, required, enabled: when.or(unless) };
     match field.accept(default.clone()) {

@@ -2,12 +2,12 @@
 //!
 //! Invariant: a delimiter that is there is not empty. Facts: reference control-emulator.md 5.5, 5.6.
 
-use crate::machine::model::{Format, RewindStop};
+use crate::machine::model::{Format, Preprocessor, RewindStop};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
 
 /// Reads the section; a machine without it has plain text without comments.
-pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
+pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preprocessor) -> Format {
     let mut format = Format {
         rws: String::new(),
         rws_at: RewindStop::None,
@@ -18,7 +18,9 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
         eob: None,
     };
     let Some(mut section) = top.table("format", "[format]") else { return format };
-    format.eob = section.character("eob").flatten();
+    let comments = matches!(preprocessor, Preprocessor::Siemens | Preprocessor::Heidenhain);
+    // A semicolon begins their comments.
+    format.eob = section.character("eob").flatten().filter(|eob| *eob != ';' || !comments);
     format.rws = section.text("rws").unwrap_or_default().to_owned();
     let places = [("none", RewindStop::None), ("start", RewindStop::Start), ("optional", RewindStop::Optional)];
     format.rws_at = section.choice("rws_at", &places).unwrap_or(RewindStop::None);
@@ -38,8 +40,39 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Format {
         format.opskip_default = opskip.integer("default", 1..=9).unwrap_or(1) as u8;
         opskip.finish();
     }
+    clashes(&section, &format, check);
     section.finish();
     format
+}
+
+/// Characters that end blocks or mark optional skip, and are read as something else.
+fn clashes(section: &Section<'_>, format: &Format, check: &Check) {
+    let of_words = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '+' | '-');
+    let starts = [("comment", &format.comment), ("message", &format.message)];
+    let starts = |c: char| starts.iter().find(|(_, text)| text.as_ref().is_some_and(|(start, _)| start.starts_with(c)));
+    for (key, what, character) in [
+        ("eob", "the character that ends blocks", format.eob),
+        ("opskip", "the mark of optional skip", format.opskip_mark),
+    ] {
+        let Some(c) = character else { continue };
+        let place = section.place_of(key);
+        if of_words(c) {
+            check.error(place, format!("'{c}' is part of words, it cannot be {what}"));
+        } else if let Some((other, _)) = starts(c) {
+            check.error(place, format!("'{c}' begins a `{other}` too, it cannot be {what}"));
+        }
+    }
+    for (key, text) in [("comment", &format.comment), ("message", &format.message)] {
+        if let Some((start, _)) = text
+            && start.len() == 1
+            && start.starts_with(of_words)
+        {
+            check.error(section.place_of(key), format!("\"{start}\" begins words, it cannot begin a `{key}`"));
+        }
+    }
+    if format.eob.is_some() && format.eob == format.opskip_mark {
+        check.error(section.place_of("eob"), "the character that ends blocks is the mark of optional skip too");
+    }
 }
 
 fn delimiters(section: &mut Section<'_>, key: &'static str) -> Option<(String, String)> {

@@ -24,6 +24,18 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
     let files = [("numbers", false), ("heads", true)];
     habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
+    let groups = [("all", false), ("last", true)];
+    habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
+    let values = [("exact", false), ("rounded", true)];
+    habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
+    habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
+    let homes = [("nothing", false), ("all", true)];
+    habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);
+    let dwells = [("as-written", false), ("seconds", true)];
+    habits.pointed_dwell = section.choice("dwell_with_point", &dwells).unwrap_or(habits.pointed_dwell);
+    let unknown = [("warn", false), ("alarm", true)];
+    habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
+    habits.stops = section.flag("stops").unwrap_or(habits.stops);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {
         read_answers(&mut answers, &mut habits);
         answers.finish();

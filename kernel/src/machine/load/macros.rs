@@ -8,10 +8,11 @@ use std::sync::Arc;
 use counterpoint_lang::compile::{self, Options, Place as Kind, Program, Strong};
 use counterpoint_lang::source::Source;
 
+use super::macro_uses::{self, Given};
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
-use crate::machine::model::{CodeRow, StoredFile};
+use crate::machine::model::{CodeRow, DataRow, StoredFile};
 use crate::machine::toml::node::Place;
 use crate::machine::toml::section::Section;
 use crate::macros::condition::{self, Condition, Item, Step};
@@ -21,13 +22,14 @@ use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
 /// Most code macros, and most data macros.
 const MOST: usize = 1000;
 
-/// Reads the section; none if the machine has no macros.
+/// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
 pub(super) fn read(
     top: &mut Section<'_>,
     names: &Names<'_>,
-    codes: &[CodeRow],
+    (codes, data): (&[CodeRow], &[DataRow]),
     files: &dyn Files,
     stored: &[StoredFile],
+    shown: &mut Vec<(String, Place)>,
 ) -> Option<Arc<Macros>> {
     let mut section = top.table("macros", "[macros]")?;
     let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
@@ -35,10 +37,12 @@ pub(super) fn read(
     let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
     let mut macros = Macros { strong, ..Macros::default() };
     let mut program = Program::new();
-    let mut compiler = Compiler { names, codes, files, stored, program: &mut program, strong, uninitialised };
+    let program_of = &mut program;
+    let mut compiler =
+        Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
     compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
     for (file, place) in section.texts("functions").unwrap_or_default() {
-        compiler.add(file, place, Kind::Library);
+        compiler.add(file, place, Kind::Library, Given::FUNCTIONS);
     }
     for hook in Hook::ALL.into_iter().filter(|hook| *hook != Hook::Declaration) {
         compiler.hook(&mut section, hook, &mut macros.hooks);
@@ -54,12 +58,15 @@ pub(super) fn read(
 struct Compiler<'a, 'n> {
     names: &'a Names<'n>,
     codes: &'a [CodeRow],
+    data: &'a [DataRow],
     files: &'a dyn Files,
     stored: &'a [StoredFile],
     program: &'a mut Program,
     strong: Strong,
     /// Variables that are read and never assigned are findings.
     uninitialised: bool,
+    /// Dialogs that macros show by name.
+    shown: &'a mut Vec<(String, Place)>,
 }
 
 /// Kind of the macro of a hook, which decides what it may contain.
@@ -74,14 +81,14 @@ fn kind(hook: Hook) -> Kind {
 impl Compiler<'_, '_> {
     fn hook(&mut self, section: &mut Section<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
         let Some(file) = section.text(hook.key()) else { return };
-        let found = self.one(file, section.place_of(hook.key()), kind(hook));
+        let found = self.one(file, section.place_of(hook.key()), kind(hook), Given::of(hook));
         if let Some(slot) = hooks.get_mut(hook as usize) {
             *slot = found;
         }
     }
 
     /// Compiles a file; gives its macros without a header.
-    fn add(&mut self, file: &str, place: &Place, kind: Kind) -> Option<Vec<u16>> {
+    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<Vec<u16>> {
         let check = self.names.check;
         let Some(path) = beside(&place.file, file) else {
             let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
@@ -103,7 +110,11 @@ impl Compiler<'_, '_> {
         };
         let options =
             Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
-        let added = compile::add(self.program, &mut surroundings, Source::from_bytes(path, &bytes), options);
+        let source = Source::from_bytes(path, &bytes);
+        let added = compile::add(self.program, &mut surroundings, source.clone(), options);
+        if !added.has_errors() {
+            macro_uses::check(&source, given, check, self.shown);
+        }
         for diagnostic in &added.diagnostics {
             let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
             let text = format!("{} {}{help}", diagnostic.number, diagnostic.message);
@@ -119,8 +130,8 @@ impl Compiler<'_, '_> {
     }
 
     /// Compiles a file that holds one macro.
-    fn one(&mut self, file: &str, place: &Place, kind: Kind) -> Option<u16> {
-        let found = self.add(file, place, kind)?;
+    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<u16> {
+        let found = self.add(file, place, kind, given)?;
         match found.as_slice() {
             [one] => Some(*one),
             // Functions are declared by being there.
@@ -181,9 +192,9 @@ impl Compiler<'_, '_> {
         row.require("file", "the file of the macro");
         let (condition, firing) = self.condition(row, of_codes);
         let default = firing.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
-        let kind = if of_codes { Kind::Any } else { Kind::Data };
+        let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
         let file = row.text("file")?;
-        let code = self.one(file, row.place_of("file"), kind)?;
+        let code = self.one(file, row.place_of("file"), kind, given)?;
         let matches = firing.clone();
         let firing = firing.into_iter().map(|item| match item {
             Item::Code(id) => id.0,
@@ -221,6 +232,9 @@ impl Compiler<'_, '_> {
             row.error("absent", format!("{} cannot both be and not be present", self.item_name(*item)));
         }
         let matched = list(row, "match");
+        if !matched.is_empty() && matched.iter().all(|item| absent.contains(item)) {
+            row.error("absent", "what fires the macro counts as present: it never runs");
+        }
         let wanted = |item: &Item| matches!(item, Item::Code(_)) == of_codes;
         let kind = if of_codes { "CODE_" } else { "REG_" };
         if let Some(other) = matched.iter().find(|item| !wanted(item)) {
@@ -261,12 +275,21 @@ impl Compiler<'_, '_> {
     fn item(&self, name: &str, place: &Place) -> Option<Item> {
         let upper = name.to_ascii_uppercase();
         if upper.starts_with("REG_") || upper.starts_with("DATA_") {
-            return self.names.data(name, place).map(Item::Data);
+            let id = self.names.data(name, place)?;
+            if !self.data.iter().any(|row| row.id == id && row.enable) {
+                let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
+                self.names.check.warning(place, text);
+            }
+            return Some(Item::Data(id));
         }
         let id = self.names.code(name, place)?;
         let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
         if !remark && !self.codes.iter().any(|row| row.id == id && row.enable) {
             let text = format!("no row of this machine's code table has {upper}, so it never fires");
+            self.names.check.warning(place, text);
+        } else if !remark && !self.codes.iter().any(|row| row.id == id && row.enable && row.process) {
+            let text =
+                format!("the rows of {upper} say `process = false`: it is taken off the block and fires nothing");
             self.names.check.warning(place, text);
         }
         Some(Item::Code(id))

@@ -20,6 +20,7 @@ mod habits;
 mod head;
 mod initial;
 mod kinematics;
+mod macro_uses;
 mod macros;
 mod names;
 mod overlap;

@@ -18,6 +18,7 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
         max_radius: f64::INFINITY,
         helix: Helix::Any,
         turns: Turns::Always,
+        stands: false,
     };
     let Some(mut section) = top.table("arcs", "[arcs]") else { return arcs };
     let centers = [("offset", Heights::Incremental), ("absolute", Heights::Absolute), ("mode", Heights::Mode)];
@@ -28,6 +29,8 @@ pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
     arcs.helix = section.choice("helix", &helices).unwrap_or(arcs.helix);
     let turns = [("always", Turns::Always), ("helical", Turns::Helical), ("never", Turns::Never)];
     arcs.turns = section.choice("turns", &turns).unwrap_or(arcs.turns);
+    let starts = [("error", false), ("stand", true)];
+    arcs.stands = section.choice("to_start", &starts).unwrap_or(arcs.stands);
     section.finish();
     arcs
 }

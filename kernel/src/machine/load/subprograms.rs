@@ -3,7 +3,7 @@
 //! Invariant: an extension is a plain file extension. Facts: reference control-emulator.md 5.7.
 
 use super::calls::{self, Around};
-use crate::machine::model::{CallForm, MainReturn, NestedCalls, Placement, Subprograms};
+use crate::machine::model::{CallForm, CallLevels, MainReturn, NestedCalls, Placement, Subprograms};
 use crate::machine::toml::section::Section;
 
 /// Reads the section.
@@ -16,6 +16,8 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
         main_return: MainReturn::End,
         calls: Vec::new(),
         nested: NestedCalls::OtherKind,
+        levels: CallLevels::default(),
+        strict: false,
     };
     let Some(mut section) = top.table("subprograms", "[subprograms]") else { return subprograms };
     let placements =
@@ -35,6 +37,14 @@ pub(super) fn read(top: &mut Section<'_>, around: &Around<'_>) -> Subprograms {
     subprograms.main_return = section.choice("main_return", &returns).unwrap_or(MainReturn::End);
     let nested = [("other-kind", NestedCalls::OtherKind), ("never", NestedCalls::Never)];
     subprograms.nested = section.choice("nested_calls", &nested).unwrap_or(NestedCalls::OtherKind);
+    if let Some(mut levels) = section.table("levels", "levels of [subprograms]") {
+        let mut level = |key| levels.integer(key, 1..=999).map(|level| level as u16);
+        let (subs, macros, all) = (level("subprograms"), level("macros"), level("all"));
+        subprograms.levels = CallLevels { subprograms: subs, macros, all };
+        levels.finish();
+    }
+    let words = [("anywhere", false), ("behind", true)];
+    subprograms.strict = section.choice("macro_words", &words).unwrap_or(false);
     subprograms.calls = calls::read(&mut section, around);
     section.finish();
     subprograms

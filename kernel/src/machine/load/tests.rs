@@ -1,6 +1,7 @@
 //! Tests of loading: what is reported, where, and what the shipped machines come out as.
 
 mod chains;
+mod contradictions;
 mod diagnostics;
 mod dialogs;
 mod macros;

@@ -59,7 +59,7 @@ fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64)> {
 fn give(entry: &Entry, register: u8, m: u32, seconds: f64, names: &Names<'_>, rows: &mut Vec<CodeRow>) {
     let value = f64::from(m);
     let mut found = false;
-    for row in rows.iter_mut().filter(|row| row.enable) {
+    for row in rows.iter_mut().filter(|row| row.enable && row.process) {
         match form_range(&row.form) {
             Some((of, min, max)) if of == register && min == value && max == value => {
                 row.seconds += seconds;
@@ -91,6 +91,7 @@ fn function_row(entry: &Entry, register: u8, value: f64, seconds: f64) -> CodeRo
         add: 0.0,
         with: Vec::new(),
         without: Vec::new(),
+        ignores: Vec::new(),
         seconds,
         axis: None,
         line: entry.place.line,

@@ -17,6 +17,21 @@ pub struct Subprograms {
     pub calls: Vec<WordCall>,
     /// Which words still call in a program that a word has called.
     pub nested: NestedCalls,
+    /// How deep calls may nest.
+    pub levels: CallLevels,
+    /// Words before the G word of a macro call, and further G words behind it, stop the channel.
+    pub strict: bool,
+}
+
+/// How deep calls may nest on the control; none: the limit of the job alone counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CallLevels {
+    /// Subprograms without arguments.
+    pub subprograms: Option<u16>,
+    /// Macros with arguments.
+    pub macros: Option<u16>,
+    /// Both together.
+    pub all: Option<u16>,
 }
 
 /// A word that calls a program, or a range of such words.
@@ -211,8 +226,21 @@ pub struct Compensation {
     pub rapid: bool,
     /// A circle may switch it on and off.
     pub arcs: bool,
+    /// Outside corners until the program says otherwise.
+    pub corner: OutsideCorner,
     /// Largest turn, degrees, that corners by angle make sharp.
     pub corner_angle: f64,
+}
+
+/// How the tool goes around an outside corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutsideCorner {
+    /// Sharp up to an angle, round beyond.
+    Angle,
+    /// Straight on, cut off beyond a right angle.
+    Linear,
+    /// Around the point of the contour.
+    Arc,
 }
 
 /// Way of a cycle to its clearance height.

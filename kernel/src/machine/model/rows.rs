@@ -5,7 +5,7 @@
 use crate::machine::ident::{CodeId, DataId};
 
 /// A register: a letter (or text) with a number.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Register {
     /// Index of the definition, 1–99.
     pub index: u8,
@@ -21,6 +21,8 @@ pub struct Register {
     pub format: NumberFormat,
     /// Number format in secondary units.
     pub secondary: NumberFormat,
+    /// Least increment of values of expressions; none: one in the last digit of the format.
+    pub increment: Option<f64>,
     /// Values may be negative.
     pub signed: bool,
     /// The text between `before` and `after` may be a tool's name.
@@ -99,6 +101,8 @@ pub struct CodeRow {
     pub with: Vec<u8>,
     /// Row matches only if none of these registers is on the block.
     pub without: Vec<u8>,
+    /// Registers whose words the control ignores on a block of this code.
+    pub ignores: Vec<u8>,
     /// Seconds this code takes (machine's time table), 0 = none.
     pub seconds: f64,
     /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.

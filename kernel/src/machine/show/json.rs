@@ -38,6 +38,7 @@ pub fn json(machine: &Machine) -> Value {
         "compensation": {
             "rapid": machine.compensation.rapid,
             "arcs": machine.compensation.arcs,
+            "corner": word(machine.compensation.corner),
             "corner_angle": machine.compensation.corner_angle,
         },
         "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
@@ -100,6 +101,7 @@ fn register_json(register: &Register) -> Value {
         "after": register.after,
         "format": number_format(&register.format),
         "secondary": number_format(&register.secondary),
+        "increment": register.increment,
         "signed": register.signed,
     })
 }
@@ -123,6 +125,7 @@ fn code(machine: &Machine, row: &CodeRow) -> Value {
         "add": row.add,
         "with": names(&row.with),
         "without": names(&row.without),
+        "ignores": names(&row.ignores),
         "seconds": row.seconds,
         "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
         "file": row.file,
@@ -196,6 +199,12 @@ fn subprograms(machine: &Machine) -> Value {
         "repeat_is_executions": subprograms.repeat_is_executions,
         "main_return": word(subprograms.main_return),
         "nested_calls": word(subprograms.nested),
+        "levels": {
+            "subprograms": subprograms.levels.subprograms,
+            "macros": subprograms.levels.macros,
+            "all": subprograms.levels.all,
+        },
+        "macro_words": if subprograms.strict { "behind" } else { "anywhere" },
         "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
     })
 }
@@ -248,6 +257,7 @@ fn arcs(machine: &Machine) -> Value {
         "max_radius": arcs.max_radius.is_finite().then_some(arcs.max_radius),
         "helix": word(arcs.helix),
         "turns": word(arcs.turns),
+        "to_start": if arcs.stands { "stand" } else { "error" },
     })
 }
 

@@ -82,7 +82,7 @@ impl Kernel<'_> {
                 self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
             }
             Command::Skip(_) => {}
-            Command::Print(text) => self.emit(0, Kind::Message { text: shortened(text).into() }),
+            Command::Print(text) => self.emit(0, Kind::Message { text: shortened(text).into(), printed: true }),
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)

@@ -19,10 +19,15 @@ use crate::macros::runtime::Task;
 /// Numbers that `$DIAGLIST` keeps.
 const MOST_LISTED: usize = 10_000;
 
-/// Severity and text of a number in the tables.
-fn entry(number: u32) -> Option<(u8, &'static str)> {
+/// Severity and text of a number in the tables of the product.
+fn shipped(number: u32) -> Option<(u8, &'static str)> {
     let own = diag::ALL.iter().find(|facts| facts.number == number).map(|facts| (facts.severity, facts.title));
-    own.or_else(|| TABLE.iter().find(|(n, ..)| n.0 == number).map(|(_, severity, about)| (*severity, *about)))
+    own.or_else(|| of_language(number))
+}
+
+/// The same for what the macro language raises.
+fn of_language(number: u32) -> Option<(u8, &'static str)> {
+    TABLE.iter().find(|(n, ..)| n.0 == number).map(|(_, severity, about)| (*severity, *about))
 }
 
 fn number(value: Option<&Value>) -> Option<u32> {
@@ -31,10 +36,36 @@ fn number(value: Option<&Value>) -> Option<u32> {
 }
 
 impl Kernel<'_> {
+    /// Severity and text of a number as a macro may raise it.
     pub(super) fn diagnostic_entry(&self, number: u32) -> Option<(u8, String)> {
-        let (severity, text) = entry(number)?;
-        let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number));
-        Some((changed.map_or(severity, |(severity, _)| *severity), text.to_owned()))
+        let (_, text) = self.entry(number)?;
+        let (severity, _) = self.state_of(number)?;
+        Some((severity, text.to_owned()))
+    }
+
+    /// Severity and text of a number on this machine, which may change those of the product and have numbers of its own.
+    fn entry(&self, number: u32) -> Option<(u8, &str)> {
+        let rule = self.machine.diagnostics.rule(number);
+        let known = shipped(number);
+        let severity = rule.and_then(|rule| rule.severity).or(known.map(|(severity, _)| severity))?;
+        let text = rule.and_then(|rule| rule.text.as_deref()).or(known.map(|(_, text)| text))?;
+        Some((severity, text))
+    }
+
+    /// What the machine makes of a diagnostic of a macro: severity and text, none if it is not shown. The text of a
+    /// number that ERROR raises is made already.
+    pub(super) fn customised_of_macro(
+        &mut self,
+        number: Number,
+        (severity, stops): (u8, bool),
+        text: String,
+    ) -> Option<(u8, String)> {
+        let made = of_language(number.0).is_none().then(|| text.clone());
+        let (custom, text) = self.customised(number.0, (severity, stops), text)?;
+        Some(match made {
+            Some(made) => (severity, made),
+            None => (custom, text),
+        })
     }
 
     /// The statement that raised a diagnostic. What ends a macro because of an error tells nothing that the error has
@@ -52,38 +83,54 @@ impl Kernel<'_> {
         }))
     }
 
-    /// A diagnostic on its way to the log, through everything macros may have changed about it.
-    pub(crate) fn issue(&mut self, (number, severity): (u32, u8), text: String, origin: Option<Box<Origin>>) {
+    /// A diagnostic on its way to the log, through everything macros may have changed about it. What `stops` the channel stays in the log whatever they have switched off.
+    pub(crate) fn issue(
+        &mut self,
+        (number, severity): (u32, u8),
+        text: String,
+        (origin, stops): (Option<Box<Origin>>, bool),
+    ) {
+        let enabled = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        let enabled = self.machine.diagnostics.is_plain() || enabled();
         let Some(runtime) = self.macros.as_deref_mut() else {
             return self.put_diagnostic((number, severity), &text, origin);
         };
         if !runtime.store.messages {
+            if stops {
+                self.put_diagnostic((number, severity), &text, origin);
+            }
             return;
         }
         let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
         let (severity, on) = match runtime.severities.get(&number) {
             Some(&(changed, on)) if !own => (changed, on),
-            _ => (severity, true),
+            _ => (severity, own || enabled),
         };
         let count = runtime.counts.entry(number).or_default();
-        let before = *count;
         *count = count.saturating_add(1);
+        let times = *count;
         match runtime.ready(Hook::Diagnostic) {
             Some(code) => {
                 runtime.origin = origin;
-                self.diagnostic_macro(code, (number, severity, on, before), text);
+                self.diagnostic_macro(code, (number, severity, on, times), text, stops);
             }
-            None if on => self.put_diagnostic((number, severity), &text, origin),
+            None if on || stops => self.put_diagnostic((number, severity), &text, origin),
             None => {}
         }
     }
 
-    fn diagnostic_macro(&mut self, code: u16, (number, severity, on, before): (u32, u8, bool, u32), text: String) {
+    fn diagnostic_macro(
+        &mut self,
+        code: u16,
+        (number, severity, on, times): (u32, u8, bool, u32),
+        text: String,
+        stops: bool,
+    ) {
         let mut arguments = [
             Value::Real(f64::from(u8::from(on))),
             Value::Real(f64::from(number)),
             Value::Real(f64::from(severity)),
-            Value::Real(f64::from(before)),
+            Value::Real(f64::from(times)),
             Value::text(text),
         ];
         let [_, number, severity, _, text] = &arguments;
@@ -94,7 +141,7 @@ impl Kernel<'_> {
             Ok(1..) => {}
             Ok(0) => {
                 let [flag, number, severity, _, text] = &arguments;
-                if flag.as_real() != Some(0.0) {
+                if stops || flag.as_real() != Some(0.0) {
                     let values = [number.clone(), severity.clone(), text.clone()];
                     if let Err(fault) = self.output_diagnostic(&values) {
                         self.put_diagnostic((fault.number.0, fault.number.severity()), &fault.message, None);
@@ -117,6 +164,7 @@ impl Kernel<'_> {
 
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+        self.count_error(severity);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {
@@ -165,14 +213,16 @@ impl Kernel<'_> {
     }
 
     /// `$FERTXT`.
-    pub(super) fn text_of(arguments: &[Value]) -> Value {
-        Value::text(number(arguments.first()).and_then(entry).map_or("", |(_, text)| text))
+    pub(super) fn text_of(&self, arguments: &[Value]) -> Value {
+        let entry = number(arguments.first()).and_then(|number| self.entry(number));
+        Value::text(entry.map_or("", |(_, text)| text))
     }
 
     fn state_of(&self, number: u32) -> Option<(u8, bool)> {
-        let (severity, _) = entry(number)?;
+        let (severity, _) = self.entry(number)?;
         let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number).copied());
-        Some(changed.unwrap_or((severity, true)))
+        let on = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        Some(changed.unwrap_or_else(|| (severity, on())))
     }
 
     fn set_state_of(&mut self, number: u32, state: (u8, bool)) {

@@ -45,7 +45,7 @@ impl Kernel<'_> {
             "$FGETR" => self.search_program(state, arguments, false)?,
             "$FERSEV" => self.severity_of(arguments)?,
             "$FERSTA" => self.switched(arguments),
-            "$FERTXT" => Self::text_of(arguments),
+            "$FERTXT" => self.text_of(arguments),
             "$FMACID" => self.macro_ids(state, arguments)?,
             "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
             "$FREGFMT" => Value::text(self.register_format(arguments)),

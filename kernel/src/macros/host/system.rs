@@ -54,7 +54,7 @@ impl Kernel<'_> {
             self.diagnose(&crate::diag::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.emit(0, Kind::Message { text: line.into() });
+            self.emit(0, Kind::Message { text: line.into(), printed: false });
         }
         Ok(status)
     }

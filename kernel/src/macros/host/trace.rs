@@ -61,14 +61,19 @@ impl Kernel<'_> {
 
     /// EXEC of identifiers and values.
     pub(super) fn trace_exec_items(&mut self, now: bool, items: &[Value]) {
-        self.trace('X', |kernel| {
-            let mut text = when(now).to_owned();
-            for item in items {
+        self.trace('X', |kernel| trace::exec(&format!("{},{}", when(now), kernel.listed(items))));
+    }
+
+    /// Identifiers and values as EXEC lists them.
+    pub(crate) fn listed(&self, items: &[Value]) -> String {
+        let mut text = String::new();
+        for (at, item) in items.iter().enumerate() {
+            if at > 0 {
                 text.push(',');
-                counterpoint_lang::format::any(&mut text, item, kernel);
             }
-            trace::exec(&text)
-        });
+            counterpoint_lang::format::any(&mut text, item, self);
+        }
+        text
     }
 
     /// The macro that goes on, innermost first; none if there is none.

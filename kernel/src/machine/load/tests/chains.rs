@@ -13,7 +13,9 @@ fn load_over_base(child: &str) -> Loaded {
 
 fn machine(child: &str) -> Machine {
     let loaded = load_over_base(child);
-    assert_eq!(loaded.findings, []);
+    // Codes of its own have no macros here, which is worth a warning.
+    let others = loaded.findings.iter().filter(|finding| !finding.text.contains("is a code of your own"));
+    assert_eq!(others.count(), 0, "{:#?}", loaded.findings);
     loaded.machine.unwrap()
 }
 

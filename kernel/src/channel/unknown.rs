@@ -1,0 +1,135 @@
+//! Words and text of a block that nothing knows.
+//!
+//! Facts: reference control-emulator.md 2.2 step 12 (the emulated system diagnoses what is left and goes on);
+//! fanuc-variables-and-alarms.md 3 (PS0009, PS0010: nothing of the block is done); siemens-cycles.md 6 (12470, 12550).
+//! Decision: `[control] unknown_code` says which of both a machine does. Invariant: where they are alarms, nothing of the
+//! block has acted, unless a macro behind the block may still know its text.
+
+use super::letter_zero::letter_for_zero;
+use super::{Acted, Kernel};
+use crate::diag::{self, Facts};
+use crate::machine::ident::codes;
+use crate::machine::model::{CodeForm, Preprocessor};
+use crate::macros::model::Hook;
+
+/// Most characters of unknown text in a message.
+const MOST: usize = 60;
+
+impl Kernel<'_> {
+    /// Looks at what nothing knows before anything of the block acts.
+    #[inline(always)]
+    pub(super) fn check_known(&mut self) -> Acted {
+        if self.block.unknown.is_empty() { self.check_stop() } else { self.unknown_before() }
+    }
+
+    #[cold]
+    fn unknown_before(&mut self) -> Acted {
+        self.check_stop()?;
+        self.left_name();
+        let name = self.block.name().filter(|_| self.calls_by_name());
+        let spans = self.block.unknown.iter().copied().filter(|span| Some(*span) != name);
+        // A macro behind the block may take text, but no word.
+        let later = self.hook(Hook::BlockShutdown).is_some();
+        let texts = spans.map(|span| self.span_text(span));
+        let wanted: Vec<String> = texts.filter(|text| !later || self.is_code_word(text)).collect();
+        let Some(first) = wanted.first() else { return Ok(()) };
+        if self.machine.habits.unknown_alarms {
+            let code = wanted.iter().find(|text| self.is_code_word(text)).unwrap_or(first).clone();
+            let (facts, why) = self.not_known(&code);
+            let text = format!("{why} in '{}'; nothing of the block is done", self.block_text());
+            return Err(self.alarm(facts, text));
+        }
+        if let Some(code) = wanted.iter().find(|text| self.is_code_word(text)).cloned() {
+            self.moves_all_the_same(&code);
+        }
+        Ok(())
+    }
+
+    /// A code of the block takes a program name.
+    fn calls_by_name(&self) -> bool {
+        let mut rows = self.block.firings.iter().filter_map(|firing| self.machine.codes.get(usize::from(firing.row)));
+        rows.any(|row| row.id == codes::CALSUB_ID)
+    }
+
+    /// A word of a letter that codes are written with.
+    fn is_code_word(&self, text: &str) -> bool {
+        let letter = text.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
+        let codes = letter.is_some_and(|(register, _)| self.machine.tables.has_codes(register));
+        codes && text.get(1..).is_some_and(|rest| rest.trim_start().starts_with(|c: char| c.is_ascii_digit()))
+    }
+
+    /// The alarm of the control for what it does not know.
+    fn not_known(&self, text: &str) -> (&'static Facts, String) {
+        let text = shortened(text);
+        let is_g = text.starts_with(['G', 'g']);
+        if self.is_code_word(&text) {
+            let why = match self.machine.preprocessor {
+                Preprocessor::Fanuc if is_g => format!("PS0010 improper G-code: this control has no {text}"),
+                Preprocessor::Siemens if is_g => format!("12470 unknown G function: this control has no {text}"),
+                _ => format!("this control has no {text}"),
+            };
+            return (&diag::UNKNOWN_CODE, why);
+        }
+        let why = match self.machine.preprocessor {
+            Preprocessor::Fanuc if self.is_word_like(&text) => {
+                format!("PS0009 improper address: this control has no address for {text}")
+            }
+            Preprocessor::Fanuc => format!("PS0004 bad word: {text} is not a word"),
+            Preprocessor::Siemens => format!("12550 name not defined or option missing: {text} is not known"),
+            _ => format!("{text} is not known to this control"),
+        };
+        (&diag::UNKNOWN_TEXT, why)
+    }
+
+    /// A letter and a number.
+    fn is_word_like(&self, text: &str) -> bool {
+        let rest = text.strip_prefix(|c: char| c.is_ascii_alphabetic()).map(str::trim_start);
+        rest.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+')))
+    }
+
+    /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
+    /// an error: on the control they mean something else.
+    fn moves_all_the_same(&mut self, code: &str) {
+        let moves = self.has_any(self.plan.motion_registers) && !self.moves_by_itself();
+        let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
+        let motions = self.machine.codes.iter().filter(|row| row.id == codes::RAPID || row.id == codes::INTERP_LINEAR);
+        let mut registers = motions.filter_map(|row| match row.form {
+            CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
+            _ => None,
+        });
+        if moves && registers.any(|register| letter.is_some_and(|(of, _)| of == register)) {
+            let code = shortened(code);
+            let text = format!("'{}' moves by the active motion code, {code} is not known", self.block_text());
+            self.diagnose(&diag::UNKNOWN_MOVES, text);
+        }
+    }
+
+    /// A motion code is written on the block.
+    fn moves_by_itself(&self) -> bool {
+        self.group_queued(super::state::group::MOTION)
+    }
+
+    /// What nothing has recognised when all codes have acted.
+    pub(super) fn unknown_text(&mut self) -> Acted {
+        let left = self.left_text();
+        let text = shortened(&left.split_whitespace().collect::<Vec<_>>().join(" "));
+        if text.is_empty() {
+            return Ok(());
+        }
+        let block = self.block_text();
+        let hint = letter_for_zero(&text, &block);
+        if self.machine.habits.unknown_alarms {
+            let (facts, why) = self.not_known(&text);
+            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}")));
+        }
+        self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'{hint}"));
+        Ok(())
+    }
+}
+
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    text.chars().take(MOST - 3).chain("...".chars()).collect()
+}
