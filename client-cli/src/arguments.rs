@@ -120,6 +120,9 @@ pub(crate) struct Inputs {
     /// Stop the run after so many blocks of one channel [default: 10000000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
+    /// Memory of the job in MiB, for variables, texts, files and results, after which the run is stopped
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) max_memory: Option<u64>,
 }
 
 #[derive(Debug, Args)]

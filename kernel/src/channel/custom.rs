@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel};
+use super::{Acted, Halt, Kernel, burden};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
@@ -69,7 +69,9 @@ impl Kernel<'_> {
         let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
         let asked = self.flow.pending.take();
-        let done = self.check_limits().and_then(|()| process(self)).and_then(|()| self.call_at_once());
+        // A block within a block is one, too.
+        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
+        let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
         // The rest of that block is dropped, not that of the one around it.
         let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
@@ -391,6 +393,11 @@ impl Kernel<'_> {
         let drops = flag.as_real() == Some(0.0);
         let verdict = match (given, text) {
             (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
+                let (length, limit) = (text.len(), self.options.limits.block_length);
+                if length > limit {
+                    let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
                 if let Some(runtime) = self.macros.as_deref_mut() {
                     runtime.text = Some(text);
                 }
@@ -418,7 +425,15 @@ impl Kernel<'_> {
         let mut arguments = [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         match &arguments[1] {
-            Value::Text(text) if **text != left => self.set_left(text.as_ref().clone()),
+            Value::Text(text) if **text != left => {
+                let (length, limit) = (text.len(), self.options.limits.block_length);
+                if length > limit {
+                    let title = Hook::BlockShutdown.title();
+                    let text = format!("$P2 of the {title} has {length} bytes, a block may have {limit}");
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
+                self.set_left(text.as_ref().clone());
+            }
             _ => {}
         }
         Ok(())

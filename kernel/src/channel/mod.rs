@@ -5,6 +5,7 @@
 //! allocates nothing.
 
 pub(crate) mod block;
+pub(crate) mod burden;
 pub(crate) mod carried;
 pub(crate) mod codes;
 pub(crate) mod custom;
@@ -122,6 +123,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) idle_blocks: u64,
     /// Diagnostics logged.
     pub(crate) diagnostics: u32,
+    /// Memory and work that it has used up.
+    pub(crate) burden: burden::Burden,
     /// Alarms of the control so far.
     pub(crate) alarms: report::Alarms,
     /// Waits it has met.

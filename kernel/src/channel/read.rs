@@ -57,7 +57,7 @@ impl Kernel<'_> {
         }
         let held;
         let text = if self.plan.reshapes {
-            held = self.reshape(text, line);
+            held = self.reshape(text, line)?;
             let text = held.text();
             if text.trim_ascii().is_empty() {
                 return Ok(());

@@ -5,6 +5,7 @@
 //! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
 //! succeeded, however softly the alarm is told.
 
+use super::burden::{RESULT, shortened};
 use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
@@ -57,6 +58,8 @@ impl Kernel<'_> {
                 self.issue((facts.number, severity), text, (None, stops));
             } else {
                 self.count_error(severity);
+                let text = shortened(&text);
+                self.burden.result(text.len() + RESULT);
                 let (number, text) = (facts.number, text.into());
                 let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));

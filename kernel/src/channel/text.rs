@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::Kernel;
+use super::{Halt, Kernel};
 use crate::diag;
 use crate::trace::Stage;
 
@@ -30,12 +30,23 @@ impl Reshaped<'_> {
 impl Kernel<'_> {
     /// The block of a line: its part up to the character that ends blocks, after the tape editor. Sets where reading
     /// goes on.
-    pub(crate) fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Reshaped<'l> {
+    ///
+    /// # Errors
+    /// A rule of the tape editor makes the block too long, or the job is to end.
+    pub(crate) fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
         let (block, only) = self.part(line, number);
         let mut text = (!only).then(|| Arc::from(block));
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
-            let edited = tape.edit(block, on, memory);
+            let limit = self.options.limits.block_length;
+            let edited = tape.edit(block, on, limit, memory);
+            // A step of a search is work on a byte, which is much less than an element.
+            self.work(edited.work / 16)?;
+            if let Some((rule, length)) = edited.long {
+                let text =
+                    format!("rule {} of the tape editor makes {length} bytes, a block may have {limit}", rule + 1);
+                return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+            }
             if let Some(changed) = edited.text {
                 self.trace('E', |_| crate::trace::edited(Stage::TapeEditor, &String::from_utf8_lossy(&changed)));
                 text = Some(Arc::from(changed));
@@ -50,10 +61,10 @@ impl Kernel<'_> {
             }
         }
         self.edited.clone_from(&text);
-        match text {
+        Ok(match text {
             Some(text) => Reshaped::Own(text),
             None => Reshaped::Line(block),
-        }
+        })
     }
 
     /// The part of a line that is the next block, and whether it is the only one of the line.

@@ -87,6 +87,11 @@ impl Written {
         Ok(())
     }
 
+    /// Bytes of all texts.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
+    }
+
     /// Removes a file.
     pub(crate) fn remove(&mut self, path: &str) {
         let printed = self.printed.remove(path).map_or(0, |text| text.len());

@@ -368,6 +368,7 @@ impl<'a> Shop<'a> {
             blocks: 0,
             idle_blocks: 0,
             diagnostics: 0,
+            burden: Default::default(),
             alarms: crate::channel::report::Alarms::default(),
             meetings: Known::default(),
             macros: None,

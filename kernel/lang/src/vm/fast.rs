@@ -5,12 +5,16 @@
 
 use super::State;
 use super::calls::{self, Frame};
+use super::memory::ELEMENT;
 use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
 use crate::compile::Program;
 use crate::func::{Function, Way};
 use crate::value::Value;
 use std::sync::Arc;
+
+/// Ticks that are used up at most before a stop of the run is looked at.
+const SLICE: u64 = 20_000;
 
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];
@@ -26,7 +30,9 @@ pub(super) struct Place<'a, 'p> {
 #[allow(clippy::too_many_lines, reason = "one arm per form; kept together so that operands stay in machine registers")]
 #[inline(never)]
 pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place<'_, 'p>) {
-    let (mut at, mut ticks) = (place.at, state.ticks);
+    // The rest of the ticks waits, so that a long run comes back to where a stop of the run is looked at.
+    let rest = state.ticks.saturating_sub(SLICE);
+    let (mut at, mut ticks) = (place.at, state.ticks - rest);
     let mut code = place.code;
     let mut forms = code.fast.as_slice();
     let frame = &mut *place.frame;
@@ -100,7 +106,11 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place
                 let more = number!(a);
                 match window.get_mut(usize::from(to)) {
                     Some(Value::Real(number)) => *number = exists!(*number + more),
-                    Some(Value::Sequence(sequence)) if sequence.len() < state.limits.elements => push(sequence, more),
+                    Some(Value::Sequence(sequence)) if sequence.len() < state.limits.elements => {
+                        if !push(state, sequence, more) {
+                            break;
+                        }
+                    }
                     _ => break,
                 }
                 at += 1;
@@ -194,7 +204,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place
             }
         }
     }
-    (place.code, place.at, state.ticks) = (code, at, ticks);
+    (place.code, place.at, state.ticks) = (code, at, ticks + rest);
 }
 
 /// Ticks left after a jump from `at`: a jump back costs the instructions it goes back over.
@@ -211,9 +221,17 @@ fn put(window: &mut Window, to: Near, number: f64) {
     }
 }
 
+/// Appends to a sequence that nobody else has; the copy that another one needs is paid for by the full instruction.
 #[inline(never)]
-fn push(elements: &mut Arc<Vec<Value>>, number: f64) {
-    Arc::make_mut(elements).push(Value::Real(number));
+fn push(state: &mut State, elements: &mut Arc<Vec<Value>>, number: f64) -> bool {
+    match Arc::get_mut(elements) {
+        Some(elements) if state.has_room() => {
+            elements.push(Value::Real(number));
+            state.grow(ELEMENT);
+            true
+        }
+        _ => false,
+    }
 }
 
 /// Position of a 1-based index; what is below 1 or too large lies behind every end.
