@@ -24,21 +24,18 @@ const LOOPS: [(&str, &str); 21] = [
     ),
     ("locals", "%L01=0\n%L02=1\nDO/%L03=1,100000\n%L01=%L01+%L02*%L03\nENDOF/DO"),
     ("globals", "%G01=0\n%G02=1\nDO/I=1,100000\n%G01=%G01+%G02*I\nENDOF/DO"),
-    ("object", "DECLAR/OBJECT,REAL,TOTAL\nDECLAR/OBJECT,REAL,FACTOR=2\nTOTAL=0\nDO/I=1,100000\nTOTAL=TOTAL+FACTOR*I\nENDOF/DO"),
-    ("object_text", "DECLAR/OBJECT,WORK\nWORK='MILL'\nN=0\nDO/I=1,100000\nIF/WORK.EQ.'MILL'\nN+=1\nENDOF/IF\nENDOF/DO"),
     (
-        "object_array",
-        "DECLAR/OBJECT,REAL,WEAR(1000)\nDO/J=1,100\nDO/I=1,1000\nWEAR(I)=WEAR(I)+I\nENDOF/DO\nENDOF/DO",
+        "object",
+        "DECLAR/OBJECT,REAL,TOTAL\nDECLAR/OBJECT,REAL,FACTOR=2\nTOTAL=0\nDO/I=1,100000\nTOTAL=TOTAL+FACTOR*I\nENDOF/DO",
     ),
+    ("object_text", "DECLAR/OBJECT,WORK\nWORK='MILL'\nN=0\nDO/I=1,100000\nIF/WORK.EQ.'MILL'\nN+=1\nENDOF/IF\nENDOF/DO"),
+    ("object_array", "DECLAR/OBJECT,REAL,WEAR(1000)\nDO/J=1,100\nDO/I=1,1000\nWEAR(I)=WEAR(I)+I\nENDOF/DO\nENDOF/DO"),
     (
         "object_matrix",
         "DECLAR/OBJECT,REAL,LIFE(100,100)\nDO/K=1,10\nDO/I=1,100\nDO/J=1,100\nLIFE(I,J)=LIFE(I,J)+I\nENDOF/DO\nENDOF/DO\nENDOF/DO",
     ),
     // Records are sequences of values of any type: made, a field written, fields read.
-    (
-        "record_made",
-        "S=0\nDO/I=1,100000\nR={I,'MILL',ON}\nS=S+R(1)\nENDOF/DO",
-    ),
+    ("record_made", "S=0\nDO/I=1,100000\nR={I,'MILL',ON}\nS=S+R(1)\nENDOF/DO"),
     (
         "record_fields",
         "R={1,'MILL',3,4}\nN=0\nDO/I=1,100000\nR(3)=R(1)+I\nR(4)=R(3)-R(1)\nIF/R(2).EQ.'MILL'\nN+=1\nENDOF/IF\nENDOF/DO",

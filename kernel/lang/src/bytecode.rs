@@ -366,6 +366,8 @@ pub struct Code {
     pub declarations: Vec<Declaration>,
     /// Shared variables used.
     pub shared: Vec<(Shared, Option<Kind>)>,
+    /// Home of each of them: the register that holds it while short forms run.
+    pub homes: Vec<Slot>,
     /// Functions used.
     pub functions: Vec<&'static Function>,
     /// Statements in standard style, for the trace.

@@ -322,6 +322,7 @@ impl Code {
             lists: Vec::new(),
             declarations: Vec::new(),
             shared: Vec::new(),
+            homes: Vec::new(),
             functions: Vec::new(),
             statements: Vec::new(),
             is_function: false,
@@ -507,6 +508,8 @@ impl<'a> MacroCompiler<'a> {
         let known = self.code.shared.iter().position(|(other, _)| *other == shared);
         let position = known.unwrap_or_else(|| {
             self.code.shared.push((shared, kind));
+            let home = self.slot();
+            self.code.homes.push(home);
             self.code.shared.len() - 1
         });
         u16::try_from(position).unwrap_or(u16::MAX)

@@ -8,6 +8,7 @@ mod calls;
 pub(crate) mod commands;
 mod data;
 mod fast;
+mod light;
 mod run;
 mod step;
 pub(crate) mod units;

@@ -52,17 +52,17 @@ pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
 /// Stores a number. What was there before is mostly a number too, so all else is kept out of the way.
 #[inline(always)]
 pub(super) fn put(register: &mut Value, number: f64) {
-    if !matches!(register, Value::Real(_)) {
-        become_number(register);
-    }
-    if let Value::Real(old) = register {
-        *old = number;
+    match register {
+        Value::Real(old) => *old = number,
+        Value::Unset | Value::Null | Value::Logical(_) => *register = Value::Real(number),
+        other => replace(other, Value::Real(number)),
     }
 }
 
+/// Replaces a value that may have to give memory back.
 #[inline(never)]
-fn become_number(register: &mut Value) {
-    *register = Value::Real(0.0);
+pub(super) fn replace(register: &mut Value, value: Value) {
+    *register = value;
 }
 
 /// What comes after an instruction.
@@ -132,7 +132,7 @@ fn execute<'p>(
     place: &mut Place<'_, 'p>,
 ) -> Result<Pause, Box<Stop>> {
     loop {
-        fast::run(program, state, place);
+        fast::run(program, state, host, place);
         let (code, at) = (place.code, place.at);
         match code.ops.get(at) {
             None | Some(Op::Return) => return Ok(Pause::End),

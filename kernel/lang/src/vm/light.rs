@@ -1,0 +1,343 @@
+//! What short forms do with values that are no numbers.
+//!
+//! Invariant: everything here does what the full instruction does and costs the same steps, or does nothing and says so;
+//! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
+//! that nobody else has is used again.
+
+use super::State;
+use super::fast::{Window, position};
+use crate::bytecode::fast::Near;
+use crate::bytecode::{Code, Op, Shared};
+use crate::bytecode::{Relation, Slot};
+use crate::func::{Function, Way};
+use crate::host::Host;
+use crate::value::{Array, Kind, Value};
+use std::sync::Arc;
+
+/// Bytes of a text from which on looking at it or copying it costs steps.
+const LONG: usize = 64;
+
+/// Tells whether a value is a single one that can be copied and compared for nothing.
+#[inline]
+fn is_light(value: &Value) -> bool {
+    match value {
+        Value::Text(text) => text.len() < LONG,
+        Value::Sequence(_) | Value::Array(_) => false,
+        _ => true,
+    }
+}
+
+/// Replaces a value by a copy of another one.
+#[inline]
+fn overwrite(target: &mut Value, value: &Value) {
+    match (&*target, value) {
+        (Value::Text(old), Value::Text(new)) if Arc::ptr_eq(old, new) => {}
+        _ => *target = value.clone(),
+    }
+}
+
+/// Copies a register.
+#[inline]
+fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
+    if let (Some(Value::Text(old)), Some(Value::Text(new))) = (window.get(usize::from(to)), window.get(usize::from(a)))
+        && Arc::ptr_eq(old, new)
+    {
+        return Some(());
+    }
+    let value = window.get(usize::from(a))?.clone();
+    *window.get_mut(usize::from(to))? = value;
+    Some(())
+}
+
+/// Moves a value that is no array.
+#[inline(never)]
+pub(super) fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
+    match window.get(usize::from(a))? {
+        Value::Array(_) => None,
+        _ => copied(window, to, a),
+    }
+}
+
+/// Moves a light value, of one type if that is given.
+#[inline(never)]
+pub(super) fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if !is_light(value) || kind.is_some_and(|kind| value.kind() != Some(kind)) {
+        return None;
+    }
+    copied(window, to, a)
+}
+
+/// Element of a sequence or an array that is a light value.
+#[inline(never)]
+pub(super) fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Option<f64>)) -> Option<()> {
+    let value = look(window, array, (row, column)).filter(|value| is_light(value))?;
+    if let (Value::Text(new), Some(Value::Text(old))) = (value, window.get(usize::from(to)))
+        && Arc::ptr_eq(old, new)
+    {
+        return Some(());
+    }
+    let value = value.clone();
+    *window.get_mut(usize::from(to))? = value;
+    Some(())
+}
+
+/// The element of a sequence or an array.
+#[inline]
+fn look(window: &Window, array: Near, (row, column): (f64, Option<f64>)) -> Option<&Value> {
+    match (window.get(usize::from(array))?, column) {
+        (Value::Array(array), Some(column)) => array.elements.get(cell(array, row, column)?),
+        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get(position(row)),
+        (Value::Sequence(elements), None) => elements.get(position(row)),
+        _ => None,
+    }
+}
+
+/// Position in an array with two indices.
+#[inline(always)]
+pub(super) fn cell(array: &Array, row: f64, column: f64) -> Option<usize> {
+    let [rows, columns] = *array.sizes.as_slice() else { return None };
+    let (row, column) = (position(row), position(column));
+    if row < rows as usize && column < columns as usize { Some(row * columns as usize + column) } else { None }
+}
+
+/// Stores a light value into an array, or into a sequence that nobody else has.
+#[inline(never)]
+pub(super) fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a: Near) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if !is_light(value) || !takes(window.get(usize::from(array))?, value) {
+        return None;
+    }
+    let value = value.clone();
+    let (row, column) = indices;
+    let element = match (window.get_mut(usize::from(array))?, column) {
+        (Value::Array(array), Some(column)) => {
+            let at = cell(array, row, column)?;
+            array.elements.get_mut(at)?
+        }
+        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get_mut(position(row))?,
+        (Value::Sequence(elements), None) => Arc::get_mut(elements)?.get_mut(position(row))?,
+        _ => return None,
+    };
+    *element = value;
+    Some(())
+}
+
+fn takes(target: &Value, value: &Value) -> bool {
+    match target {
+        Value::Array(array) => array.kind.is_none_or(|kind| value.kind() == Some(kind)),
+        Value::Sequence(_) => true,
+        _ => false,
+    }
+}
+
+/// Compares light values of one type.
+#[inline(never)]
+pub(super) fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+    if let (Value::Text(x), Value::Text(y)) = (a, b)
+        && x.len() == y.len()
+        && x.len() < LONG
+        && matches!(relation, Relation::Equal | Relation::NotEqual)
+    {
+        return Some((x == y) == (relation == Relation::Equal));
+    }
+    if !is_light(a) || !is_light(b) {
+        return None;
+    }
+    if matches!(relation, Relation::Equal | Relation::NotEqual) {
+        return a.equals(b).map(|equal| equal == (relation == Relation::Equal));
+    }
+    let order = a.order(b)?;
+    Some(match relation {
+        Relation::Less => order.is_lt(),
+        Relation::LessEqual => order.is_le(),
+        Relation::Greater => order.is_gt(),
+        _ => order.is_ge(),
+    })
+}
+
+/// Compares an element with a register.
+#[inline(always)]
+pub(super) fn element_related(
+    window: &Window,
+    relation: Relation,
+    array: Near,
+    indices: (f64, Option<f64>),
+    b: Near,
+) -> Option<bool> {
+    match (look(window, array, indices)?, window.get(usize::from(b))?) {
+        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (a, b) => related(relation, a, b),
+    }
+}
+
+/// Equality of light values, for a CASE.
+#[inline(never)]
+pub(super) fn same(a: &Value, b: &Value) -> Option<bool> {
+    if is_light(a) && is_light(b) { Some(a.equals(b) == Some(true)) } else { None }
+}
+
+/// Joins two texts; the answer is the ticks that are left.
+#[inline(never)]
+pub(super) fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
+    let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
+        return None;
+    };
+    let length = x.len() + y.len();
+    let left = ticks.checked_sub(length as u64 / 64)?;
+    if length > state.limits.text {
+        return None;
+    }
+    if to == b {
+        let text = [x.as_str(), y.as_str()].concat();
+        *window.get_mut(usize::from(to))? = Value::text(text);
+        return Some(left);
+    }
+    // The text that was there before gives its memory.
+    let mut text = match std::mem::take(window.get_mut(usize::from(to))?) {
+        Value::Text(text) => text,
+        _ => Arc::default(),
+    };
+    if to == a {
+        let y = window.get(usize::from(b)).and_then(Value::as_text).unwrap_or_default();
+        match Arc::get_mut(&mut text) {
+            Some(own) => own.push_str(y),
+            None => text = Arc::new([text.as_str(), y].concat()),
+        }
+    } else {
+        let part = |slot: Near| window.get(usize::from(slot)).and_then(Value::as_text).unwrap_or_default();
+        let (x, y) = (part(a), part(b));
+        match Arc::get_mut(&mut text) {
+            Some(own) if own.capacity() <= 4 * LONG + 2 * length => {
+                own.clear();
+                own.push_str(x);
+                own.push_str(y);
+            }
+            _ => text = Arc::new([x, y].concat()),
+        }
+    }
+    *window.get_mut(usize::from(to))? = Value::Text(text);
+    Some(left)
+}
+
+/// Appends to a text or a sequence that nobody else has.
+#[inline(never)]
+pub(super) fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if to == a || !is_light(value) {
+        return None;
+    }
+    let (text, sequence) = (state.limits.text, state.limits.elements);
+    match (window.get(usize::from(to))?, value) {
+        (Value::Text(own), Value::Text(more)) if own.len() + more.len() <= text => {}
+        (Value::Sequence(own), _) if own.len() < sequence => {}
+        _ => return None,
+    }
+    let value = value.clone();
+    match (window.get_mut(usize::from(to))?, value) {
+        (Value::Text(own), Value::Text(more)) => Arc::get_mut(own)?.push_str(&more),
+        (Value::Sequence(own), value) => Arc::get_mut(own)?.push(value),
+        _ => return None,
+    }
+    Some(())
+}
+
+/// Makes a sequence of single values; the answer is the ticks that are left.
+#[inline(never)]
+pub(super) fn sequence(state: &State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
+    let left = ticks.checked_sub(slots.len() as u64 / 4)?;
+    let single =
+        |slot: &Slot| !matches!(window.get(usize::from(*slot)), None | Some(Value::Sequence(_) | Value::Array(_)));
+    if slots.len() > state.limits.elements || !slots.iter().all(single) {
+        return None;
+    }
+    // A sequence of the same length that was there before gives its memory. It is none of the elements.
+    if let Some(Value::Sequence(old)) = window.get(usize::from(to))
+        && old.len() == slots.len()
+        && old.capacity() <= 2 * slots.len() + 8
+        && Arc::strong_count(old) == 1
+    {
+        let mut target = std::mem::take(window.get_mut(usize::from(to))?);
+        if let Value::Sequence(old) = &mut target
+            && let Some(elements) = Arc::get_mut(old)
+        {
+            for (element, slot) in elements.iter_mut().zip(slots) {
+                overwrite(element, window.get(usize::from(*slot)).unwrap_or(&Value::Unset));
+            }
+        }
+        *window.get_mut(usize::from(to))? = target;
+        return Some(left);
+    }
+    let elements = slots.iter().filter_map(|slot| window.get(usize::from(*slot)).cloned()).collect();
+    *window.get_mut(usize::from(to))? = Value::sequence(elements);
+    Some(left)
+}
+
+/// A function of one number.
+#[inline(never)]
+pub(super) fn math(functions: &[&'static Function], function: u16, value: f64) -> Option<f64> {
+    match functions.get(usize::from(function))?.way {
+        Way::Math(compute) => compute(value),
+        _ => None,
+    }
+}
+
+/// A function of two numbers.
+#[inline(never)]
+pub(super) fn pair(functions: &[&'static Function], function: u16, a: f64, b: f64) -> Option<f64> {
+    match functions.get(usize::from(function))?.way {
+        Way::Pair(compute, _) => compute(a, b),
+        _ => None,
+    }
+}
+
+/// Place of a shared variable while nobody else runs.
+fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared) -> Option<&'a mut Value> {
+    match shared {
+        Shared::Object(index) => state.object(index),
+        Shared::Global(index) => host.own_global(index),
+    }
+}
+
+/// Brings the shared variable of an instruction home; false if it is there or cannot be. `at_home` has a bit for each.
+#[inline(never)]
+pub(super) fn bring(
+    code: &Code,
+    at: usize,
+    (state, host): (&mut State, &mut dyn Host),
+    window: &mut Window,
+    at_home: &mut u64,
+) -> bool {
+    let shared = match code.ops.get(at) {
+        Some(
+            Op::ReadShared { shared, .. }
+            | Op::WriteShared { shared, .. }
+            | Op::SharedElements { shared, .. }
+            | Op::SetSharedElements { shared, .. },
+        ) => usize::from(*shared),
+        _ => return false,
+    };
+    if shared >= 64 || *at_home >> shared & 1 != 0 {
+        return false;
+    }
+    let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
+    let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
+    let (Some(home), Some(place)) = (home, place) else { return false };
+    std::mem::swap(home, place);
+    *at_home |= 1 << shared;
+    true
+}
+
+/// Takes all shared variables back from their homes.
+#[inline(never)]
+pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window, at_home: &mut u64) {
+    while *at_home != 0 {
+        let shared = at_home.trailing_zeros() as usize;
+        *at_home &= *at_home - 1;
+        let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
+        let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
+        if let (Some(home), Some(place)) = (home, place) {
+            std::mem::swap(home, place);
+        }
+    }
+}
