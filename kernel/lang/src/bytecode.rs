@@ -356,8 +356,6 @@ pub struct Code {
     pub arguments: Vec<(u8, Slot)>,
     /// Registers and types of the parameters of a function.
     pub parameters: Vec<(Slot, Option<Kind>)>,
-    /// No parameter has another type than REAL.
-    pub numeric: bool,
     /// Register and type of the result of a function.
     pub result: Option<(Slot, Option<Kind>)>,
     /// Register lists.

@@ -317,7 +317,6 @@ impl Code {
             locals: Vec::new(),
             arguments: Vec::new(),
             parameters: Vec::new(),
-            numeric: false,
             result: None,
             lists: Vec::new(),
             declarations: Vec::new(),
@@ -428,7 +427,6 @@ impl<'a> MacroCompiler<'a> {
             local.written = true;
         }
         self.code.result = Some((slot, header.result));
-        self.code.numeric = header.parameters.iter().all(|(_, kind)| kind.is_none_or(|kind| kind == Kind::Real));
         // Parameters and the result are set at every entry.
         self.code.locals.truncate(cleared);
     }

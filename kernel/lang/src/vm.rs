@@ -74,6 +74,8 @@ pub struct State {
     patterns: FxHashMap<String, Arc<Pattern>>,
     names: Vec<String>,
     buffer: Vec<Value>,
+    /// Shared variables that lie in registers of the running macro, a bit each.
+    at_home: u64,
     notes: Vec<Fault>,
 }
 
@@ -107,6 +109,7 @@ impl State {
             patterns: FxHashMap::default(),
             names: Vec::new(),
             buffer: Vec::new(),
+            at_home: 0,
             notes: Vec::new(),
         }
     }

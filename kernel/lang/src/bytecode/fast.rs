@@ -48,7 +48,13 @@ pub enum Fast {
         shared: u8,
         a: Near,
     },
-    /// Writes a shared variable of a type.
+    /// Writes a shared variable of numbers.
+    WriteNumber {
+        home: Near,
+        shared: u8,
+        a: Near,
+    },
+    /// Writes a shared variable of another type.
     WriteTyped {
         home: Near,
         shared: u8,

@@ -265,6 +265,7 @@ impl Finder<'_> {
             Op::WriteShared { shared: place, a } => {
                 let ((home, shared), a) = (self.home(place)?, near(a)?);
                 match self.code.shared.get(usize::from(place))?.1 {
+                    Some(Kind::Real) => Fast::WriteNumber { home, shared, a },
                     Some(kind) => Fast::WriteTyped { home, shared, a, kind },
                     None => Fast::Write { home, shared, a },
                 }

@@ -7,10 +7,10 @@
 use super::calls::{self, Frame};
 use super::{State, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
-use crate::bytecode::{Code, Relation, Target};
+use crate::bytecode::{Code, Target};
 use crate::compile::Program;
 use crate::host::Host;
-use crate::value::{Kind, Value};
+use crate::value::Value;
 use std::sync::Arc;
 
 /// The registers that short forms name.
@@ -24,11 +24,13 @@ pub(super) struct Place<'a, 'p> {
 }
 
 /// Runs on from `place` and leaves there where it stopped.
-#[allow(clippy::too_many_lines, reason = "one arm per form; kept together so that operands stay in machine registers")]
+#[allow(
+    clippy::too_many_lines,
+    reason = "one arm per form; kept together, and kept small, so that operands stay in machine registers"
+)]
 #[inline(never)]
 pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Host, place: &mut Place<'_, 'p>) {
     let (mut at, mut ticks) = (place.at, state.ticks);
-    let mut at_home = 0u64;
     let mut code = place.code;
     let mut forms = code.fast.as_slice();
     let frame = &mut *place.frame;
@@ -56,33 +58,6 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
             put(window, $to, result);
             at += $forms;
         }};
-    }
-    macro_rules! did {
-        ($outcome:expr) => {
-            match $outcome {
-                Some(()) => at += 1,
-                None => break,
-            }
-        };
-    }
-    macro_rules! register {
-        ($register:expr) => {
-            match window.get(usize::from($register)) {
-                Some(value) => value,
-                None => break,
-            }
-        };
-    }
-    macro_rules! related {
-        ($relation:expr, $a:expr, $b:expr, $work:expr) => {
-            match (register!($a), register!($b)) {
-                (Value::Real(a), Value::Real(b)) => $work(*a, *b),
-                (a, b) => match light::related($relation, a, b) {
-                    Some(holds) => holds,
-                    None => break,
-                },
-            }
-        };
     }
     macro_rules! truth {
         ($register:expr) => {
@@ -112,106 +87,36 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
     'run: loop {
         while let Some(form) = forms.get(at) {
             match *form {
-                Fast::None => break,
-                Fast::Move { to, a } => match window.get(usize::from(a)) {
-                    Some(Value::Real(value)) => {
-                        let value = *value;
-                        put(window, to, value);
-                        at += 1;
-                    }
-                    _ => did!(light::move_any(window, to, a)),
-                },
-                Fast::MoveNumber { to, a } => {
+                Fast::Move { to, a } | Fast::MoveNumber { to, a } => {
                     let value = number!(a);
                     put(window, to, value);
                     at += 1;
                 }
-                Fast::MoveTyped { to, a, kind } => did!(light::move_light(window, to, a, Some(kind))),
                 Fast::Read { to, home, shared } => {
-                    if at_home >> (shared & 63) & 1 == 0 {
+                    if !state.is_at_home(shared) {
                         break;
                     }
-                    match window.get(usize::from(home)) {
-                        Some(Value::Real(value)) => {
-                            let value = *value;
-                            put(window, to, value);
-                            at += 1;
-                        }
-                        _ => did!(light::move_light(window, to, home, None)),
-                    }
+                    let value = number!(home);
+                    put(window, to, value);
+                    at += 1;
                 }
-                Fast::Write { home, shared, a } => {
-                    if at_home >> (shared & 63) & 1 == 0 {
+                Fast::Write { home, shared, a } | Fast::WriteNumber { home, shared, a } => {
+                    if !state.is_at_home(shared) {
                         break;
                     }
-                    match window.get(usize::from(a)) {
-                        Some(Value::Real(value)) => {
-                            let value = *value;
-                            put(window, home, value);
-                            at += 1;
-                        }
-                        _ => did!(light::move_light(window, home, a, None)),
-                    }
-                }
-                Fast::WriteTyped { home, shared, a, kind } => {
-                    if at_home >> (shared & 63) & 1 == 0 {
-                        break;
-                    }
-                    match window.get(usize::from(a)) {
-                        Some(Value::Real(value)) if kind == Kind::Real => {
-                            let value = *value;
-                            put(window, home, value);
-                            at += 1;
-                        }
-                        _ => did!(light::move_light(window, home, a, Some(kind))),
-                    }
+                    let value = number!(a);
+                    put(window, home, value);
+                    at += 1;
                 }
                 Fast::Negate { to, a } => {
                     let value = number!(a);
                     put(window, to, -value);
                     at += 1;
                 }
-                Fast::Add { to, a, b } => match (register!(a), register!(b)) {
-                    (Value::Real(a), Value::Real(b)) => store!(to, a + b, 1),
-                    _ => match light::join(state, window, (to, a, b), ticks) {
-                        Some(left) => (at, ticks) = (at + 1, left),
-                        None => break,
-                    },
-                },
+                Fast::Add { to, a, b } => store!(to, number!(a) + number!(b), 1),
                 Fast::Subtract { to, a, b } => store!(to, number!(a) - number!(b), 1),
                 Fast::Multiply { to, a, b } => store!(to, number!(a) * number!(b), 1),
                 Fast::Divide { to, a, b } => store!(to, number!(a) / number!(b), 1),
-                Fast::Power { to, a, b } => store!(to, super::step::power(number!(a), number!(b)), 1),
-                Fast::Join { to, a, b } => match light::join(state, window, (to, a, b), ticks) {
-                    Some(left) => (at, ticks) = (at + 1, left),
-                    None => break,
-                },
-                Fast::Not { to, a } => {
-                    let truth = truth!(a);
-                    put_truth(window, to, !truth);
-                    at += 1;
-                }
-                Fast::Truth { to, a } => {
-                    let truth = truth!(a);
-                    put_truth(window, to, truth);
-                    at += 1;
-                }
-                Fast::Compare { relation, to, a, b } => {
-                    let holds = related!(relation, a, b, |a, b| super::run::relate(relation, a, b));
-                    put_truth(window, to, holds);
-                    at += 1;
-                }
-                Fast::Math { to, a, function } => {
-                    let Some(result) = light::math(&code.functions, function, number!(a)) else { break };
-                    store!(to, result, 1);
-                }
-                Fast::Sequence { to, list } => {
-                    let Some(slots) = code.lists.get(usize::from(list)) else { break };
-                    match light::sequence(state, window, to, slots, ticks) {
-                        Some(left) => (at, ticks) = (at + 1, left),
-                        None => break,
-                    }
-                }
                 // A sum or quotient that does not exist makes no sum or difference that does, so one check is enough.
                 Fast::MultiplyAdd { to, a, b, c } => store!(to, number!(c) + number!(a) * number!(b), 2),
                 Fast::DivideFrom { to, a, b, c } => store!(to, number!(c) - number!(a) / number!(b), 2),
@@ -219,20 +124,14 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     let value = exists!(first.of(number!(a), number!(b)));
                     store!(to, then.of(value, number!(c)), 2);
                 }
-                Fast::AddTo { to, a } => match window.get(usize::from(a)) {
-                    Some(Value::Real(more)) => {
-                        let more = *more;
-                        match window.get_mut(usize::from(to)) {
-                            Some(Value::Real(number)) => *number = exists!(*number + more),
-                            Some(Value::Sequence(sequence)) if sequence.len() < state.limits.elements => {
-                                push(sequence, more);
-                            }
-                            _ => break,
-                        }
-                        at += 1;
+                Fast::AddTo { to, a } => {
+                    let more = number!(a);
+                    match window.get_mut(usize::from(to)) {
+                        Some(Value::Real(number)) => *number = exists!(*number + more),
+                        _ => break,
                     }
-                    _ => did!(light::append(state, window, to, a)),
-                },
+                    at += 1;
+                }
                 Fast::Pair { to, a, b, function } => {
                     let (a, b) = (number!(a), number!(b));
                     let (Some(result), Some(left)) =
@@ -245,13 +144,9 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                 }
                 Fast::Element { to, array, index } => {
                     let index = number!(index);
-                    match element(window, array, index) {
-                        Some(found) => {
-                            put(window, to, found);
-                            at += 1;
-                        }
-                        None => did!(light::element(window, to, array, (index, None))),
-                    }
+                    let Some(found) = element(window, array, index) else { break };
+                    put(window, to, found);
+                    at += 1;
                 }
                 Fast::ElementThen { then, to, array, index, c } => {
                     let (index, c) = (number!(index), number!(c));
@@ -260,45 +155,21 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                 }
                 Fast::Cell { to, array, row, column } => {
                     let (row, column) = (number!(row), number!(column));
-                    match cell(window, array, row, column) {
-                        Some(found) => {
-                            put(window, to, found);
-                            at += 1;
-                        }
-                        None => did!(light::element(window, to, array, (row, Some(column)))),
-                    }
+                    let Some(found) = cell(window, array, row, column) else { break };
+                    put(window, to, found);
+                    at += 1;
                 }
                 Fast::SetElement { array, index, a } => {
-                    let index = number!(index);
-                    match (window.get(usize::from(a)), index) {
-                        (Some(Value::Real(value)), index) => {
-                            let value = *value;
-                            match element_place(window, array, index) {
-                                Some(place) => {
-                                    *place = value;
-                                    at += 1;
-                                }
-                                None => did!(light::set_element(window, array, (index, None), a)),
-                            }
-                        }
-                        _ => did!(light::set_element(window, array, (index, None), a)),
-                    }
+                    let (index, value) = (number!(index), number!(a));
+                    let Some(place) = element_place(window, array, index) else { break };
+                    *place = value;
+                    at += 1;
                 }
                 Fast::SetCell { array, row, column, a } => {
-                    let (row, column) = (number!(row), number!(column));
-                    match window.get(usize::from(a)) {
-                        Some(Value::Real(value)) => {
-                            let value = *value;
-                            match cell_place(window, array, row, column) {
-                                Some(place) => {
-                                    *place = value;
-                                    at += 1;
-                                }
-                                None => did!(light::set_element(window, array, (row, Some(column)), a)),
-                            }
-                        }
-                        _ => did!(light::set_element(window, array, (row, Some(column)), a)),
-                    }
+                    let (row, column, value) = (number!(row), number!(column), number!(a));
+                    let Some(place) = cell_place(window, array, row, column) else { break };
+                    *place = value;
+                    at += 1;
                 }
                 Fast::UpdateAdd { array, index, c } => {
                     let (index, c) = (number!(index), number!(c));
@@ -318,35 +189,8 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     *place = exists!(then.of(*place, c));
                     at += 3;
                 }
-                Fast::UnlessElement { relation, array, index, b, target } => {
-                    let index = (number!(index), None);
-                    let Some(holds) = light::element_related(window, relation, array, index, b) else { break };
-                    if holds {
-                        at += 2;
-                    } else {
-                        // The jump is the second of the two instructions.
-                        match passed(at + 1, target, ticks) {
-                            Some(left) => (at, ticks) = (usize::from(target), left),
-                            None => break,
-                        }
-                    }
-                }
-                Fast::UnlessCell { relation, array, row, column, b, target } => {
-                    let indices = (number!(row), Some(number!(column)));
-                    let Some(holds) = light::element_related(window, relation, array, indices, b) else { break };
-                    if holds {
-                        at += 2;
-                    } else {
-                        match passed(at + 1, target, ticks) {
-                            Some(left) => (at, ticks) = (usize::from(target), left),
-                            None => break,
-                        }
-                    }
-                }
                 Fast::Call { to, callee, list } => {
-                    if at_home != 0 {
-                        light::take_back(code, state, host, window, &mut at_home);
-                    }
+                    light::take_back(code, state, host, window);
                     state.ticks = ticks;
                     let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
                         break 'run;
@@ -357,9 +201,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     window = registers;
                 }
                 Fast::Return => {
-                    if at_home != 0 {
-                        light::take_back(code, state, host, window, &mut at_home);
-                    }
+                    light::take_back(code, state, host, window);
                     let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break 'run };
                     (code, at) = (caller, call + 1);
                     forms = code.fast.as_slice();
@@ -375,47 +217,26 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     }
                 }
                 Fast::JumpUnless { a, target } => unless!(truth!(a), target),
-                Fast::UnlessEqual { a, b, target } => {
-                    unless!(related!(Relation::Equal, a, b, |a, b| a == b), target);
-                }
+                Fast::UnlessEqual { a, b, target } => unless!(number!(a) == number!(b), target),
                 Fast::UnlessNotEqual { a, b, target } => {
-                    #[allow(
-                        clippy::double_comparisons,
-                        reason = "false for what is no number, as in the full instruction"
-                    )]
-                    let differ = related!(Relation::NotEqual, a, b, |a, b| a < b || a > b);
+                    let (a, b) = (number!(a), number!(b));
+                    #[allow(clippy::double_comparisons, reason = "false for what is no number, as in the instruction")]
+                    let differ = a < b || a > b;
                     unless!(differ, target);
                 }
-                Fast::UnlessLess { a, b, target } => unless!(related!(Relation::Less, a, b, |a, b| a < b), target),
-                Fast::UnlessLessEqual { a, b, target } => {
-                    unless!(related!(Relation::LessEqual, a, b, |a, b| a <= b), target);
-                }
-                Fast::UnlessGreater { a, b, target } => {
-                    unless!(related!(Relation::Greater, a, b, |a, b| a > b), target);
-                }
-                Fast::UnlessGreaterEqual { a, b, target } => {
-                    unless!(related!(Relation::GreaterEqual, a, b, |a, b| a >= b), target);
-                }
+                Fast::UnlessLess { a, b, target } => unless!(number!(a) < number!(b), target),
+                Fast::UnlessLessEqual { a, b, target } => unless!(number!(a) <= number!(b), target),
+                Fast::UnlessGreater { a, b, target } => unless!(number!(a) > number!(b), target),
+                Fast::UnlessGreaterEqual { a, b, target } => unless!(number!(a) >= number!(b), target),
                 Fast::IfWhen { a, b, target } => {
-                    let equal = match (register!(a), register!(b)) {
-                        (Value::Real(a), Value::Real(b)) => a == b,
-                        (a, b) => match light::same(a, b) {
-                            Some(equal) => equal,
-                            None => break,
-                        },
-                    };
-                    unless!(!equal, target);
+                    let (a, b) = (number!(a), number!(b));
+                    #[allow(clippy::double_comparisons, reason = "as above")]
+                    let differ = a < b || a > b;
+                    unless!(differ, target);
                 }
                 Fast::IfThru { a, low, high, target } => {
                     let (value, low, high) = (number!(a), number!(low), number!(high));
-                    unless!(!(low..=high).contains(&value), target);
-                }
-                Fast::DoStart { variable, end, step, target } => {
-                    let (value, last, step) = (number!(variable), number!(end), number!(step));
-                    if step == 0.0 {
-                        break;
-                    }
-                    unless!(!super::run::past(value, last, step), target);
+                    unless!(value < low || value > high, target);
                 }
                 Fast::DoNext { variable, end, step, target } => {
                     let (last, step) = (number!(end), number!(step));
@@ -423,24 +244,44 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     let Some(left) = passed(at, target, ticks) else { break };
                     put(window, variable, value);
                     if super::run::past(value, last, step) {
+                        ended();
                         at += 1;
                     } else {
                         (at, ticks) = (usize::from(target), left);
                     }
                 }
+                // All that is left is named, so that the choice needs no check of its own.
+                Fast::None
+                | Fast::MoveTyped { .. }
+                | Fast::WriteTyped { .. }
+                | Fast::Power { .. }
+                | Fast::Join { .. }
+                | Fast::Not { .. }
+                | Fast::Truth { .. }
+                | Fast::Compare { .. }
+                | Fast::Math { .. }
+                | Fast::Sequence { .. }
+                | Fast::UnlessElement { .. }
+                | Fast::UnlessCell { .. }
+                | Fast::DoStart { .. } => break,
             }
         }
-        // It may be that a shared variable is not at home yet.
-        let waits = !code.homes.is_empty() && forms.get(at).is_some_and(|form| *form != Fast::None);
-        if !waits || !light::bring(code, at, (&mut *state, &mut *host), window, &mut at_home) {
-            if at_home != 0 {
-                light::take_back(code, state, host, window, &mut at_home);
-            }
+        // One form on values that are no numbers; or a shared variable comes home, and the form is tried once more.
+        let (next, left) = light::step(code, state, window, at, ticks);
+        if next != at {
+            (at, ticks) = (next, left);
+        } else if !light::bring(code, at, state, host, window) {
+            light::take_back(code, state, host, window);
             break;
         }
     }
     (place.code, place.at, state.ticks) = (code, at, ticks);
 }
+
+/// Tells that a loop ends seldom: the next instruction must not wait for the comparison.
+#[cold]
+#[inline(always)]
+fn ended() {}
 
 /// Ticks left after a jump from `at`: a jump back costs the instructions it goes back over.
 #[inline(always)]
@@ -454,11 +295,6 @@ fn put(window: &mut Window, to: Near, number: f64) {
     if let Some(register) = window.get_mut(usize::from(to)) {
         super::run::put(register, number);
     }
-}
-
-#[inline(never)]
-fn push(elements: &mut Arc<Vec<Value>>, number: f64) {
-    Arc::make_mut(elements).push(Value::Real(number));
 }
 
 /// Position of a 1-based index; what is below 1 or too large lies after every end.
@@ -528,17 +364,5 @@ fn cell_place(window: &mut Window, array: Near, row: f64, column: f64) -> Option
             }
         }
         _ => None,
-    }
-}
-
-/// Stores a truth value.
-#[inline(always)]
-fn put_truth(window: &mut Window, to: Near, truth: bool) {
-    if let Some(register) = window.get_mut(usize::from(to)) {
-        match register {
-            Value::Logical(old) => *old = truth,
-            Value::Real(_) | Value::Unset | Value::Null => *register = Value::Logical(truth),
-            other => super::run::replace(other, Value::Logical(truth)),
-        }
     }
 }

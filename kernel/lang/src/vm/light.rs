@@ -5,8 +5,8 @@
 //! that nobody else has is used again.
 
 use super::State;
-use super::fast::{Window, position};
-use crate::bytecode::fast::Near;
+use super::fast::{Window, passed, position};
+use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{Code, Op, Shared};
 use crate::bytecode::{Relation, Slot};
 use crate::func::{Function, Way};
@@ -16,6 +16,144 @@ use std::sync::Arc;
 
 /// Bytes of a text from which on looking at it or copying it costs steps.
 const LONG: usize = 64;
+
+/// Takes one short form on values that may be no numbers. The answer is the next instruction and the ticks that are
+/// left; nothing was done if it is the same instruction.
+#[allow(clippy::too_many_lines, reason = "one arm per form")]
+#[inline(never)]
+pub(super) fn step(code: &Code, state: &mut State, window: &mut Window, at: usize, ticks: u64) -> (usize, u64) {
+    let not_taken = (at, ticks);
+    let Some(form) = code.fast.get(at) else { return not_taken };
+    macro_rules! did {
+        ($outcome:expr) => {
+            if $outcome.is_some() { (at + 1, ticks) } else { not_taken }
+        };
+    }
+    macro_rules! paid {
+        ($left:expr) => {
+            match $left {
+                Some(left) => (at + 1, left),
+                None => not_taken,
+            }
+        };
+    }
+    macro_rules! unless {
+        ($holds:expr, $instructions:expr, $target:expr) => {
+            match $holds {
+                Some(true) => (at + $instructions, ticks),
+                Some(false) => match passed(at + $instructions - 1, $target, ticks) {
+                    Some(left) => (usize::from($target), left),
+                    None => not_taken,
+                },
+                None => not_taken,
+            }
+        };
+    }
+    macro_rules! number {
+        ($register:expr) => {
+            match window.get(usize::from($register)) {
+                Some(Value::Real(number)) => *number,
+                _ => return not_taken,
+            }
+        };
+    }
+    match *form {
+        Fast::Move { to, a } => did!(move_any(window, to, a)),
+        Fast::MoveTyped { to, a, kind } => did!(move_light(window, to, a, Some(kind))),
+        Fast::Read { to, home, shared } if state.is_at_home(shared) => did!(move_light(window, to, home, None)),
+        Fast::Write { home, shared, a } if state.is_at_home(shared) => did!(move_light(window, home, a, None)),
+        Fast::WriteTyped { home, shared, a, kind } if state.is_at_home(shared) => {
+            did!(move_light(window, home, a, Some(kind)))
+        }
+        Fast::Power { to, a, b } => {
+            let result = super::step::power(number!(a), number!(b));
+            did!(stored(window, to, result))
+        }
+        Fast::Math { to, a, function } => {
+            let result = math(&code.functions, function, number!(a));
+            did!(result.and_then(|result| stored(window, to, result)))
+        }
+        Fast::Add { to, a, b } | Fast::Join { to, a, b } => paid!(join(state, window, (to, a, b), ticks)),
+        Fast::AddTo { to, a } => did!(append(state, window, to, a)),
+        Fast::Sequence { to, list } => {
+            let slots = code.lists.get(usize::from(list)).map_or(&[][..], Vec::as_slice);
+            paid!(sequence(state, window, to, slots, ticks))
+        }
+        Fast::Not { to, a } => did!(truth(window, a).and_then(|truth| put_truth(window, to, !truth))),
+        Fast::Truth { to, a } => did!(truth(window, a).and_then(|truth| put_truth(window, to, truth))),
+        Fast::Compare { relation, to, a, b } => {
+            did!(compared(window, relation, a, b).and_then(|holds| put_truth(window, to, holds)))
+        }
+        Fast::Element { to, array, index } => did!(element(window, to, array, (number!(index), None))),
+        Fast::Cell { to, array, row, column } => {
+            did!(element(window, to, array, (number!(row), Some(number!(column)))))
+        }
+        Fast::SetElement { array, index, a } => did!(set_element(window, array, (number!(index), None), a)),
+        Fast::SetCell { array, row, column, a } => {
+            did!(set_element(window, array, (number!(row), Some(number!(column))), a))
+        }
+        // The jump is the second of the two instructions.
+        Fast::UnlessElement { relation, array, index, b, target } => {
+            let index = (number!(index), None);
+            unless!(element_related(window, relation, array, index, b), 2, target)
+        }
+        Fast::UnlessCell { relation, array, row, column, b, target } => {
+            let indices = (number!(row), Some(number!(column)));
+            unless!(element_related(window, relation, array, indices, b), 2, target)
+        }
+        Fast::UnlessEqual { a, b, target } => unless!(compared(window, Relation::Equal, a, b), 1, target),
+        Fast::UnlessNotEqual { a, b, target } => unless!(compared(window, Relation::NotEqual, a, b), 1, target),
+        Fast::UnlessLess { a, b, target } => unless!(compared(window, Relation::Less, a, b), 1, target),
+        Fast::UnlessLessEqual { a, b, target } => unless!(compared(window, Relation::LessEqual, a, b), 1, target),
+        Fast::UnlessGreater { a, b, target } => unless!(compared(window, Relation::Greater, a, b), 1, target),
+        Fast::UnlessGreaterEqual { a, b, target } => {
+            unless!(compared(window, Relation::GreaterEqual, a, b), 1, target)
+        }
+        Fast::IfWhen { a, b, target } => {
+            unless!(same(window, a, b).map(|equal| !equal), 1, target)
+        }
+        Fast::DoStart { variable, end, step, target } => {
+            let (value, last, step) = (number!(variable), number!(end), number!(step));
+            let passes = if step == 0.0 { None } else { Some(!super::run::past(value, last, step)) };
+            unless!(passes, 1, target)
+        }
+        _ => not_taken,
+    }
+}
+
+/// Stores a number if it exists.
+#[inline]
+fn stored(window: &mut Window, to: Near, number: f64) -> Option<()> {
+    let register = window.get_mut(usize::from(to)).filter(|_| number.is_finite())?;
+    super::run::put(register, number);
+    Some(())
+}
+
+#[inline]
+fn truth(window: &Window, a: Near) -> Option<bool> {
+    match window.get(usize::from(a))? {
+        Value::Logical(truth) => Some(*truth),
+        _ => None,
+    }
+}
+
+#[inline]
+fn put_truth(window: &mut Window, to: Near, truth: bool) -> Option<()> {
+    match window.get_mut(usize::from(to))? {
+        Value::Logical(old) => *old = truth,
+        other => *other = Value::Logical(truth),
+    }
+    Some(())
+}
+
+/// Compares two registers.
+#[inline]
+fn compared(window: &Window, relation: Relation, a: Near, b: Near) -> Option<bool> {
+    match (window.get(usize::from(a))?, window.get(usize::from(b))?) {
+        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (a, b) => related(relation, a, b),
+    }
+}
 
 /// Tells whether a value is a single one that can be copied and compared for nothing.
 #[inline]
@@ -50,8 +188,8 @@ fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
 }
 
 /// Moves a value that is no array.
-#[inline(never)]
-pub(super) fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
+#[inline]
+fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
     match window.get(usize::from(a))? {
         Value::Array(_) => None,
         _ => copied(window, to, a),
@@ -59,8 +197,8 @@ pub(super) fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
 }
 
 /// Moves a light value, of one type if that is given.
-#[inline(never)]
-pub(super) fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Option<()> {
+#[inline]
+fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if !is_light(value) || kind.is_some_and(|kind| value.kind() != Some(kind)) {
         return None;
@@ -69,8 +207,8 @@ pub(super) fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Ki
 }
 
 /// Element of a sequence or an array that is a light value.
-#[inline(never)]
-pub(super) fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Option<f64>)) -> Option<()> {
+#[inline]
+fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Option<f64>)) -> Option<()> {
     let value = look(window, array, (row, column)).filter(|value| is_light(value))?;
     if let (Value::Text(new), Some(Value::Text(old))) = (value, window.get(usize::from(to)))
         && Arc::ptr_eq(old, new)
@@ -103,7 +241,7 @@ pub(super) fn cell(array: &Array, row: f64, column: f64) -> Option<usize> {
 
 /// Stores a light value into an array, or into a sequence that nobody else has.
 #[inline(never)]
-pub(super) fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a: Near) -> Option<()> {
+fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if !is_light(value) || !takes(window.get(usize::from(array))?, value) {
         return None;
@@ -133,7 +271,7 @@ fn takes(target: &Value, value: &Value) -> bool {
 
 /// Compares light values of one type.
 #[inline(never)]
-pub(super) fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
     if let (Value::Text(x), Value::Text(y)) = (a, b)
         && x.len() == y.len()
         && x.len() < LONG
@@ -158,7 +296,7 @@ pub(super) fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> 
 
 /// Compares an element with a register.
 #[inline(always)]
-pub(super) fn element_related(
+fn element_related(
     window: &Window,
     relation: Relation,
     array: Near,
@@ -172,14 +310,15 @@ pub(super) fn element_related(
 }
 
 /// Equality of light values, for a CASE.
-#[inline(never)]
-pub(super) fn same(a: &Value, b: &Value) -> Option<bool> {
+#[inline]
+fn same(window: &Window, a: Near, b: Near) -> Option<bool> {
+    let (a, b) = (window.get(usize::from(a))?, window.get(usize::from(b))?);
     if is_light(a) && is_light(b) { Some(a.equals(b) == Some(true)) } else { None }
 }
 
 /// Joins two texts; the answer is the ticks that are left.
 #[inline(never)]
-pub(super) fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
+fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
     let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
         return None;
     };
@@ -222,7 +361,7 @@ pub(super) fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, 
 
 /// Appends to a text or a sequence that nobody else has.
 #[inline(never)]
-pub(super) fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
+fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if to == a || !is_light(value) {
         return None;
@@ -244,7 +383,7 @@ pub(super) fn append(state: &State, window: &mut Window, to: Near, a: Near) -> O
 
 /// Makes a sequence of single values; the answer is the ticks that are left.
 #[inline(never)]
-pub(super) fn sequence(state: &State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
+fn sequence(state: &State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
     let left = ticks.checked_sub(slots.len() as u64 / 4)?;
     let single =
         |slot: &Slot| !matches!(window.get(usize::from(*slot)), None | Some(Value::Sequence(_) | Value::Array(_)));
@@ -274,8 +413,8 @@ pub(super) fn sequence(state: &State, window: &mut Window, to: Near, slots: &[Sl
 }
 
 /// A function of one number.
-#[inline(never)]
-pub(super) fn math(functions: &[&'static Function], function: u16, value: f64) -> Option<f64> {
+#[inline]
+fn math(functions: &[&'static Function], function: u16, value: f64) -> Option<f64> {
     match functions.get(usize::from(function))?.way {
         Way::Math(compute) => compute(value),
         _ => None,
@@ -299,15 +438,20 @@ fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared
     }
 }
 
-/// Brings the shared variable of an instruction home; false if it is there or cannot be. `at_home` has a bit for each.
+impl State {
+    /// A shared variable lies in its home.
+    #[inline(always)]
+    pub(super) fn is_at_home(&self, shared: u8) -> bool {
+        self.at_home >> (shared & 63) & 1 != 0
+    }
+}
+
+/// Brings the shared variable of an instruction home; false if it is there or cannot be.
 #[inline(never)]
-pub(super) fn bring(
-    code: &Code,
-    at: usize,
-    (state, host): (&mut State, &mut dyn Host),
-    window: &mut Window,
-    at_home: &mut u64,
-) -> bool {
+pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Host, window: &mut Window) -> bool {
+    if code.homes.is_empty() || code.fast.get(at).is_none_or(|form| *form == Fast::None) {
+        return false;
+    }
     let shared = match code.ops.get(at) {
         Some(
             Op::ReadShared { shared, .. }
@@ -317,23 +461,31 @@ pub(super) fn bring(
         ) => usize::from(*shared),
         _ => return false,
     };
-    if shared >= 64 || *at_home >> shared & 1 != 0 {
+    if shared >= 64 || state.at_home >> shared & 1 != 0 {
         return false;
     }
     let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
     let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
     let (Some(home), Some(place)) = (home, place) else { return false };
     std::mem::swap(home, place);
-    *at_home |= 1 << shared;
+    state.at_home |= 1 << shared;
     true
 }
 
 /// Takes all shared variables back from their homes.
+#[inline(always)]
+pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+    if state.at_home != 0 {
+        take_all_back(code, state, host, window);
+    }
+}
+
 #[inline(never)]
-pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window, at_home: &mut u64) {
-    while *at_home != 0 {
+fn take_all_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+    let mut at_home = std::mem::take(&mut state.at_home);
+    while at_home != 0 {
         let shared = at_home.trailing_zeros() as usize;
-        *at_home &= *at_home - 1;
+        at_home &= at_home - 1;
         let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
         let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
         if let (Some(home), Some(place)) = (home, place) {

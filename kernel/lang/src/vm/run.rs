@@ -52,11 +52,18 @@ pub(super) fn set_number(frame: &mut [Value], slot: Slot, number: f64) {
 /// Stores a number. What was there before is mostly a number too, so all else is kept out of the way.
 #[inline(always)]
 pub(super) fn put(register: &mut Value, number: f64) {
-    match register {
-        Value::Real(old) => *old = number,
-        Value::Unset | Value::Null | Value::Logical(_) => *register = Value::Real(number),
-        other => replace(other, Value::Real(number)),
+    if !matches!(register, Value::Real(_)) {
+        become_number(register);
     }
+    if let Value::Real(old) = register {
+        *old = number;
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn become_number(register: &mut Value) {
+    *register = Value::Real(0.0);
 }
 
 /// Replaces a value that may have to give memory back.
