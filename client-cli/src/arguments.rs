@@ -97,6 +97,9 @@ pub(crate) struct Inputs {
     /// Blocks of one channel after which the run is stopped
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
+    /// Memory of the job in MiB, for variables, texts, files and results, after which the run is stopped
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) max_memory: Option<u64>,
 }
 
 #[derive(Debug, Args)]

@@ -302,6 +302,7 @@ mod tests {
             threads: 0,
             max_time: None,
             max_blocks: None,
+            max_memory: None,
         };
         let pack = job(&inputs).unwrap();
         let names: Vec<_> = pack.files.0.keys().map(String::as_str).collect();

@@ -262,9 +262,10 @@ fn limits(inputs: &Inputs) -> Option<v1::JobLimits> {
     let limits = v1::JobLimits {
         simulated_ns: inputs.max_time.map_or(0, |seconds| (seconds * 1e9) as i64),
         blocks: inputs.max_blocks.unwrap_or(0),
+        memory: inputs.max_memory.map_or(0, |mebibytes| mebibytes.saturating_mul(1 << 20)),
         ..v1::JobLimits::default()
     };
-    (inputs.max_time.is_some() || inputs.max_blocks.is_some()).then_some(limits)
+    (limits != v1::JobLimits::default()).then_some(limits)
 }
 
 /// Where results of `run` go, and which.

@@ -89,7 +89,8 @@ impl Job {
     ///
     /// # Errors
     /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
-    pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+    pub fn prepare(mut spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+        spec.options.limits = spec.options.limits.capped();
         let info = crate::mcd::layout::assign(&spec, files).map_err(|findings| PrepareError { findings })?;
         let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
         Ok(Self { spec, info: Arc::new(info), macros })

@@ -33,7 +33,8 @@ pub struct Options {
     pub limits: Limits,
 }
 
-/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`.
+/// Limits of one job. Reaching one ends the run with a verdict of kind `LIMIT`; what a job asks for beyond
+/// [`Limits::MOST`] counts as that.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
@@ -51,6 +52,42 @@ pub struct Limits {
     pub nesting: u16,
     /// Diagnostics kept per channel; more are counted, not logged.
     pub diagnostics: u32,
+    /// Bytes of memory for variables, texts, files and results of the job.
+    pub memory: u64,
+    /// Steps of macros per channel.
+    pub macro_steps: u64,
+}
+
+impl Limits {
+    /// The most that a job may ask for.
+    pub const MOST: Limits = Limits {
+        simulated_ns: 366 * 24 * 3600 * 1_000_000_000,
+        blocks: 10_000_000_000,
+        zero_time_blocks: 1_000_000_000,
+        events: 100_000_000_000,
+        block_length: 1 << 20,
+        nesting: 1000,
+        diagnostics: 10_000,
+        memory: 16 << 30,
+        macro_steps: 1_000_000_000_000_000,
+    };
+
+    /// These limits, none beyond [`MOST`](Self::MOST).
+    #[must_use]
+    pub fn capped(&self) -> Limits {
+        let most = &Self::MOST;
+        Limits {
+            simulated_ns: self.simulated_ns.min(most.simulated_ns),
+            blocks: self.blocks.min(most.blocks),
+            zero_time_blocks: self.zero_time_blocks.min(most.zero_time_blocks),
+            events: self.events.min(most.events),
+            block_length: self.block_length.min(most.block_length),
+            nesting: self.nesting.min(most.nesting),
+            diagnostics: self.diagnostics.min(most.diagnostics),
+            memory: self.memory.min(most.memory),
+            macro_steps: self.macro_steps.min(most.macro_steps),
+        }
+    }
 }
 
 impl Default for Limits {
@@ -63,6 +100,8 @@ impl Default for Limits {
             block_length: 8192,
             nesting: 32,
             diagnostics: 1000,
+            memory: 256 << 20,
+            macro_steps: 20_000_000_000,
         }
     }
 }

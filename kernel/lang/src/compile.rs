@@ -105,6 +105,13 @@ impl Program {
         Program { globals: (0..100).map(|number| format!("%G{number:02}")).collect(), ..Program::default() }
     }
 
+    /// Name of a variable of the object's store.
+    #[must_use]
+    pub fn object_name(&self, index: u32) -> &str {
+        let named = |symbol: &SharedSymbol| symbol.shared == Shared::Object(index);
+        self.shared.iter().find(|(_, symbol)| named(symbol)).map_or("", |(name, _)| name)
+    }
+
     /// Index of a user function.
     #[must_use]
     pub fn function(&self, name: &str) -> Option<u16> {

@@ -78,6 +78,7 @@ numbers! {
     NO_MODEL = 2910070, 0, "function of a machine model where there is none";
     NO_SETTING = 2910071, 4, "setting of the pre-processor that does not exist";
     BAD_VALUE = 2910072, 8, "value that a system variable does not take";
+    MEMORY = 2900310, 16, "macros that keep more values than the memory of the job holds";
     AUTHOR = 2910090, 0, "diagnostic issued by a macro itself";
 }
 

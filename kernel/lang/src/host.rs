@@ -16,7 +16,7 @@ use crate::format::Registers;
 use crate::func::Function;
 use crate::source::Source;
 use crate::value::{Kind, Value};
-use crate::vm::State;
+use crate::vm::{Scale, State};
 
 /// A system variable of the host's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -140,8 +140,18 @@ pub trait Host: Registers {
     /// The variable is not available here, or the value is out of its range.
     fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()>;
 
-    /// Lets `access` read or change a global variable.
-    fn global(&mut self, index: u32, access: &mut dyn FnMut(&mut Value));
+    /// Lets `access` read or change a global variable, which grows by so many bytes at most.
+    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value));
+
+    /// Adds what the host keeps of the values of macros.
+    fn held(&self, scale: &mut Scale) {
+        let _ = scale;
+    }
+
+    /// The run is to end; asked now and then while macros run.
+    fn stopped(&self) -> bool {
+        false
+    }
 
     /// Place of a global variable that nobody else reaches while this macro runs; none if there may be others, who are
     /// kept away by [`global`](Self::global). Between two calls of the host it is always the same place.

@@ -14,8 +14,10 @@ use crate::fault::Outcome;
 
 /// Steps one search may take.
 pub const STEPS: u64 = 2_000_000;
-/// Most instructions of one expression.
+/// Most instructions of one expression, and most characters of its text.
 pub const MAX_PROGRAM: usize = 20_000;
+/// Steps of a search that go on while nothing but characters is copied or compared.
+const BYTES_PER_STEP: usize = 16;
 
 /// A set of characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,14 +36,25 @@ struct Set {
 }
 
 impl Set {
-    fn new(ranges: Vec<(char, char)>, negated: bool) -> Set {
+    fn new(mut ranges: Vec<(char, char)>, negated: bool) -> Set {
+        // In order and apart, so that a character is found by halving.
+        ranges.sort_unstable();
+        ranges.dedup_by(|next, kept| {
+            let joins = next.0 <= kept.1;
+            if joins {
+                kept.1 = kept.1.max(next.1);
+            }
+            joins
+        });
         let mut set = Set { ranges, negated, ascii: 0 };
         set.ascii = (0..128u8).filter(|byte| set.lists(char::from(*byte))).fold(0, |bits, byte| bits | 1u128 << byte);
         set
     }
 
     fn lists(&self, character: char) -> bool {
-        self.ranges.iter().any(|(low, high)| (*low..=*high).contains(&character)) != self.negated
+        let at = self.ranges.partition_point(|(low, _)| *low <= character);
+        let range = at.checked_sub(1).and_then(|at| self.ranges.get(at));
+        range.is_some_and(|(_, high)| character <= *high) != self.negated
     }
 }
 
@@ -53,6 +66,23 @@ impl Class {
             Class::Any => true,
             Class::Set(set) if character.is_ascii() => set.ascii >> (u32::from(character) & 127) & 1 != 0,
             Class::Set(set) => set.lists(character),
+        }
+    }
+}
+
+impl Class {
+    /// Ranges that it holds.
+    fn ranges(&self) -> usize {
+        if let Class::Set(set) = self { set.ranges.len() } else { 0 }
+    }
+}
+
+impl Step {
+    /// Bytes that it takes besides itself.
+    fn size(&self) -> usize {
+        match self {
+            Step::One(class) | Step::Run(class, ..) => class.ranges() * 8,
+            _ => 0,
         }
     }
 }
@@ -119,6 +149,11 @@ impl Pattern {
         compile::compile(text)
     }
 
+    /// Bytes that it takes, about.
+    pub(crate) fn size(&self) -> usize {
+        self.steps.iter().map(|step| 48 + step.size()).sum()
+    }
+
     /// The longest text that every match contains, empty when there is none.
     #[must_use]
     pub fn required(&self) -> String {
@@ -154,7 +189,21 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn replace(&self, text: &str, with: &str, which: usize) -> Outcome<String> {
-        edit::replace(self, text, with, which)
+        edit::replace(self, text, (with, which), usize::MAX, &mut STEPS.clone())
+    }
+
+    /// The same within a budget of steps, for a result of at most so many bytes.
+    ///
+    /// # Errors
+    /// The step budget is used up, or the result is too long.
+    pub fn replace_within(
+        &self,
+        text: &str,
+        (with, which): (&str, usize),
+        most: usize,
+        budget: &mut u64,
+    ) -> Outcome<String> {
+        edit::replace(self, text, (with, which), most, budget)
     }
 
     /// Text of the `which`-th match (1-based), or `template` with its groups filled in.
@@ -162,7 +211,20 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn nth(&self, text: &str, template: Option<&str>, which: usize) -> Outcome<Option<String>> {
-        edit::nth(self, text, template, which)
+        edit::nth(self, text, (template, which), &mut STEPS.clone())
+    }
+
+    /// The same within a budget of steps.
+    ///
+    /// # Errors
+    /// The step budget is used up.
+    pub fn nth_within(
+        &self,
+        text: &str,
+        (template, which): (Option<&str>, usize),
+        budget: &mut u64,
+    ) -> Outcome<Option<String>> {
+        edit::nth(self, text, (template, which), budget)
     }
 
     /// Pieces between matches, at most `limit` if that is not 0.
@@ -170,7 +232,15 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn split(&self, text: &str, limit: usize) -> Outcome<Vec<String>> {
-        edit::split(self, text, limit)
+        edit::split(self, text, (limit, usize::MAX), &mut STEPS.clone())
+    }
+
+    /// The same within a budget of steps, into so many pieces at most.
+    ///
+    /// # Errors
+    /// The step budget is used up, or there are more pieces.
+    pub fn split_within(&self, text: &str, (limit, most): (usize, usize), budget: &mut u64) -> Outcome<Vec<String>> {
+        edit::split(self, text, (limit, most), budget)
     }
 }
 

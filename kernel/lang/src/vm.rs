@@ -9,11 +9,14 @@ pub(crate) mod commands;
 mod data;
 mod fast;
 mod light;
+mod memory;
 mod run;
 mod step;
 pub(crate) mod units;
 
+pub(crate) use data::{pay_to_look_inside, pay_to_write};
 pub use data::{range, sequence_of};
+pub use memory::Scale;
 pub use units::Unit;
 
 use crate::bytecode::Code;
@@ -41,11 +44,13 @@ pub struct Limits {
     pub elements: usize,
     /// Units open at once.
     pub units: usize,
+    /// Bytes that the values of all macros may keep.
+    pub memory: usize,
 }
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { ticks: 50_000_000, depth: 64, text: 1 << 20, elements: 1_000_000, units: 10 }
+        Limits { ticks: 50_000_000, depth: 64, text: 1 << 20, elements: 1_000_000, units: 10, memory: 256 << 20 }
     }
 }
 
@@ -77,7 +82,15 @@ pub struct State {
     /// Shared variables that lie in registers of the running macro, a bit each.
     at_home: u64,
     notes: Vec<Fault>,
+    /// Ticks when a stop of the run was looked at last.
+    looked: u64,
+    /// Bytes of what formats and patterns remember.
+    remembered: [usize; 2],
+    memory: memory::Memory,
 }
+
+/// Bytes of formats, and of patterns, that are remembered.
+const MOST_REMEMBERED: usize = 4 << 20;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -111,6 +124,9 @@ impl State {
             buffer: Vec::new(),
             at_home: 0,
             notes: Vec::new(),
+            looked: limits.ticks,
+            remembered: [0; 2],
+            memory: memory::Memory::new(limits.memory),
         }
     }
 
@@ -132,10 +148,17 @@ impl State {
         if let Some(format) = self.formats.get(&key) {
             return Ok(Arc::clone(format));
         }
+        self.spend(text.len() / 16)?;
         let format = Arc::new(if input { Format::input(text)? } else { Format::output(text)? });
-        if self.formats.len() >= 1000 {
+        let size = text.len() + format.size();
+        if self.formats.len() >= 1000 || self.remembered[0] + size > MOST_REMEMBERED {
             self.formats.clear();
+            self.remembered[0] = 0;
         }
+        if size > MOST_REMEMBERED {
+            return Ok(format);
+        }
+        self.remembered[0] += size;
         self.formats.insert(key, Arc::clone(&format));
         Ok(format)
     }
@@ -148,10 +171,18 @@ impl State {
         if let Some(pattern) = self.patterns.get(text) {
             return Ok(Arc::clone(pattern));
         }
+        self.spend(text.len() / 16)?;
         let pattern = Arc::new(Pattern::new(text)?);
-        if self.patterns.len() >= 1000 {
+        self.spend(pattern.size() / 64)?;
+        let size = text.len() + pattern.size();
+        if self.patterns.len() >= 1000 || self.remembered[1] + size > MOST_REMEMBERED {
             self.patterns.clear();
+            self.remembered[1] = 0;
         }
+        if size > MOST_REMEMBERED {
+            return Ok(pattern);
+        }
+        self.remembered[1] += size;
         self.patterns.insert(text.to_owned(), Arc::clone(&pattern));
         Ok(pattern)
     }

@@ -212,7 +212,7 @@ fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
     if !short_forms {
         program.macros.iter_mut().for_each(|code| Arc::make_mut(code).fast.fill(Fast::None));
     }
-    let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3 };
+    let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3, ..Limits::default() };
     let mut state = State::new(limits);
     let mut arguments = [Value::Real(1.0)];
     let ends = added.macros.iter().map(|index| vm::run(&program, &mut state, &mut host, *index, &mut arguments).0);

@@ -139,7 +139,7 @@ fn a_file_has_its_limits() {
 
 #[test]
 fn budgets_end_a_run() {
-    let limits = Limits { ticks: 10_000, text: 100, elements: 100, depth: 3, units: 1 };
+    let limits = Limits { ticks: 10_000, text: 100, elements: 100, depth: 3, units: 1, ..Limits::default() };
     for (text, number) in [
         ("A:JUMPTO/A", Number::TICKS),
         ("T='x'\nREPEAT\nT+=T\nUNTIL/.FALSE.", Number::SIZE),

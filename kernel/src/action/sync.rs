@@ -178,6 +178,7 @@ fn participants(paths: Option<f64>, form: PathsForm, count: u16) -> Result<Optio
 fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let since_ns = kernel.clock;
     let wait = kernel.meetings.wait(&spec);
+    kernel.burden.result(crate::channel::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();

@@ -60,6 +60,7 @@ carried! {
         blocks: u64,
         idle_blocks: u64,
         diagnostics: u32,
+        burden: super::burden::Burden,
         macros: Option<Box<Runtime>>,
         raised: rustc_hash::FxHashMap<u32, u32>,
         cycle: crate::action::cycle::State,

@@ -10,7 +10,7 @@ use counterpoint_lang::value::Value;
 use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel};
+use super::{Acted, Halt, Kernel, burden};
 use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::model::Point;
@@ -57,7 +57,8 @@ impl Kernel<'_> {
         let code = runtime.store.code.take();
         let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
         let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
-        let done = self.check_limits().and_then(|()| process(self));
+        // A block within a block is one, too.
+        let done = self.work(burden::BLOCK).and_then(|()| self.check_limits()).and_then(|()| process(self));
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
         let nested: Block = std::mem::replace(&mut self.block, block);
         if let Some(runtime) = self.macros.as_deref_mut() {
@@ -342,6 +343,11 @@ impl Kernel<'_> {
         }
         match (given, text) {
             (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
+                let (length, limit) = (text.len(), self.options.limits.block_length);
+                if length > limit {
+                    let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
                 if let Some(runtime) = self.macros.as_deref_mut() {
                     runtime.text = Some(text);
                 }
@@ -368,7 +374,15 @@ impl Kernel<'_> {
         let mut arguments = [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         match &arguments[1] {
-            Value::Text(text) if **text != left => self.set_left(text.as_ref().clone()),
+            Value::Text(text) if **text != left => {
+                let (length, limit) = (text.len(), self.options.limits.block_length);
+                if length > limit {
+                    let title = Hook::BlockShutdown.title();
+                    let text = format!("$P2 of the {title} has {length} bytes, a block may have {limit}");
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
+                self.set_left(text.as_ref().clone());
+            }
             _ => {}
         }
         Ok(())

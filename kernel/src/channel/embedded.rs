@@ -88,9 +88,17 @@ impl Kernel<'_> {
                 break;
             };
             self.embed(code, &mut out)?;
+            if out.len() > self.options.limits.block_length.max(text.len()) {
+                break;
+            }
             rest = behind;
         }
         out.push_str(rest);
+        let (length, limit) = (out.len(), self.options.limits.block_length.max(text.len()));
+        if length > limit {
+            let text = format!("embedded macro code makes {length} bytes of the block, it may have {limit}");
+            return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+        }
         if out != text {
             self.trace('E', |_| trace::edited(Stage::EmbeddedMacro, out.trim()));
         }

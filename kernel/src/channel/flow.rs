@@ -15,6 +15,7 @@ use crate::diag;
 use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
+use crate::dialect::kept::Kept;
 use crate::log::event::{FileId, Kind, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
@@ -103,11 +104,13 @@ pub(crate) struct Flow {
     /// A line may run again, so compiled lines are worth keeping.
     pub(crate) caching: bool,
     /// Compiled lines of the pre-processor.
-    pub(crate) compiled: FxHashMap<(FileId, u32), Arc<Line>>,
+    pub(crate) compiled: Kept<Line>,
     /// Loop partners by program (file and first line).
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Bytes of loop partners and labels.
+    pub(crate) tables: usize,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been told of, by file and line.
@@ -334,9 +337,12 @@ impl Kernel<'_> {
         let info = self.info;
         let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next)) else { return Ok(()) };
         let lines = info.source(file).map_or(&[][..], |s| s.sequence_lines(number));
-        let inside = |line: &&u32| (range.first..=range.last).contains(*line);
-        let found =
-            lines.iter().filter(inside).find(|&&line| line >= next).or_else(|| lines.iter().find(inside)).copied();
+        // They are in ascending order.
+        let first_from = |from: u32| {
+            let from = from.max(range.first);
+            lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line <= range.last)
+        };
+        let found = first_from(next).or_else(|| first_from(range.first));
         match found {
             Some(line) => self.jump_to_line(line),
             None => {

@@ -157,6 +157,10 @@ impl Host for Kernel<'_> {
         self.flow.frames.first().map_or(self.file, |frame| frame.file)
     }
 
+    fn work(&mut self, elements: usize) -> Acted {
+        Kernel::work(self, elements)
+    }
+
     fn skips(&self, level: Option<u8>) -> bool {
         match self.block_scanner() {
             Some(scanner) => scanner.skips(level),
@@ -207,12 +211,19 @@ impl Host for Kernel<'_> {
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
-        Kernel::shared(self, |inner, _| {
-            match value {
-                Some(value) => inner.shared.named.insert(name.into(), value),
-                None => inner.shared.named.remove(name),
-            };
-        })
+        let limit = self.shares().common;
+        let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
+        let over = Kernel::shared(self, |inner, _| match value {
+            Some(value) => {
+                inner.shared.named.insert(name.into(), value);
+                inner.shared.grown(growth, limit)
+            }
+            None => {
+                inner.shared.named.remove(name);
+                false
+            }
+        })?;
+        if over { Err(self.out_of_memory("variables that all channels share take most of it")) } else { Ok(()) }
     }
 
     fn has_own_common(&self) -> bool {

@@ -11,6 +11,9 @@ use crate::multi::coordinator::Coordinator;
 use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
 
+/// Blocks after which a kernel looks at the memory that it takes.
+const WEIGHED_EVERY: u64 = 64;
+
 impl Kernel<'_> {
     /// Runs the kernel's whole life. With `again` it goes on with another file, as if that were the first one or not.
     pub(crate) fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
@@ -124,12 +127,16 @@ impl Kernel<'_> {
         let limits = &self.options.limits;
         let reason = if self.clock > limits.simulated_ns {
             format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
-        } else if self.blocks > limits.blocks {
+        } else if self.blocks + self.burden.blocks() > limits.blocks {
             format!("more than {} blocks", limits.blocks)
         } else if self.emitter.count() > limits.events {
             format!("more than {} events in its log", limits.events)
         } else if self.idle_blocks > limits.zero_time_blocks {
             format!("{} blocks in a row took no time", limits.zero_time_blocks)
+        } else if self.burden.steps > limits.macro_steps {
+            format!("more than {} steps of macros", limits.macro_steps)
+        } else if let Some(reason) = self.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten() {
+            format!("the memory of the job is used up: {reason}")
         } else {
             return Ok(());
         };
@@ -137,7 +144,7 @@ impl Kernel<'_> {
     }
 
     /// Stops the whole job here and says who was doing what.
-    fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
+    pub(super) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
         let (rank, tag, info) = (self.rank, self.tag(), self.info);
         let own = self.what_it_did(reason);
         let (file, line) = (self.file, self.line);

@@ -54,7 +54,7 @@ impl Kernel<'_> {
         let key = (self.file, self.line);
         // A text of its own is compiled each time: the line number does not stand for it.
         let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
-        if as_read && let Some(line) = self.flow.compiled.get(&key) {
+        if as_read && let Some(line) = self.flow.compiled.get(key) {
             let line = Arc::clone(line);
             self.block.clear();
             if !line.messages.is_empty() {
@@ -75,7 +75,7 @@ impl Kernel<'_> {
             Ok(line) => {
                 let line = Arc::new(Line { messages, ..line });
                 if self.flow.caching && as_read {
-                    self.flow.compiled.insert(key, Arc::clone(&line));
+                    self.flow.compiled.insert(key, &line, text.len());
                 }
                 Ok(line)
             }
@@ -156,23 +156,21 @@ impl Kernel<'_> {
             return Arc::clone(pairs);
         }
         let (plan, switched) = (self.plan, self.switched_scanner());
-        let mut stripped = Vec::new();
-        let mut statements = Vec::new();
-        if let Some(source) = info.source(file) {
-            let mut scratch = super::block::Block::default();
-            for line in range.first..=range.last {
-                let text = source.line(line);
-                if !has_bracketing(text) {
-                    continue;
-                }
-                let scanner = switched.as_deref().unwrap_or(&plan.scanner);
-                scanner.strip(text, &mut stripped, &mut scratch);
-                if let Ok(compiled) = fanuc::compile(&stripped, scanner.names()) {
-                    statements.push((line, compiled.statement));
-                }
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
+        let control = self.control;
+        let source = info.source(file);
+        let lines = (range.first..=range.last).take_while(|line| !line.is_multiple_of(4096) || !control.cancelled());
+        let statements = lines.filter_map(|line| {
+            let text = source.map_or(&[][..], |source| source.line(line));
+            if !has_bracketing(text) {
+                return None;
             }
-        }
-        let pairs = Arc::new(Pairs::of(statements.into_iter()));
+            scanner.strip(text, &mut stripped, &mut scratch);
+            fanuc::compile(&stripped, scanner.names()).ok().map(|compiled| (line, compiled.statement))
+        });
+        let pairs = Arc::new(Pairs::of(statements));
+        self.flow.tables += pairs.bytes();
         self.flow.pairs.insert((file, range.first), Arc::clone(&pairs));
         pairs
     }

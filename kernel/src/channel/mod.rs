@@ -5,6 +5,7 @@
 //! allocates nothing.
 
 pub(crate) mod block;
+pub(crate) mod burden;
 pub(crate) mod carried;
 pub(crate) mod codes;
 pub(crate) mod custom;
@@ -115,6 +116,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) idle_blocks: u64,
     /// Diagnostics logged.
     pub(crate) diagnostics: u32,
+    /// Memory and work that it has used up.
+    pub(crate) burden: burden::Burden,
     /// Waits it has met.
     pub(crate) meetings: Known,
     /// Macros of the machine, if it has any.

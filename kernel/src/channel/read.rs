@@ -51,7 +51,7 @@ impl Kernel<'_> {
         }
         let held;
         let text = if self.plan.reshapes {
-            held = self.reshape(text, line);
+            held = self.reshape(text, line)?;
             match held.as_deref() {
                 Some(text) if text.trim_ascii().is_empty() => return Ok(()),
                 Some(text) => text,

@@ -1,5 +1,6 @@
 //! Diagnostics of a kernel.
 
+use super::burden::{RESULT, shortened};
 use super::{Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
@@ -33,6 +34,8 @@ impl Kernel<'_> {
         if self.macros.is_some() {
             return self.issue((facts.number, severity), text, None);
         }
+        let text = shortened(&text);
+        self.burden.result(text.len() + RESULT);
         let diagnostic = Diagnostic { number: facts.number, severity, text: text.into(), ..Diagnostic::default() };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
     }

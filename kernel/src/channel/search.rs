@@ -94,7 +94,7 @@ impl Kernel<'_> {
             }
         };
         let start = from.first().copied()?;
-        let end = to.iter().copied().find(|&line| line >= start)?;
+        let end = *to.get(to.partition_point(|&line| line < start))?;
         Some(Range { number: None, first: start, last: end })
     }
 
@@ -109,6 +109,9 @@ impl Kernel<'_> {
         let mut block = Block::default();
         if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
             for line in 1..=source.lines() {
+                if line.is_multiple_of(4096) && self.control.cancelled() {
+                    break;
+                }
                 let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
                     continue;
@@ -120,6 +123,7 @@ impl Kernel<'_> {
                 }
             }
         }
+        self.flow.tables += labels.len() * 64;
         let labels = Arc::new(labels);
         self.flow.labels.insert(self.file, Arc::clone(&labels));
         labels

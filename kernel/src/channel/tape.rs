@@ -9,6 +9,9 @@ use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
 
 use crate::machine::model::TapeRule;
 
+/// Steps of the searches of all rules on one block.
+const MOST_STEPS: u64 = 2 * STEPS;
+
 /// Rules by number, from 0; a machine has 256 at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Rules([u64; 4]);
@@ -56,6 +59,10 @@ pub(crate) struct Edited {
     pub(crate) text: Option<Vec<u8>>,
     /// A rule that gave up: it needs too many steps on this text.
     pub(crate) stuck: Option<usize>,
+    /// A rule whose result is too long, and its length; nothing of the block is changed.
+    pub(crate) long: Option<(usize, usize)>,
+    /// Bytes that rules have looked at and made.
+    pub(crate) work: usize,
 }
 
 impl Tape {
@@ -104,27 +111,27 @@ impl Tape {
         candidates
     }
 
-    /// Applies the rules that are on.
+    /// Applies the rules that are on; no result may have more bytes than `longest`.
     #[inline]
-    pub(crate) fn edit(&self, line: &[u8], on: &Rules, memory: &mut Memory) -> Edited {
+    pub(crate) fn edit(&self, line: &[u8], on: &Rules, longest: usize, memory: &mut Memory) -> Edited {
         let candidates = self.candidates(line);
         match candidates.next(0, on) {
             None => Edited::default(),
-            Some(first) => self.apply(line, (first, candidates), on, memory),
+            Some(first) => self.apply(line, (first, candidates), (on, longest), memory),
         }
     }
 
-    fn apply(&self, line: &[u8], (first, candidates): (usize, Rules), on: &Rules, memory: &mut Memory) -> Edited {
+    fn apply(&self, line: &[u8], start: (usize, Rules), limits: (&Rules, usize), memory: &mut Memory) -> Edited {
         match std::str::from_utf8(line) {
             Ok(text) => {
-                let (text, stuck) = self.rewrite(text, (first, candidates), on, memory);
-                Edited { text: text.map(String::into_bytes), stuck }
+                let (text, edited) = self.rewrite(text, start, limits, memory);
+                Edited { text: text.map(String::into_bytes), ..edited }
             }
             Err(_) => {
                 // Eight-bit text: one character a byte.
                 let text: String = line.iter().copied().map(char::from).collect();
-                let (text, stuck) = self.rewrite(&text, (first, candidates), on, memory);
-                Edited { text: text.map(|text| bytes(&text)), stuck }
+                let (text, edited) = self.rewrite(&text, start, limits, memory);
+                Edited { text: text.map(|text| bytes(&text)), ..edited }
             }
         }
     }
@@ -133,31 +140,43 @@ impl Tape {
         &self,
         line: &str,
         (first, mut candidates): (usize, Rules),
-        on: &Rules,
+        (on, longest): (&Rules, usize),
         memory: &mut Memory,
-    ) -> (Option<String>, Option<usize>) {
-        let (mut text, mut stuck): (Option<String>, _) = (None, None);
-        let mut next = Some(first);
+    ) -> (Option<String>, Edited) {
+        let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
+        let (mut next, mut left) = (Some(first), MOST_STEPS);
         while let Some(number) = next {
             let now = text.as_deref().unwrap_or(line);
             if let Some((pattern, replace)) = self.rules.get(number) {
-                match pattern.find_with(now, &mut STEPS.clone(), memory) {
+                let given = STEPS.min(left);
+                let mut budget = given;
+                edited.work += now.len();
+                match pattern.find_with(now, &mut budget, memory) {
                     Ok(None) => {}
                     Ok(Some(found)) => {
                         let (start, end) = found.whole();
-                        let mut changed = now.get(..start).unwrap_or_default().to_owned();
-                        changed += &Pattern::filled(replace, now, &found);
+                        let filled = Pattern::filled(replace, now, &found);
+                        let length = now.len() - (end - start) + filled.len();
+                        if length > longest.max(line.len()) {
+                            edited.long = Some((number, length));
+                            return (None, edited);
+                        }
+                        edited.work += length;
+                        let mut changed = String::with_capacity(length);
+                        changed += now.get(..start).unwrap_or_default();
+                        changed += &filled;
                         changed += now.get(end..).unwrap_or_default();
                         candidates = self.candidates(changed.as_bytes());
                         text = Some(changed);
                     }
-                    Err(_) => stuck = Some(number),
+                    Err(_) => edited.stuck = Some(number),
                 }
+                left -= given - budget;
+                edited.work += usize::try_from(given - budget).unwrap_or(usize::MAX);
             }
             next = candidates.next(number + 1, on);
         }
-        let changed = text.filter(|text| text != line);
-        (changed, stuck)
+        (text.filter(|text| text != line), edited)
     }
 }
 
@@ -189,9 +208,18 @@ mod tests {
     }
 
     fn edit(tape: &Tape, line: &str) -> Option<String> {
-        let edited = tape.edit(line.as_bytes(), &tape.start, &mut Memory::default());
+        let edited = tape.edit(line.as_bytes(), &tape.start, 1000, &mut Memory::default());
         assert_eq!(edited.stuck, None);
         edited.text.map(|text| String::from_utf8(text).unwrap())
+    }
+
+    #[test]
+    fn no_rule_makes_a_block_longer_than_it_may_be() {
+        let rules: Vec<(&str, &str)> = vec![("\\(X.*\\)", "\\1\\1"); 24];
+        let tape = tape(&rules);
+        let edited = tape.edit(b"X0123456", &tape.start, 1000, &mut Memory::default());
+        assert_eq!((edited.text, edited.long), (None, Some((6, 1024))));
+        assert!(edited.work < 20_000, "{}", edited.work);
     }
 
     #[test]
@@ -217,14 +245,14 @@ mod tests {
         let mut on = tape.start;
         assert_eq!(edit(&tape, "G1").as_deref(), Some("G7"));
         on.set(0, false);
-        assert_eq!(tape.edit(b"G1", &on, &mut Memory::default()).text, None);
-        assert_eq!(tape.edit(b"G101", &on, &mut Memory::default()).text.as_deref(), Some(&b"G7"[..]));
+        assert_eq!(tape.edit(b"G1", &on, 1000, &mut Memory::default()).text, None);
+        assert_eq!(tape.edit(b"G101", &on, 1000, &mut Memory::default()).text.as_deref(), Some(&b"G7"[..]));
     }
 
     #[test]
     fn eight_bit_text_stays_as_it_is() {
         let tape = tape(&[("G1", "G0")]);
-        let edited = tape.edit(b"G1 (\xe4\xff)", &tape.start, &mut Memory::default());
+        let edited = tape.edit(b"G1 (\xe4\xff)", &tape.start, 1000, &mut Memory::default());
         assert_eq!(edited.text.as_deref(), Some(&b"G0 (\xe4\xff)"[..]));
     }
 

@@ -5,19 +5,30 @@
 
 use std::sync::Arc;
 
-use super::Kernel;
+use super::{Halt, Kernel};
 use crate::diag;
 use crate::trace::Stage;
 
 impl Kernel<'_> {
     /// The block of a line: its part up to the character that ends blocks, after the tape editor. `None` = the line as
     /// it is. Sets where reading goes on.
-    pub(crate) fn reshape(&mut self, line: &[u8], number: u32) -> Option<Arc<[u8]>> {
+    ///
+    /// # Errors
+    /// A rule of the tape editor makes the block too long, or the job is to end.
+    pub(crate) fn reshape(&mut self, line: &[u8], number: u32) -> Result<Option<Arc<[u8]>>, Halt> {
         let block = self.part(line, number);
         let mut text = (block.len() < line.len()).then(|| Arc::from(block));
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
-            let edited = tape.edit(block, on, memory);
+            let limit = self.options.limits.block_length;
+            let edited = tape.edit(block, on, limit, memory);
+            // A step of a search is work on a byte, which is much less than an element.
+            self.work(edited.work / 16)?;
+            if let Some((rule, length)) = edited.long {
+                let text =
+                    format!("rule {} of the tape editor makes {length} bytes, a block may have {limit}", rule + 1);
+                return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+            }
             if let Some(changed) = edited.text {
                 self.trace('E', |_| crate::trace::edited(Stage::TapeEditor, &String::from_utf8_lossy(&changed)));
                 text = Some(Arc::from(changed));
@@ -32,7 +43,7 @@ impl Kernel<'_> {
             }
         }
         self.edited.clone_from(&text);
-        text
+        Ok(text)
     }
 
     /// The part of a line that is the next block.

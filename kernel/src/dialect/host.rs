@@ -55,6 +55,11 @@ pub(crate) trait Interpreter: Send {
 
     /// `$FCEPP`: a setting by its name, words joined by commas as in `PROCESS,SUBPROGRAMS`, with the values behind it.
     fn setting(&mut self, name: &str, values: &[Value]) -> Setting;
+
+    /// Bytes that its variables and what it remembers of programs take, about.
+    fn memory(&self) -> u64 {
+        0
+    }
 }
 
 /// What became of a setting.
@@ -147,6 +152,12 @@ pub(crate) trait Host {
 
     /// File of the main program.
     fn main_file(&self) -> FileId;
+
+    /// Counts work on so many elements within a block.
+    ///
+    /// # Errors
+    /// The job is to end, or a limit is reached.
+    fn work(&mut self, elements: usize) -> Acted;
 
     /// Whether blocks behind an optional-skip mark of this level are skipped; `None` for a mark without number.
     fn skips(&self, level: Option<u8>) -> bool;

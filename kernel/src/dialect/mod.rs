@@ -7,6 +7,7 @@
 pub(crate) mod fanuc;
 mod heidenhain;
 mod host;
+pub(crate) mod kept;
 mod numeric;
 pub(crate) mod okuma;
 mod siemens;

@@ -27,10 +27,12 @@ use counterpoint_lang::format::{Register, Registers};
 use counterpoint_lang::func::Function;
 use counterpoint_lang::host::{Command, Host, Step};
 use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::State;
+use counterpoint_lang::vm::{Scale, State};
 
 use super::model::Hook;
+use super::runtime::Later;
 use crate::channel::Kernel;
+use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::multi::shared::Shared;
 
@@ -70,6 +72,16 @@ impl Shared {
             access(value);
         }
     }
+
+    /// Counts a change of what all kernels share; true if it has become too much.
+    pub(crate) fn grown(&mut self, bytes: usize, limit: u64) -> bool {
+        let Self { hoard, globals, named, files, .. } = self;
+        let bytes_of_files = files.bytes() as u64;
+        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
+            let names: usize = named.keys().map(|name| name.len() + 60).sum();
+            weight(globals.iter().chain(named.values())) + names as u64
+        })
+    }
 }
 
 impl Registers for Kernel<'_> {
@@ -105,12 +117,22 @@ impl Host for Kernel<'_> {
         self.write_variable(index, indices, value)
     }
 
-    fn global(&mut self, index: u32, access: &mut dyn FnMut(&mut Value)) {
+    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
+        let limit = self.shares().common;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         if runtime.shared_globals.is_some_and(|first| index >= first) {
             let place = index as usize;
-            if let Err(halt) = self.shared(|inner, _| inner.shared.global(place, access)) {
-                self.keep_halt(halt);
+            let done = self.shared(|inner, _| {
+                inner.shared.global(place, access);
+                growth > 0 && inner.shared.grown(growth, limit)
+            });
+            match done {
+                Ok(false) => {}
+                Ok(true) => {
+                    let halt = self.out_of_memory("GLOBAL variables and files of macros take most of it");
+                    self.keep_halt(halt);
+                }
+                Err(halt) => self.keep_halt(halt),
             }
             return;
         }
@@ -131,6 +153,29 @@ impl Host for Kernel<'_> {
         runtime.globals.get_mut(index)
     }
 
+    fn held(&self, scale: &mut Scale) {
+        let Some(runtime) = self.macros.as_deref() else { return };
+        let mut part = |name: &str, values: &mut dyn Iterator<Item = &Value>| {
+            let from = scale.bytes;
+            values.for_each(|value| scale.add(value));
+            scale.held_by(from, || name.to_owned());
+        };
+        part("GLOBAL variables", &mut runtime.globals.iter());
+        part("system variables", &mut runtime.store.all());
+        let from = scale.bytes;
+        for later in &runtime.later {
+            scale.weigh(match later {
+                Later::Text(text, _) => text.len() + 64,
+                Later::Items(items, _) => items.len() * 16 + 64,
+            });
+        }
+        scale.held_by(from, || "blocks of EXEC/NEXT".to_owned());
+    }
+
+    fn stopped(&self) -> bool {
+        self.control.cancelled()
+    }
+
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         self.going_on(state)?;
         self.macro_command(state, command)
@@ -142,10 +187,14 @@ impl Host for Kernel<'_> {
     }
 
     fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
-        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) {
+        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) || self.control.cancelled() {
             return;
         }
         let number = diagnostic.number;
+        // The verdict of the job says it.
+        if number == Number::MEMORY {
+            return;
+        }
         if !self.has_room(number == Number::TICKS) {
             return;
         }
@@ -186,7 +235,7 @@ impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
     fn going_on(&mut self, state: &mut State) -> Outcome<()> {
         match self.macros.as_deref() {
-            Some(runtime) if !runtime.ending => Ok(()),
+            Some(runtime) if !runtime.ending && !self.control.cancelled() => Ok(()),
             _ => Err(super::runtime::unwinding(state)),
         }
     }

@@ -22,6 +22,7 @@ use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
+use crate::channel::burden::Shares;
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
@@ -212,14 +213,15 @@ pub(crate) struct Runtime {
     pub(crate) closing: bool,
 }
 
-fn limits() -> Limits {
-    Limits { ticks: TICKS, depth: DEPTH, ..Limits::default() }
+fn limits(memory: u64) -> Limits {
+    let memory = usize::try_from(memory).unwrap_or(usize::MAX);
+    Limits { ticks: TICKS, depth: DEPTH, memory, ..Limits::default() }
 }
 
 impl Runtime {
     /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, kernels: usize) -> Self {
-        let mut state = State::new(limits());
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, (kernels, memory): (usize, u64)) -> Self {
+        let mut state = State::new(limits(memory));
         state.channel = u32::from(rank).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         let mut runtime = Self {
@@ -347,7 +349,9 @@ impl Kernel<'_> {
     /// Gives the kernel the macros of its machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
-            let mut runtime = Runtime::new(macros, program, self.rank, self.machine.channels.len());
+            let kernels = self.machine.channels.len();
+            let memory = Shares::of(&self.options.limits, kernels).macros;
+            let mut runtime = Runtime::new(macros, program, self.rank, (kernels, memory));
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
@@ -405,8 +409,12 @@ impl Kernel<'_> {
         Ok(value)
     }
 
-    fn macro_ended(&mut self, state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
+    fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
+        if state.depth == 0 {
+            self.burden.steps += state.limits.ticks - state.ticks;
+        }
+        let over = state.over_memory();
         runtime.state = Some(state);
         runtime.set_busy(code, false);
         runtime.matching = matching;
@@ -420,12 +428,20 @@ impl Kernel<'_> {
             return Err(halt);
         }
         if end == End::Budget {
+            let inside = !runtime.calls.is_empty();
             // Reported with its place; a control whose macros run for ever stands still.
-            runtime.ending = !runtime.calls.is_empty();
-            if runtime.ending {
-                runtime.halt = Some(Halt::Alarm);
+            let halt = match over {
+                Some(largest) => self.macros_out_of_memory(&largest),
+                None if self.control.cancelled() => Halt::Stopped,
+                None => Halt::Alarm,
+            };
+            if let Some(runtime) = self.macros.as_deref_mut() {
+                runtime.ending = inside;
+                if inside {
+                    runtime.halt = Some(halt);
+                }
             }
-            return Err(Halt::Alarm);
+            return Err(halt);
         }
         let halt = if runtime.calls.is_empty() { runtime.halt.take() } else { None };
         if runtime.tools_changed && runtime.calls.is_empty() {
@@ -433,6 +449,12 @@ impl Kernel<'_> {
             self.tell_tools();
         }
         halt.map_or(Ok(outputs), Err)
+    }
+
+    /// Ends the job: the macros of this kernel keep more than their share of its memory.
+    fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
+        let share = self.shares().macros;
+        self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
     }
 
     /// Keeps a reason to leave the program until whoever runs the block can act on it.
@@ -453,7 +475,7 @@ impl Kernel<'_> {
         work: impl FnOnce(&mut Self) -> crate::channel::Acted,
     ) -> Result<(), Fault> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits())));
+        let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));
         std::mem::swap(&mut *spare, state);
         runtime.state = Some(spare);
         let outer = runtime.matching;

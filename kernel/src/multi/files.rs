@@ -58,6 +58,11 @@ impl Written {
         Ok(())
     }
 
+    /// Bytes of all texts.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes
+    }
+
     /// Removes a file.
     pub(crate) fn remove(&mut self, path: &str) {
         let old = self.files.insert(path.to_owned(), None).flatten();

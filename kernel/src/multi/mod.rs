@@ -350,6 +350,7 @@ impl<'a> Shop<'a> {
             blocks: 0,
             idle_blocks: 0,
             diagnostics: 0,
+            burden: Default::default(),
             meetings: Known::default(),
             macros: None,
             stripped: Vec::new(),

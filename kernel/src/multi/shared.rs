@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::files::Written;
 use super::waits::Set;
+use crate::channel::burden::Hoard;
 use crate::log::event::Direction;
 
 /// Shared state; touched only inside shared operations.
@@ -15,6 +16,8 @@ pub(crate) struct Shared {
     pub(crate) named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
     /// Global variables of macros, by index.
     pub(crate) globals: Vec<counterpoint_lang::value::Value>,
+    /// Memory of both.
+    pub(crate) hoard: Hoard,
     /// Files that macros have written.
     pub(crate) files: Written,
     /// Spindles by index of the machine's list.

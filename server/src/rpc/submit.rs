@@ -165,7 +165,10 @@ fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
         },
         nesting: if nesting == 0 { default.nesting } else { nesting },
         diagnostics: if asked.diagnostics == 0 { default.diagnostics } else { asked.diagnostics },
-    })
+        memory: or(asked.memory, default.memory),
+        macro_steps: or(asked.macro_steps, default.macro_steps),
+    }
+    .capped())
 }
 
 /// The machine a name means, pinned to its revision.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Everything that can be seen of a run, as text.
 fn seen(program: &Program, macros: &[u16], host: &mut Test) -> String {
-    let limits = Limits { ticks: 20_000, depth: 8, text: 2_000, elements: 1_000, units: 3 };
+    let limits = Limits { ticks: 20_000, depth: 8, text: 2_000, elements: 1_000, units: 3, ..Limits::default() };
     let mut state = State::new(limits);
     let mut arguments = [Value::Real(1.0), Value::text("a")];
     let mut seen = String::new();

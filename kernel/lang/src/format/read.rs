@@ -30,6 +30,9 @@ pub fn read(format: &Format, line: &str) -> (Vec<Value>, bool) {
     (values, reader.good)
 }
 
+/// Digits that are looked through for the colon of a time.
+const MOST_DIGITS: usize = 64;
+
 struct Reader<'a> {
     line: &'a [char],
     at: usize,
@@ -198,7 +201,7 @@ impl Reader<'_> {
     fn plain(&mut self) -> Option<f64> {
         let begin = self.at;
         let sign = self.sign();
-        let colon = self.line.iter().skip(self.at).find(|c| !c.is_ascii_digit()) == Some(&':');
+        let colon = self.line.iter().skip(self.at).take(MOST_DIGITS).find(|c| !c.is_ascii_digit()) == Some(&':');
         if colon {
             return self.time(sign);
         }

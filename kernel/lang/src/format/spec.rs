@@ -109,6 +109,12 @@ impl Format {
         parse(text, true)
     }
 
+    /// Bytes that it takes, about.
+    pub(crate) fn size(&self) -> usize {
+        let literal = |piece: &Piece| if let Piece::Literal(text) = piece { text.len() } else { 0 };
+        self.pieces.iter().map(|piece| literal(piece) + 64).sum()
+    }
+
     fn literal(&mut self, character: char) {
         if let Some(Piece::Literal(text)) = self.pieces.last_mut() {
             text.push(character);

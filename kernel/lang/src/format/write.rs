@@ -6,6 +6,9 @@ use crate::fault::{Fault, Outcome};
 use crate::ident;
 use crate::value::{Record, Value};
 
+/// Bytes after which no text is made longer; whoever wants one may allow less.
+const LONGEST: usize = 2 << 20;
+
 /// Appends `arguments` in `format` to `out`.
 ///
 /// # Errors
@@ -28,6 +31,9 @@ pub fn write(out: &mut String, format: &Format, arguments: &[Value], registers: 
                 out.push_str(&text.ok_or_else(|| Fault::new(Number::NO_HOST, "there is no such register here"))?);
             }
             Piece::Code(code) => one(out, code, rest.next().unwrap_or(&Value::Unset), registers)?,
+        }
+        if out.len() - start > LONGEST {
+            return Err(Fault::new(Number::SIZE, format!("a text has more than {LONGEST} bytes")));
         }
     }
     Ok(())
@@ -86,7 +92,7 @@ fn record(name: Record) -> String {
     }
 }
 
-/// Appends any value by the wildcard.
+/// Appends any value by the wildcard; a list that makes the text longer than 2 MiB is cut.
 pub fn any(out: &mut String, value: &Value, registers: &dyn Registers) {
     match value {
         Value::Unset => out.push('0'),
@@ -108,6 +114,9 @@ fn list(out: &mut String, elements: &[Value], registers: &dyn Registers) {
     for (index, element) in elements.iter().enumerate() {
         if index > 0 {
             out.push(',');
+        }
+        if out.len() > LONGEST {
+            break;
         }
         any(out, element, registers);
     }

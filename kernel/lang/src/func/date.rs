@@ -103,7 +103,9 @@ pub(super) fn date(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
         Some(_) => number(arguments, 1)? + f64::from(offset),
     };
     let mut out = String::new();
+    context.state.spend(format.len() / 16)?;
     write(&mut out, format, &moment(seconds), &zone);
+    context.state.check_text(out.len())?;
     Ok(Value::text(out))
 }
 

@@ -33,7 +33,7 @@ pub(super) fn directory(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Val
 }
 
 /// Arguments of a text, or of the command line the host knows.
-fn split(context: &Context<'_>, arguments: &[Value], position: usize) -> Outcome<Vec<String>> {
+fn split(context: &mut Context<'_>, arguments: &[Value], position: usize) -> Outcome<Vec<String>> {
     let text = match arguments.get(position) {
         Some(_) => string(arguments, position)?.to_owned(),
         None => context.host.setting(false, "$PARAM").unwrap_or_default(),
@@ -41,6 +41,7 @@ fn split(context: &Context<'_>, arguments: &[Value], position: usize) -> Outcome
     if arguments.len() > position + 1 {
         let separator = string(arguments, position + 1)?;
         if !separator.is_empty() {
+            context.state.spend(text.matches(separator).count())?;
             return Ok(text.split(separator).map(str::to_owned).collect());
         }
     }
@@ -67,6 +68,7 @@ fn split(context: &Context<'_>, arguments: &[Value], position: usize) -> Outcome
     if open {
         parts.push(current);
     }
+    context.state.spend(parts.len())?;
     Ok(parts)
 }
 
@@ -128,6 +130,12 @@ pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
         context.state.status = 22;
         return Ok(Value::Null);
     }
+    // Every row meets about as many others as its number has bits.
+    let rounds = (all.len() / width).max(1).ilog2() as usize + 1;
+    for _ in 0..rounds {
+        crate::vm::pay_to_look_inside(context.state, all)?;
+    }
+    context.state.spend((all.len() / width).saturating_mul(keys.len()).saturating_mul(rounds) / 4)?;
     let mut rows: Vec<&[Value]> = all.chunks(width).collect();
     rows.sort_by(|a, b| {
         keys.iter().fold(Ordering::Equal, |order, (field, down)| {

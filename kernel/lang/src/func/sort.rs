@@ -109,7 +109,12 @@ fn sorted(
     let Some(text) = context.host.read_file(input) else { return Ok(Err(CANNOT_READ)) };
     let mut lines: Vec<&str> = text.lines().collect();
     context.state.check_elements(lines.len())?;
-    context.state.spend(lines.len() + text.len() / 16)?;
+    // Every line meets about as many others as its number has bits, and is looked through for every field.
+    let rounds = lines.len().max(1).ilog2() as usize + 1;
+    let delimiting = delimiters.map_or(1, str::len).max(1);
+    context
+        .state
+        .spend(lines.len() + (text.len() / 16).saturating_mul(rounds * keys.len().max(1)).saturating_mul(delimiting))?;
     lines.sort_by(|a, b| compare(a, b, delimiters, keys));
     let mut out = lines.join("\n");
     if !lines.is_empty() {

@@ -3,8 +3,12 @@
 use super::{Context, count, number, real, sequence as elements, string};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
+use crate::pattern::STEPS;
 use crate::value::Value;
-use crate::vm::{range, sequence_of};
+use crate::vm::{State, pay_to_look_inside, pay_to_write, range, sequence_of};
+
+/// Steps of a search that one tick pays for.
+const STEPS_PER_TICK: u64 = 8;
 
 pub(super) fn character(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let code = number(arguments, 0)?.round();
@@ -36,7 +40,7 @@ pub(super) fn index(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> 
     Ok(real(found.map_or(0, |before| before.chars().count() + 1)))
 }
 
-pub(super) fn find(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+pub(super) fn find(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let elements = match arguments.first() {
         Some(Value::Sequence(elements)) => elements.as_slice(),
         Some(Value::Array(array)) => array.elements.as_slice(),
@@ -44,6 +48,10 @@ pub(super) fn find(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     };
     let wanted = arguments.get(1).unwrap_or(&Value::Unset);
     let limit = if arguments.len() > 2 { count(number(arguments, 2)?) } else { usize::MAX };
+    let looked = elements.get(..limit.min(elements.len())).unwrap_or(elements);
+    pay_to_look_inside(context.state, looked)?;
+    // A text is compared with every element.
+    context.state.spend(looked.len().saturating_mul(wanted.as_text().map_or(0, str::len)) / 64)?;
     let found = elements.iter().take(limit).position(|element| element.equals(wanted) == Some(true));
     Ok(real(found.map_or(0, |at| at + 1)))
 }
@@ -61,31 +69,50 @@ fn text_and_number(arguments: &[Value]) -> Outcome<(Option<&str>, Option<usize>)
     Ok((text, which))
 }
 
+/// Searches with the steps that a search may take, as long as there are ticks for them.
+fn search<R>(context: &mut Context<'_>, work: impl FnOnce(&State, &mut u64) -> Outcome<R>) -> Outcome<R> {
+    let most = STEPS.min(context.state.ticks.saturating_mul(STEPS_PER_TICK));
+    let mut budget = most;
+    let found = work(context.state, &mut budget);
+    context.state.spend(usize::try_from((most - budget) / STEPS_PER_TICK).unwrap_or(usize::MAX))?;
+    match found {
+        // What stopped the search was the end of the ticks.
+        Err(fault) if fault.number == Number::BACKTRACKING && most < STEPS => {
+            context.state.spend(usize::MAX)?;
+            Err(fault)
+        }
+        found => found,
+    }
+}
+
 pub(super) fn edit(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let pattern = context.state.pattern(string(arguments, 1)?)?;
     let (with, which) = text_and_number(arguments)?;
-    let text = pattern.replace(string(arguments, 0)?, with.unwrap_or(""), which.unwrap_or(0))?;
-    context.state.check_text(text.len())?;
+    let (text, with) = (string(arguments, 0)?, (with.unwrap_or(""), which.unwrap_or(0)));
+    let text = search(context, |state, budget| pattern.replace_within(text, with, state.limits.text, budget))?;
     Ok(Value::text(text))
 }
 
 pub(super) fn matched(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let pattern = context.state.pattern(string(arguments, 1)?)?;
     let (template, which) = text_and_number(arguments)?;
-    let found = pattern.nth(string(arguments, 0)?, template, which.unwrap_or(1).max(1))?;
-    Ok(Value::text(found.unwrap_or_default()))
+    let (text, wanted) = (string(arguments, 0)?, (template, which.unwrap_or(1).max(1)));
+    let found = search(context, |_, budget| pattern.nth_within(text, wanted, budget))?.unwrap_or_default();
+    context.state.check_text(found.len())?;
+    Ok(Value::text(found))
 }
 
 pub(super) fn split(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let pattern = context.state.pattern(string(arguments, 1)?)?;
     let limit = if arguments.len() > 2 { count(number(arguments, 2)?) } else { 0 };
-    let pieces = pattern.split(string(arguments, 0)?, limit)?;
-    context.state.check_elements(pieces.len())?;
+    let text = string(arguments, 0)?;
+    let pieces = search(context, |state, budget| pattern.split_within(text, (limit, state.limits.elements), budget))?;
     Ok(Value::sequence(pieces.into_iter().map(Value::text).collect()))
 }
 
 pub(super) fn formatted(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let format = context.state.format(string(arguments, 0)?, false)?;
+    arguments.iter().try_for_each(|value| pay_to_write(context.state, value))?;
     let mut out = String::new();
     let mut outside = crate::vm::commands::Outside(context.host);
     crate::format::write(&mut out, &format, arguments.get(1..).unwrap_or(&[]), &mut outside)?;
@@ -93,18 +120,24 @@ pub(super) fn formatted(context: &mut Context<'_>, arguments: &[Value]) -> Outco
     Ok(Value::text(out))
 }
 
-pub(super) fn lower(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::text(string(arguments, 0)?.to_lowercase()))
+/// A text that may be longer than the one it was made of.
+fn made(context: &Context<'_>, text: String) -> Outcome<Value> {
+    context.state.check_text(text.len())?;
+    Ok(Value::text(text))
 }
 
-pub(super) fn upper(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    Ok(Value::text(string(arguments, 0)?.to_uppercase()))
+pub(super) fn lower(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    made(context, string(arguments, 0)?.to_lowercase())
 }
 
-/// Characters of a trim mask; `a..b` is a range.
+pub(super) fn upper(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    made(context, string(arguments, 0)?.to_uppercase())
+}
+
+/// Characters of a trim mask in ascending order; `a..b` is a range.
 fn mask(arguments: &[Value]) -> Outcome<Vec<(char, char)>> {
     if arguments.len() < 2 {
-        return Ok([' ', '\t', '\n', '\r', '\0', '\u{b}'].map(|c| (c, c)).to_vec());
+        return Ok(['\0', '\t', '\n', '\u{b}', '\r', ' '].map(|c| (c, c)).to_vec());
     }
     let text: Vec<char> = string(arguments, 1)?.chars().collect();
     let mut ranges = Vec::new();
@@ -118,12 +151,22 @@ fn mask(arguments: &[Value]) -> Outcome<Vec<(char, char)>> {
             rest = after;
         }
     }
+    // In order, each range with the furthest end so far, so that a character is found by halving.
+    ranges.sort_unstable();
+    let mut end = '\0';
+    for range in &mut ranges {
+        end = end.max(range.1);
+        range.1 = end;
+    }
     Ok(ranges)
 }
 
 fn trimmed(arguments: &[Value], left: bool, right: bool) -> Outcome<Value> {
     let mask = mask(arguments)?;
-    let cut = |c: char| mask.iter().any(|(low, high)| (*low..=*high).contains(&c));
+    let cut = |c: char| {
+        let at = mask.partition_point(|(low, _)| *low <= c);
+        at.checked_sub(1).and_then(|at| mask.get(at)).is_some_and(|(_, end)| c <= *end)
+    };
     let mut text = string(arguments, 0)?;
     if left {
         text = text.trim_start_matches(cut);

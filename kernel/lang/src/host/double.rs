@@ -20,7 +20,7 @@ use crate::format::{Register, Registers, any, wildcard_text};
 use crate::func::{Function, stamp};
 use crate::source::Source;
 use crate::value::{Kind, Value};
-use crate::vm::State;
+use crate::vm::{Scale, State};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a system variable takes.
@@ -347,7 +347,7 @@ impl Host for Test {
         Ok(())
     }
 
-    fn global(&mut self, index: u32, access: &mut dyn FnMut(&mut Value)) {
+    fn global(&mut self, index: u32, _: usize, access: &mut dyn FnMut(&mut Value)) {
         if let Some(value) = self.own_global(index) {
             access(value);
         }
@@ -359,6 +359,17 @@ impl Host for Test {
             self.globals.resize(index + 1, Value::Unset);
         }
         self.globals.get_mut(index)
+    }
+
+    fn held(&self, scale: &mut Scale) {
+        for (index, value) in self.globals.iter().enumerate() {
+            let from = scale.bytes;
+            scale.add(value);
+            scale.held_by(from, || format!("the GLOBAL variable {}", index + 1));
+        }
+        let from = scale.bytes;
+        self.values.iter().chain(self.elements.values()).for_each(|value| scale.add(value));
+        scale.held_by(from, || "system variables".to_owned());
     }
 
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {

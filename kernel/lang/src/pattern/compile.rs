@@ -20,6 +20,9 @@ fn bad<T>(message: &str) -> Outcome<T> {
 }
 
 pub(super) fn compile(text: &str) -> Outcome<Pattern> {
+    if text.len() > MAX_PROGRAM {
+        return bad("this regular expression is too large");
+    }
     let mut compiler = Compiler {
         text: text.chars().collect(),
         at: 0,
@@ -199,7 +202,8 @@ impl Compiler {
             return Ok(());
         }
         let copies = if most == u32::MAX { least + 1 } else { most };
-        if body.len().saturating_mul(copies as usize) > MAX_PROGRAM {
+        let ranges: usize = body.iter().map(Step::size).sum();
+        if (body.len() + ranges / 8).saturating_mul(copies as usize) > MAX_PROGRAM {
             return bad("this regular expression is too large");
         }
         for _ in 0..least {

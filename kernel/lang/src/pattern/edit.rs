@@ -1,17 +1,23 @@
 //! Replacing, extracting and splitting.
 
 use super::matcher::Search;
-use super::{Match, Pattern, STEPS};
-use crate::fault::Outcome;
+use super::{BYTES_PER_STEP, Match, Pattern};
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
 
-/// Calls `each` with every match from left to right until it answers false.
-fn matches(pattern: &Pattern, text: &str, mut each: impl FnMut(&Match) -> bool) -> Outcome<()> {
+/// Calls `each` with every match from left to right until it answers false; it may use up steps, too.
+fn matches(
+    pattern: &Pattern,
+    text: &str,
+    budget: &mut u64,
+    mut each: impl FnMut(&Match, &mut u64) -> bool,
+) -> Outcome<()> {
     let (mut from, mut last_end) = (0usize, None);
-    let (mut search, mut budget) = (Search::new(pattern, text), STEPS);
-    while let Some(found) = search.find(from, &mut budget)? {
+    let mut search = Search::new(pattern, text);
+    while let Some(found) = search.find(from, budget)? {
         let (start, end) = found.whole();
         let empty_behind_a_match = start == end && last_end == Some(start);
-        if !empty_behind_a_match && !each(&found) {
+        if !empty_behind_a_match && !each(&found, budget) {
             break;
         }
         last_end = Some(end);
@@ -46,25 +52,46 @@ pub(super) fn fill(out: &mut String, template: &str, text: &str, found: &Match) 
     out.push_str(rest);
 }
 
-pub(super) fn replace(pattern: &Pattern, text: &str, with: &str, which: usize) -> Outcome<String> {
+/// Uses up steps for bytes that are copied.
+fn copying(budget: &mut u64, bytes: usize) {
+    *budget = budget.saturating_sub((bytes / BYTES_PER_STEP) as u64);
+}
+
+pub(super) fn replace(
+    pattern: &Pattern,
+    text: &str,
+    (with, which): (&str, usize),
+    most: usize,
+    budget: &mut u64,
+) -> Outcome<String> {
     let (mut out, mut copied, mut count) = (String::with_capacity(text.len() + text.len() / 2), 0usize, 0usize);
-    matches(pattern, text, |found| {
+    matches(pattern, text, budget, |found, budget| {
         count += 1;
         if which == 0 || count == which {
             let (start, end) = found.whole();
             out.push_str(text.get(copied..start).unwrap_or(""));
+            let before = out.len();
             fill(&mut out, with, text, found);
+            copying(budget, with.len() + out.len() - before);
             copied = end;
         }
-        count != which
+        count != which && out.len() <= most
     })?;
     out.push_str(text.get(copied..).unwrap_or(""));
+    if out.len() > most {
+        return Err(Fault::new(Number::SIZE, format!("a text has more than {most} bytes")));
+    }
     Ok(out)
 }
 
-pub(super) fn nth(pattern: &Pattern, text: &str, template: Option<&str>, which: usize) -> Outcome<Option<String>> {
+pub(super) fn nth(
+    pattern: &Pattern,
+    text: &str,
+    (template, which): (Option<&str>, usize),
+    budget: &mut u64,
+) -> Outcome<Option<String>> {
     let (mut result, mut count) = (None, 0usize);
-    matches(pattern, text, |found| {
+    matches(pattern, text, budget, |found, _| {
         count += 1;
         if count == which {
             let (start, end) = found.whole();
@@ -80,11 +107,16 @@ pub(super) fn nth(pattern: &Pattern, text: &str, template: Option<&str>, which: 
     Ok(result)
 }
 
-pub(super) fn split(pattern: &Pattern, text: &str, limit: usize) -> Outcome<Vec<String>> {
+pub(super) fn split(
+    pattern: &Pattern,
+    text: &str,
+    (limit, most): (usize, usize),
+    budget: &mut u64,
+) -> Outcome<Vec<String>> {
     let (mut pieces, mut copied) = (Vec::new(), 0usize);
-    matches(pattern, text, |found| {
+    matches(pattern, text, budget, |found, _| {
         let (start, end) = found.whole();
-        if limit > 0 && pieces.len() + 1 >= limit {
+        if limit > 0 && pieces.len() + 1 >= limit || pieces.len() >= most {
             return false;
         }
         if start < end {
@@ -93,6 +125,9 @@ pub(super) fn split(pattern: &Pattern, text: &str, limit: usize) -> Outcome<Vec<
         }
         true
     })?;
+    if pieces.len() >= most {
+        return Err(Fault::new(Number::SIZE, format!("there are more than {most} elements")));
+    }
     pieces.push(text.get(copied..).unwrap_or("").to_owned());
     Ok(pieces)
 }

@@ -2,7 +2,7 @@
 //!
 //! Invariant: every pass of the loop costs one step of the budget, so time and stack are bounded by it.
 
-use super::{Class, Match, Pattern, Step};
+use super::{BYTES_PER_STEP, Class, Match, Pattern, Step};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 
@@ -43,6 +43,7 @@ impl<'a> Search<'a> {
             }
             self.slots.fill(NONE);
             self.stack.clear();
+            *budget = budget.saturating_sub(self.slots.len() as u64 / 64);
             if attempt(self.pattern, self.text, start, &mut self.slots, &mut self.stack, budget)? {
                 return Ok(Some(captured(&self.slots, self.pattern.groups)));
             }
@@ -54,6 +55,9 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 }
+
+/// Choices that a stack has room for at most while it is kept.
+const MOST_KEPT: usize = 4096;
 
 /// Slots and stack of a search, kept for the next one.
 #[derive(Debug, Default)]
@@ -74,6 +78,9 @@ pub(super) fn find_with(
     slots.resize(pattern.slots, NONE);
     let mut search = Search { pattern, text, slots, stack };
     let found = search.find(0, budget);
+    if search.stack.capacity() > MOST_KEPT {
+        search.stack = Vec::new();
+    }
     memory.0 = Memory { slots: search.slots, stack: search.stack };
     found
 }
@@ -148,11 +155,12 @@ fn attempt(
                 None => good = false,
             },
             Some(Step::Reference(group)) => match referred(text, slots, *group) {
-                Some(part) if text.get(at..).is_some_and(|rest| rest.starts_with(part)) => {
-                    *budget = budget.saturating_sub(part.len() as u64 / 16);
-                    at += part.len();
+                Some(part) => {
+                    *budget = budget.saturating_sub((part.len() / BYTES_PER_STEP) as u64);
+                    good = text.get(at..).is_some_and(|rest| rest.starts_with(part));
+                    at += if good { part.len() } else { 0 };
                 }
-                _ => good = false,
+                None => good = false,
             },
             Some(Step::Start) => good = at == 0,
             Some(Step::End) => good = at == text.len(),
@@ -195,7 +203,7 @@ fn run(text: &str, at: usize, class: &Class, least: u32, most: u32, budget: &mut
             low = Some(place);
         }
     }
-    *budget = budget.saturating_sub(u64::from(count) / 16);
+    *budget = budget.saturating_sub(u64::from(count) / BYTES_PER_STEP as u64);
     low.map(|low| (low, place))
 }
 

@@ -62,9 +62,13 @@ pub(super) fn enter(
             run::set(registers, *slot, value.clone());
         }
     }
+    let outer = (state.depth > 0).then(|| state.inner_begins());
     begin(state, host, code);
     let end = run::run(program, state, host, &mut frame);
     leave(state, host, code);
+    if let Some(outer) = outer {
+        state.inner_ended(outer);
+    }
     for (number, slot) in &code.arguments {
         if let (Some(value), Some(register)) =
             (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
@@ -329,7 +333,7 @@ fn result_typed(state: &mut State, host: &mut dyn Host, code: &Code, value: &Val
 
 /// Reports a fault and ends the macro.
 fn fail(state: &mut State, host: &mut dyn Host, code: &Code, place: Span, fault: Fault) -> End {
-    let budget = fault.number == Number::TICKS;
+    let budget = matches!(fault.number, Number::TICKS | Number::MEMORY);
     report(code, place, fault, 8, state, host);
     ended(state, host, code, place);
     if budget { End::Budget } else { End::Error }

@@ -59,7 +59,9 @@ pub(super) fn command(
             return Ok(false);
         }
         CommandCode::Close => {
-            units::close(state, host, number()?);
+            let number = number()?;
+            state.spend(units::size(state, number) / 64)?;
+            units::close(state, host, number);
             return Ok(false);
         }
         CommandCode::Write => {
@@ -73,13 +75,19 @@ pub(super) fn command(
     Ok(false)
 }
 
+/// The values of registers, which are looked at as a whole.
+fn given(state: &mut State, frame: &[Value], slots: &[Slot]) -> Outcome<Vec<Value>> {
+    slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| super::data::pay_to_write(state, value))?;
+    Ok(slots.iter().map(|slot| get(frame, *slot).clone()).collect())
+}
+
 fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot]) -> Outcome<String> {
     let Some((format, values)) = slots.split_first() else { return Ok(String::new()) };
     let text = get(frame, *format);
     let text = text.as_text().ok_or_else(|| Fault::kind("a format", text))?;
     let format = state.format(text, false)?;
     let mut out = String::new();
-    let values: Vec<Value> = values.iter().map(|slot| get(frame, *slot).clone()).collect();
+    let values = given(state, frame, values)?;
     crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
     state.check_text(out.len())?;
     state.spend(out.len() / 16)?;
@@ -102,6 +110,7 @@ impl crate::format::Registers for Outside<'_> {
 }
 
 fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> Outcome<bool> {
+    code.arguments.iter().try_for_each(|(_, slot)| super::data::pay_to_look(state, get(frame, *slot)))?;
     let mut arguments: Vec<(u8, Value)> =
         code.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
     arguments.sort_by_key(|(number, _)| *number);
@@ -110,7 +119,7 @@ fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) 
 }
 
 fn exec(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[Slot], now: bool) -> Outcome<bool> {
-    let values: Vec<Value> = slots.iter().map(|slot| get(frame, *slot).clone()).collect();
+    let values = given(state, frame, slots)?;
     match values.as_slice() {
         [Value::Text(text)] => {
             let text = text.as_ref().clone();
@@ -153,9 +162,11 @@ fn error(
         return Err(Fault::new(Number::UNKNOWN_DIAGNOSTIC, message));
     };
     let format = state.format(&text, false)?;
-    let values: Vec<Value> = rest.iter().map(|slot| get(frame, *slot).clone()).collect();
+    let values = given(state, frame, rest)?;
     let mut out = String::new();
     crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
+    state.check_text(out.len())?;
+    state.spend(out.len() / 16)?;
     report(code, place, Fault::new(Number(index), out), severity, state, host);
     Ok(severity >= 8)
 }

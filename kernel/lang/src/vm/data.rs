@@ -2,8 +2,8 @@
 //!
 //! Facts: reference macro-language.md 1.5, 1.7 and 2.
 
-use super::State;
 use super::run::{get, set, slots};
+use super::{State, memory};
 use crate::bytecode::{Code, NO_SLOT, Shared, Slot};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
@@ -43,23 +43,81 @@ pub(super) fn pay(state: &mut State, value: &Value) -> Outcome<()> {
     }
 }
 
-/// Pays for looking through a long value.
+/// Pays for looking through a long value, or for copying an array.
 pub(super) fn pay_to_look(state: &mut State, value: &Value) -> Outcome<()> {
     match value {
         Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
-        Value::Sequence(elements) if elements.len() >= 64 => state.spend(elements.len() / 64),
+        Value::Sequence(elements) if elements.len() >= 16 => state.spend(elements.len() / 16),
+        Value::Array(array) => state.spend(array.elements.len() / 4),
         _ => Ok(()),
     }
 }
 
+/// Pays for writing a value as text.
+pub(crate) fn pay_to_write(state: &mut State, value: &Value) -> Outcome<()> {
+    match value {
+        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64),
+        Value::Sequence(elements) => state.spend(elements.len() * 2),
+        Value::Array(array) => state.spend(array.elements.len() * 2),
+        _ => Ok(()),
+    }
+}
+
+/// Pays for looking at every element, with the text of those that are texts.
+pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outcome<()> {
+    state.spend(elements.len() / 4)?;
+    let bytes: usize = elements.iter().filter_map(Value::as_text).map(str::len).sum();
+    state.spend(bytes / 64)
+}
+
 /// Pays for the copy that changing a value in place needs when another variable has it, too.
 pub(super) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
-    let shared = match value {
-        Value::Text(text) => Arc::strong_count(text) > 1,
-        Value::Sequence(elements) => Arc::strong_count(elements) > 1,
-        _ => false,
+    match value {
+        Value::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),
+        Value::Sequence(elements) if Arc::strong_count(elements) > 1 => state.grow(memory::sequence(elements.len())),
+        _ => return Ok(()),
+    }
+    pay(state, value)
+}
+
+/// Pays for what is appended.
+pub(super) fn pay_to_append(state: &mut State, target: &Value, more: &Value) -> Outcome<()> {
+    match (target, more) {
+        (Value::Text(_), Value::Text(more)) => state.grow(more.len()),
+        (Value::Sequence(_), Value::Sequence(more)) => state.grow(more.len() * memory::ELEMENT),
+        (Value::Sequence(_), _) => state.grow(memory::ELEMENT),
+        _ => {}
+    }
+    pay(state, more)
+}
+
+/// Bytes that a value can add to whoever stores it.
+fn weight(value: &Value) -> usize {
+    let mut scale = memory::Scale::default();
+    scale.add(value);
+    usize::try_from(scale.bytes).unwrap_or(usize::MAX) + memory::ELEMENT
+}
+
+/// A value that shares nothing with anybody: what kernels exchange must not tell them what the others do with it.
+fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
+    let own = |value: &Value| match value {
+        Value::Text(text) if text.len() >= 64 => Value::text(text.as_str()),
+        other => other.clone(),
     };
-    if shared { pay(state, value) } else { Ok(()) }
+    match value {
+        Value::Text(text) if text.len() >= 64 => state.spend(text.len() / 64)?,
+        Value::Sequence(elements) => pay_to_look_inside(state, elements)?,
+        Value::Array(array) => pay_to_look_inside(state, &array.elements)?,
+        _ => {}
+    }
+    Ok(match value {
+        Value::Sequence(elements) => Value::sequence(elements.iter().map(own).collect()),
+        Value::Array(array) => {
+            let elements = array.elements.iter().map(own).collect();
+            Value::Array(Box::new(Array { elements, sizes: array.sizes.clone(), ..**array }))
+        }
+        single => own(single),
+    })
 }
 
 pub(super) fn add(state: &State, a: &Value, b: &Value) -> Outcome<Value> {
@@ -195,9 +253,12 @@ pub(super) fn indices(code: &Code, frame: &[Value], list: u16) -> Outcome<Vec<i6
 }
 
 /// Element by a list of registers; a list that begins with no register asks for the rest of an array.
-pub(super) fn elements(state: &State, code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
+pub(super) fn elements(state: &mut State, code: &Code, frame: &[Value], value: &Value, list: u16) -> Outcome<Value> {
     let all = slots(code, list);
     if all.first() != Some(&NO_SLOT) {
+        if let Value::Text(_) = value {
+            pay_to_look(state, value)?;
+        }
         return element(state, value, &indices(code, frame, list)?);
     }
     let Value::Array(array) = value else { return Ok(value.clone()) };
@@ -311,7 +372,8 @@ fn with_shared<R>(
     state: &mut State,
     host: &mut dyn Host,
     shared: Shared,
-    access: impl FnOnce(&State, &mut Value) -> R,
+    growth: usize,
+    access: impl FnOnce(&mut State, &mut Value) -> R,
 ) -> Option<R> {
     match shared {
         Shared::Object(index) => {
@@ -322,7 +384,7 @@ fn with_shared<R>(
         }
         Shared::Global(index) => {
             let (mut access, mut result) = (Some(access), None);
-            host.global(index, &mut |value| {
+            host.global(index, growth, &mut |value| {
                 if let Some(access) = access.take() {
                     result = Some(access(state, value));
                 }
@@ -336,8 +398,22 @@ fn shared_of(code: &Code, shared: u16) -> (Shared, Option<Kind>) {
     code.shared.get(usize::from(shared)).copied().unwrap_or((Shared::Object(0), None))
 }
 
-pub(super) fn read_shared(state: &mut State, host: &mut dyn Host, code: &Code, shared: u16) -> Value {
-    with_shared(state, host, shared_of(code, shared).0, |_, value| value.clone()).unwrap_or_default()
+/// A value for the other side of a GLOBAL variable; an OBJECT variable has only one side.
+fn across(state: &mut State, shared: Shared, value: &Value) -> Outcome<Value> {
+    match shared {
+        Shared::Global(_) => detached(state, value),
+        Shared::Object(_) => Ok(value.clone()),
+    }
+}
+
+pub(super) fn read_shared(state: &mut State, host: &mut dyn Host, code: &Code, shared: u16) -> Outcome<Value> {
+    let (place, _) = shared_of(code, shared);
+    let value = with_shared(state, host, place, 0, |state, value| {
+        pay_to_look(state, value).and_then(|()| across(state, place, value))
+    });
+    let value = value.unwrap_or(Ok(Value::Unset))?;
+    state.made(&value)?;
+    Ok(value)
 }
 
 pub(super) fn write_shared(
@@ -352,7 +428,9 @@ pub(super) fn write_shared(
         Some(kind) => typed(value, kind)?,
         None => value.clone(),
     };
-    with_shared(state, host, place, |_, target| *target = value);
+    let value = across(state, place, &value)?;
+    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
+    with_shared(state, host, place, growth, |_, target| *target = value);
     Ok(())
 }
 
@@ -364,8 +442,12 @@ pub(super) fn shared_elements(
     shared: u16,
     list: u16,
 ) -> Outcome<Value> {
-    let work = |state: &State, value: &mut Value| elements(state, code, frame, value, list);
-    with_shared(state, host, shared_of(code, shared).0, work).unwrap_or(Ok(Value::Null))
+    let (place, _) = shared_of(code, shared);
+    let work = |state: &mut State, value: &mut Value| {
+        let found = elements(state, code, frame, value, list)?;
+        across(state, place, &found)
+    };
+    with_shared(state, host, place, 0, work).unwrap_or(Ok(Value::Null))
 }
 
 pub(super) fn set_shared_elements(
@@ -377,13 +459,18 @@ pub(super) fn set_shared_elements(
     a: Slot,
 ) -> Outcome<()> {
     let indices = indices(code, frame, list)?;
-    let value = get(frame, a).clone();
-    let work = |state: &State, target: &mut Value| set_in(state, target, &indices, value);
-    with_shared(state, host, shared_of(code, shared).0, work).unwrap_or(Ok(()))
+    let (place, _) = shared_of(code, shared);
+    let value = across(state, place, get(frame, a))?;
+    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
+    let work = |state: &mut State, target: &mut Value| {
+        pay_if_shared(state, target)?;
+        set_in(state, target, &indices, value)
+    };
+    with_shared(state, host, place, growth, work).unwrap_or(Ok(()))
 }
 
 /// The first value of a declared variable.
-pub(super) fn declared(state: &State, code: &Code, frame: &[Value], declaration: u16) -> Outcome<Value> {
+pub(super) fn declared(state: &mut State, code: &Code, frame: &[Value], declaration: u16) -> Outcome<Value> {
     let Some(declaration) = code.declarations.get(usize::from(declaration)) else { return Ok(Value::Unset) };
     let value = match (declaration.value, declaration.kind) {
         (Some(slot), Some(kind)) => typed(get(frame, slot), kind)?,
@@ -408,6 +495,8 @@ pub(super) fn declared(state: &State, code: &Code, frame: &[Value], declaration:
         sizes.push(state.channels);
     }
     state.check_elements(count)?;
+    state.spend(count / 4)?;
+    state.grow(memory::array(count));
     let array = Array { sizes, kind: declaration.kind, channel: declaration.channel, elements: vec![value; count] };
     Ok(Value::Array(Box::new(array)))
 }
@@ -421,8 +510,11 @@ pub(super) fn declare_shared(
     shared: u16,
     declaration: u16,
 ) -> Outcome<()> {
+    let (place, _) = shared_of(code, shared);
     let value = declared(state, code, frame, declaration)?;
-    with_shared(state, host, shared_of(code, shared).0, |_, target| {
+    let value = across(state, place, &value)?;
+    let growth = if let Shared::Global(_) = place { weight(&value) } else { 0 };
+    with_shared(state, host, place, growth, |_, target| {
         if matches!(target, Value::Unset) {
             *target = value;
         }

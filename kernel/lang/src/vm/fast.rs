@@ -13,6 +13,9 @@ use crate::host::Host;
 use crate::value::Value;
 use std::sync::Arc;
 
+/// Ticks that are used up at most before a stop of the run is looked at.
+const SLICE: u64 = 20_000;
+
 /// The registers that short forms name.
 pub(super) type Window = [Value; WINDOW];
 
@@ -30,7 +33,9 @@ pub(super) struct Place<'a, 'p> {
 )]
 #[inline(never)]
 pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Host, place: &mut Place<'_, 'p>) {
-    let (mut at, mut ticks) = (place.at, state.ticks);
+    // The rest of the ticks waits, so that a long run comes back to where a stop of the run is looked at.
+    let rest = state.ticks.saturating_sub(SLICE);
+    let (mut at, mut ticks) = (place.at, state.ticks - rest);
     let mut code = place.code;
     let mut forms = code.fast.as_slice();
     let frame = &mut *place.frame;
@@ -275,7 +280,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
             break;
         }
     }
-    (place.code, place.at, state.ticks) = (code, at, ticks);
+    (place.code, place.at, state.ticks) = (code, at, ticks + rest);
 }
 
 /// Tells that a loop ends seldom: the next instruction must not wait for the comparison.

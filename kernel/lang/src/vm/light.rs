@@ -4,8 +4,8 @@
 //! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
 //! that nobody else has is used again.
 
-use super::State;
 use super::fast::{Window, passed, position};
+use super::{State, memory};
 use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{Code, Op, Shared};
 use crate::bytecode::{Relation, Slot};
@@ -318,13 +318,13 @@ fn same(window: &Window, a: Near, b: Near) -> Option<bool> {
 
 /// Joins two texts; the answer is the ticks that are left.
 #[inline(never)]
-fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
+fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
     let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
         return None;
     };
     let length = x.len() + y.len();
     let left = ticks.checked_sub(length as u64 / 64)?;
-    if length > state.limits.text {
+    if length > state.limits.text || !state.grows(memory::text(length)) {
         return None;
     }
     if to == b {
@@ -361,7 +361,7 @@ fn join(state: &State, window: &mut Window, (to, a, b): (Near, Near, Near), tick
 
 /// Appends to a text or a sequence that nobody else has.
 #[inline(never)]
-fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
+fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
     if to == a || !is_light(value) {
         return None;
@@ -374,8 +374,14 @@ fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
     }
     let value = value.clone();
     match (window.get_mut(usize::from(to))?, value) {
-        (Value::Text(own), Value::Text(more)) => Arc::get_mut(own)?.push_str(&more),
-        (Value::Sequence(own), value) => Arc::get_mut(own)?.push(value),
+        (Value::Text(own), Value::Text(more)) => {
+            let own = Arc::get_mut(own).filter(|_| state.grows(more.len()))?;
+            own.push_str(&more);
+        }
+        (Value::Sequence(own), value) => {
+            let own = Arc::get_mut(own).filter(|_| state.grows(memory::ELEMENT))?;
+            own.push(value);
+        }
         _ => return None,
     }
     Some(())
@@ -383,11 +389,11 @@ fn append(state: &State, window: &mut Window, to: Near, a: Near) -> Option<()> {
 
 /// Makes a sequence of single values; the answer is the ticks that are left.
 #[inline(never)]
-fn sequence(state: &State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
+fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
     let left = ticks.checked_sub(slots.len() as u64 / 4)?;
     let single =
         |slot: &Slot| !matches!(window.get(usize::from(*slot)), None | Some(Value::Sequence(_) | Value::Array(_)));
-    if slots.len() > state.limits.elements || !slots.iter().all(single) {
+    if slots.len() > state.limits.elements || !slots.iter().all(single) || !state.grows(memory::sequence(slots.len())) {
         return None;
     }
     // A sequence of the same length that was there before gives its memory. It is none of the elements.

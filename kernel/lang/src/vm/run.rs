@@ -5,7 +5,7 @@
 
 use super::calls::{self, Frame};
 use super::fast::{self, Place};
-use super::{End, State, step};
+use super::{End, State, memory, step};
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
 use crate::compile::Program;
 use crate::fault::Fault;
@@ -131,6 +131,9 @@ pub(super) fn run(program: &Program, state: &mut State, host: &mut dyn Host, fra
     }
 }
 
+/// Ticks after which a stop of the run is looked at.
+const LOOK_EVERY: u64 = 10_000;
+
 /// Runs until the macro calls a function that needs more than the short form of a call, or ends.
 fn execute<'p>(
     program: &'p Program,
@@ -140,11 +143,20 @@ fn execute<'p>(
 ) -> Result<Pause, Box<Stop>> {
     loop {
         fast::run(program, state, host, place);
+        if state.looked.abs_diff(state.ticks) >= LOOK_EVERY {
+            state.looked = state.ticks;
+            if host.stopped() {
+                return Err(Box::new(Stop::Fault(place.at, stopped(state))));
+            }
+        }
         let (code, at) = (place.code, place.at);
         match code.ops.get(at) {
             None | Some(Op::Return) => return Ok(Pause::End),
             Some(Op::CallMacro { to, callee, list }) => return Ok(Pause::Call(*to, *callee, *list)),
             Some(_) => {}
+        }
+        if state.is_vague() && matches!(code.ops.get(at), Some(Op::Command { .. } | Op::Call { .. })) {
+            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
         }
         match step::step(state, host, code, &mut place.frame.registers, at) {
             Ok(Next::Step) => place.at += 1,
@@ -154,7 +166,18 @@ fn execute<'p>(
             },
             Err(stop) => return Err(Box::new(stop)),
         }
+        if state.is_full() {
+            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
+        }
     }
+}
+
+/// The run is to end: no macro goes on.
+#[cold]
+#[inline(never)]
+fn stopped(state: &mut State) -> Fault {
+    state.ticks = 0;
+    Fault::new(crate::diag::Number::TICKS, "the run is stopped")
 }
 
 #[cold]

@@ -78,7 +78,7 @@ pub(super) fn step(
             (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
             _ => {
                 let value = good!(data::add(state, get(frame, a), get(frame, b)));
-                good!(data::pay(state, &value));
+                good!(state.made(&value));
                 set(frame, to, value);
             }
         },
@@ -88,7 +88,7 @@ pub(super) fn step(
         Op::Power { to, a, b } => arithmetic!(to, a, b, power, true),
         Op::Join { to, a, b } => {
             let value = good!(data::join(state, get(frame, a), get(frame, b)));
-            good!(data::pay(state, &value));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::Negate { to, a } => {
@@ -124,7 +124,7 @@ pub(super) fn step(
         Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
             (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
             _ => {
-                good!(data::pay(state, get(frame, a)));
+                good!(data::pay_to_append(state, get(frame, to), get(frame, a)));
                 good!(data::pay_if_shared(state, get(frame, to)));
                 good!(data::add_to(state, frame, to, a));
             }
@@ -153,11 +153,14 @@ pub(super) fn step(
             }
         }
         Op::JumpIfWhen { a, b, target } => {
+            good!(pay_to_compare(state, frame, a, b));
             if get(frame, a).equals(get(frame, b)) == Some(true) {
                 return Ok(Next::Jump(target));
             }
         }
         Op::JumpIfThru { a, low, target } => {
+            good!(pay_to_compare(state, frame, a, low));
+            good!(pay_to_compare(state, frame, a, low + 1));
             let value = get(frame, a);
             let inside = value.order(get(frame, low)).is_some_and(std::cmp::Ordering::is_ge)
                 && value.order(get(frame, low + 1)).is_some_and(std::cmp::Ordering::is_le);
@@ -206,6 +209,7 @@ pub(super) fn step(
         }
         Op::Elements { to, a, list } => {
             let value = good!(data::elements(state, code, frame, get(frame, a), list));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::SetElement { to, index, a } => {
@@ -221,25 +225,28 @@ pub(super) fn step(
         }
         Op::SetElements { to, list, a } => {
             let indices = good!(data::indices(code, frame, list));
+            good!(data::pay_if_shared(state, get(frame, to)));
             good!(data::set_element(state, frame, to, &indices, a));
         }
         Op::Range { to, a, list } => {
+            good!(data::pay_to_look(state, get(frame, a)));
             let value = good!(data::range_of(code, frame, get(frame, a), list));
-            good!(data::pay(state, &value));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::Sequence { to, list } => {
             let value = good!(data::sequence(state, code, frame, list));
-            good!(data::pay(state, &value));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::ReadShared { to, shared } => {
-            let value = data::read_shared(state, host, code, shared);
+            let value = good!(data::read_shared(state, host, code, shared));
             set(frame, to, value);
         }
         Op::WriteShared { shared, a } => good!(data::write_shared(state, host, code, shared, get(frame, a))),
         Op::SharedElements { to, shared, list } => {
             let value = good!(data::shared_elements(state, host, code, frame, shared, list));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::SetSharedElements { shared, list, a } => {
@@ -248,6 +255,7 @@ pub(super) fn step(
         Op::ReadSystem { to, system, list } => {
             let indices = good!(data::indices(code, frame, list));
             let value = good!(host.read_system(u32::from(system), &indices));
+            good!(state.made(&value));
             set(frame, to, value);
         }
         Op::WriteSystem { system, list, a } => {
@@ -282,7 +290,7 @@ pub(super) fn step(
         }
         Op::Call { to, function, list } => {
             let value = good!(call(state, host, code, frame, function, list));
-            good!(data::pay(state, &value));
+            good!(state.made(&value));
             set(frame, to, value);
             if !state.notes.is_empty() {
                 super::report_notes(code, code.places.get(at).copied().unwrap_or_default(), state, host);
@@ -301,6 +309,7 @@ pub(super) fn step(
             }
         }
         Op::Read { list, targets, again } => {
+            good!(state.spend(5));
             good!(super::units::read(state, host, slots(code, list), slots(code, targets), again, frame));
         }
         Op::Trace { statement } => {
@@ -313,9 +322,10 @@ pub(super) fn step(
 }
 
 #[inline(never)]
-fn element_slow(state: &State, frame: &mut [Value], to: Slot, a: Slot, index: Slot) -> Outcome<()> {
+fn element_slow(state: &mut State, frame: &mut [Value], to: Slot, a: Slot, index: Slot) -> Outcome<()> {
     let position = real(frame, index)?;
     let value = data::element(state, get(frame, a), &[data::whole(position)])?;
+    state.made(&value)?;
     set(frame, to, value);
     Ok(())
 }
@@ -344,13 +354,16 @@ fn arithmetic_slow(frame: &[Value], a: Slot, b: Slot, work: fn(f64, f64) -> f64,
     Err(if divides && b == 0.0 { divided_by_zero() } else { too_large() })
 }
 
-/// Two long values are compared element by element; a short one ends it soon.
+/// Two long values are compared element by element; a shorter text counts as filled up with blanks.
 #[cold]
 #[inline(never)]
 fn pay_to_compare(state: &mut State, frame: &[Value], a: Slot, b: Slot) -> Outcome<()> {
     match (get(frame, a), get(frame, b)) {
-        (Value::Text(x), Value::Text(y)) => state.spend(x.len().min(y.len()) / 64),
-        (Value::Sequence(x), Value::Sequence(y)) if x.len() == y.len() => state.spend(x.len() / 4),
+        (Value::Text(x), Value::Text(y)) => state.spend(x.len().max(y.len()) / 64),
+        (Value::Sequence(x), Value::Sequence(y)) if x.len() == y.len() => {
+            data::pay_to_look_inside(state, x)?;
+            data::pay_to_look_inside(state, y)
+        }
         _ => Ok(()),
     }
 }

@@ -20,7 +20,9 @@ const BAD_INPUT: i32 = 22;
 /// Steps that opening a file costs beside its length.
 const FILE_TICKS: usize = 100;
 /// Bytes that can be written to a file before it is closed.
-const MOST_WRITTEN: usize = 256 << 20;
+const MOST_WRITTEN: usize = 64 << 20;
+/// Bytes that a line takes besides its text.
+const LINE: usize = 48;
 
 /// An open unit.
 #[derive(Debug, Default)]
@@ -34,6 +36,15 @@ pub struct Unit {
     console: bool,
     /// Bytes written since it was opened.
     written: usize,
+    /// Bytes of what was read when it was opened.
+    read: usize,
+}
+
+impl Unit {
+    /// Memory that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        self.read + self.written + self.lines.len() * LINE
+    }
 }
 
 fn unit_number(value: f64) -> Outcome<u8> {
@@ -55,6 +66,7 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
             other => return Err(Fault::kind("FRONT, REAR or a file name", other)),
         }
     }
+    state.spend(size(state, f64::from(number)) / 64)?;
     close(state, host, f64::from(number));
     if state.units.len() >= state.limits.units {
         return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
@@ -66,11 +78,20 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
         return Ok(());
     }
     let text = if console { None } else { host.read_file(&path) };
-    state.spend(FILE_TICKS + text.as_ref().map_or(0, String::len) / 64)?;
+    let read = text.as_ref().map_or(0, String::len);
+    state.spend(FILE_TICKS + read / 64)?;
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
+    state.spend(lines.len())?;
     let next = if rear { lines.len() } else { 0 };
-    state.units.insert(number, Unit { path, lines, next, rear, changed: false, console, written: 0 });
+    let unit = Unit { path, lines, next, rear, changed: false, console, written: 0, read };
+    state.grow(unit.bytes());
+    state.units.insert(number, unit);
     Ok(())
+}
+
+/// Bytes that closing a unit writes.
+pub(super) fn size(state: &State, number: f64) -> usize {
+    unit_number(number).ok().and_then(|number| state.units.get(&number)).map_or(0, Unit::bytes)
 }
 
 pub(super) fn close(state: &mut State, host: &mut dyn Host, number: f64) {
@@ -118,6 +139,7 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
         unit.lines.push(text.to_owned());
         unit.next = unit.lines.len();
         unit.changed = true;
+        state.grow(text.len() + LINE);
     }
     state.status = 0;
     Ok(())
@@ -179,6 +201,7 @@ pub(super) fn read(
     };
     let values = match line {
         Some(line) => {
+            state.spend(line.len() / 16)?;
             let (values, good) = format::read(&format, &line);
             if !good {
                 state.status = BAD_INPUT;
@@ -188,6 +211,7 @@ pub(super) fn read(
         None => vec![Value::Null; targets.len()],
     };
     for (slot, value) in targets.iter().zip(values) {
+        state.made(&value)?;
         data::put(frame, *slot, value);
     }
     Ok(())

@@ -57,6 +57,7 @@ fn wait(kernel: &mut Kernel<'_>, by: u16) -> Acted {
         return Ok(());
     };
     let wait = kernel.meetings.wait(&spec);
+    kernel.burden.result(crate::channel::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);

@@ -19,15 +19,26 @@ impl Pairs {
         let mut pairs = Self::default();
         let mut open: Vec<(u8, u32)> = Vec::new();
         let mut ifs: Vec<u32> = Vec::new();
+        // How many of `open` have each number: what is not there is not looked for.
+        let mut waiting = [0_u32; 256];
         for (line, statement) in statements {
             match statement {
-                Statement::While(_, number) | Statement::Do(number) => open.push((number, line)),
-                Statement::End(number) => {
-                    if let Some(at) = open.iter().rposition(|&(n, _)| n == number) {
-                        let (_, start) = open.remove(at);
-                        open.truncate(at);
-                        pairs.loops.insert(start, line);
-                        pairs.loops.insert(line, start);
+                Statement::While(_, number) | Statement::Do(number) => {
+                    open.push((number, line));
+                    if let Some(count) = waiting.get_mut(usize::from(number)) {
+                        *count += 1;
+                    }
+                }
+                Statement::End(number) if waiting.get(usize::from(number)).is_some_and(|count| *count > 0) => {
+                    while let Some((other, start)) = open.pop() {
+                        if let Some(count) = waiting.get_mut(usize::from(other)) {
+                            *count -= 1;
+                        }
+                        if other == number {
+                            pairs.loops.insert(start, line);
+                            pairs.loops.insert(line, start);
+                            break;
+                        }
                     }
                 }
                 Statement::IfBlock(_) => ifs.push(line),
@@ -46,6 +57,11 @@ impl Pairs {
             }
         }
         pairs
+    }
+
+    /// Bytes that they take, about.
+    pub(crate) fn bytes(&self) -> usize {
+        (self.loops.len() + self.branches.len()) * 20
     }
 
     /// Partner of a loop statement.

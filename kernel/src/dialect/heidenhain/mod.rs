@@ -33,6 +33,7 @@ use rustc_hash::FxHashMap;
 use super::{Host, Interpreter, Setting};
 use crate::channel::Halt;
 use crate::diag;
+use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use flow::{Frame, Labels};
 use lex::Cursor;
@@ -73,7 +74,7 @@ pub(crate) struct Heidenhain {
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
-    compiled: FxHashMap<(FileId, u32), Arc<Line>>,
+    compiled: Kept<Line>,
     labels: FxHashMap<FileId, Arc<Labels>>,
 }
 
@@ -81,7 +82,7 @@ impl Heidenhain {
     /// The block that begins at a line of the file being processed.
     fn line(&mut self, host: &mut dyn Host, line: u32) -> Result<Arc<Line>, String> {
         let file = host.place().file;
-        if let Some(known) = self.compiled.get(&(file, line)) {
+        if let Some(known) = self.compiled.get((file, line)) {
             return Ok(Arc::clone(known));
         }
         let source = host.source(file);
@@ -90,7 +91,8 @@ impl Heidenhain {
         let (read, marked) = self.compile(host, text(line), (line, last), &text)?;
         let read = Arc::new(read);
         if !marked && self.keeping {
-            self.compiled.insert((file, line), Arc::clone(&read));
+            let length = (line..read.next).map(|line| text(line).len()).sum();
+            self.compiled.insert((file, line), &read, length);
         }
         Ok(read)
     }
@@ -196,6 +198,11 @@ impl Interpreter for Heidenhain {
         };
         host.effect();
         Ok(self.variables.set(name, value))
+    }
+
+    fn memory(&self) -> u64 {
+        let labels: usize = self.labels.values().map(|labels| labels.len() * 80).sum();
+        (self.variables.bytes() + self.compiled.bytes() + labels + self.tools.len() * 60) as u64
     }
 
     fn setting(&mut self, name: &str, values: &[Value]) -> Setting {

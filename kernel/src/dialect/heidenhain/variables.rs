@@ -82,6 +82,13 @@ impl Variables {
         name.index <= name.kind.last()
     }
 
+    /// Bytes that they take, about.
+    pub(super) fn bytes(&self) -> usize {
+        let texts: usize = self.texts.values().map(|text| text.len() + 60).sum();
+        let local: usize = self.local.iter().map(|values| values.len() * 32).sum();
+        texts + local + (self.q.len() + self.kept.len() + self.main.len()) * 32
+    }
+
     fn numbers(&self, kind: Kind) -> Option<&FxHashMap<u32, f64>> {
         match kind {
             Kind::Q => Some(&self.q),

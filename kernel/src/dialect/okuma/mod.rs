@@ -28,15 +28,13 @@ pub(crate) use programs::{called, program_name, returns};
 use super::{Host, Interpreter, Setting};
 use crate::channel::Halt;
 use crate::diag;
+use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};
 use programs::Index;
 use store::Arguments;
-
-/// Compiled lines that are kept.
-const KEPT: usize = 100_000;
 
 /// The pre-processor with its variables.
 #[derive(Debug)]
@@ -48,8 +46,10 @@ pub(crate) struct Okuma {
     arguments: Option<(FileId, u32, Arguments)>,
     /// A line may run again, so what was read is worth keeping.
     caching: bool,
-    lines: FxHashMap<(FileId, u32), Arc<line::Line>>,
+    lines: Kept<line::Line>,
     indices: FxHashMap<FileId, Arc<Index>>,
+    /// Bytes of those.
+    table_bytes: usize,
     /// Calls are carried out; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
@@ -66,8 +66,9 @@ impl Okuma {
             modal: Vec::new(),
             arguments: None,
             caching: false,
-            lines: FxHashMap::default(),
+            lines: Kept::default(),
             indices: FxHashMap::default(),
+            table_bytes: 0,
             takes_calls: true,
             takes_names,
             takes_messages: true,
@@ -81,7 +82,7 @@ impl Okuma {
         let place = host.place();
         let key = (place.file, place.line);
         if place.as_read
-            && let Some(line) = self.lines.get(&key)
+            && let Some(line) = self.lines.get(key)
         {
             return Ok(Arc::clone(line));
         }
@@ -89,8 +90,8 @@ impl Okuma {
         match line::read(text::prepare(text), wanted) {
             Ok(line) => {
                 let line = Arc::new(line);
-                if self.caching && place.as_read && self.lines.len() < KEPT {
-                    self.lines.insert(key, Arc::clone(&line));
+                if self.caching && place.as_read {
+                    self.lines.insert(key, &line, text.len());
                 }
                 Ok(line)
             }
@@ -107,6 +108,7 @@ impl Okuma {
             return Arc::clone(index);
         }
         let index = Arc::new(host.source(file).map(|source| Index::of(&source)).unwrap_or_default());
+        self.table_bytes += index.bytes();
         self.indices.insert(file, Arc::clone(&index));
         index
     }
@@ -222,6 +224,10 @@ impl Interpreter for Okuma {
             },
             _ => Ok(false),
         }
+    }
+
+    fn memory(&self) -> u64 {
+        (self.store.bytes() + self.lines.bytes() + self.table_bytes) as u64
     }
 
     fn setting(&mut self, name: &str, values: &[Value]) -> Setting {

@@ -65,6 +65,11 @@ impl Index {
         index
     }
 
+    /// Bytes that it takes, about.
+    pub(super) fn bytes(&self) -> usize {
+        self.definitions.len() * 60 + self.labels.len() * 100
+    }
+
     /// Lines of a program by its name.
     pub(super) fn program(&self, name: &str) -> Option<Range> {
         let found = self.definitions.iter().find(|definition| definition.name == name)?;
@@ -74,13 +79,16 @@ impl Index {
     /// The line to go to from another one: from there on, else from the top of the program that the line belongs to.
     pub(super) fn label(&self, name: &str, from: u32, range: Range) -> Option<u32> {
         let lines = self.labels.get(name)?;
-        let own = self.definitions.iter().rev().find(|definition| definition.first <= from);
-        let next = self.definitions.iter().find(|definition| definition.first > from);
+        // Definitions and lines are in ascending order.
+        let at = self.definitions.partition_point(|definition| definition.first <= from);
+        let own = at.checked_sub(1).and_then(|at| self.definitions.get(at));
+        let next = self.definitions.get(at);
         let first = own.map_or(1, |definition| definition.first).max(range.first);
         let end = next.map_or(u32::MAX, |definition| definition.first.saturating_sub(1));
         let last = if range.last >= range.first { end.min(range.last) } else { end };
-        let inside = || lines.iter().copied().filter(|line| (first..=last).contains(line));
-        inside().find(|&line| line > from).or_else(|| inside().next())
+        let first_from =
+            |from: u32| lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line <= last);
+        first_from(first.max(from.saturating_add(1))).or_else(|| first_from(first))
     }
 }
 

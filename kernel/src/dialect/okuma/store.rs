@@ -59,6 +59,12 @@ impl Store {
         self.called.pop();
     }
 
+    /// Bytes that they take, about.
+    pub(super) fn bytes(&self) -> usize {
+        let locals = self.called.iter().map(|locals| locals.values.len() + locals.arguments.len());
+        (self.main.values.len() + locals.sum::<usize>() + self.own.len()) * 100
+    }
+
     fn locals(&mut self) -> &mut Locals {
         self.called.last_mut().unwrap_or(&mut self.main)
     }

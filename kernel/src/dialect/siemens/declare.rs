@@ -102,6 +102,7 @@ impl Siemens {
         if scope == Scope::Nck {
             return self.declare_shared(host, kind, sizes, declared, again);
         }
+        host.work(count)?;
         let place = host.place();
         let variable = Variable { kind, sizes, values: vec![kind.initial(); count], born: (place.file, place.line) };
         let variables = &mut self.variables;
@@ -123,10 +124,7 @@ impl Siemens {
             return refused("there is no room for more variables".to_owned());
         }
         let holder = if scope == Scope::Channel {
-            variables.elements += count;
-            if let Some(old) = variables.channel.insert(name.clone(), variable) {
-                variables.elements = variables.elements.saturating_sub(old.values.len());
-            }
+            variables.keep_in_channel(name, variable);
             Holder::Channel
         } else {
             variables.keep(name, variable);

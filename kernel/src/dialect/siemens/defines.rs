@@ -12,7 +12,10 @@ const LONGEST_BLOCK: usize = 20_000;
 impl Siemens {
     /// DEFINE: the name stands for the text from now on.
     pub(super) fn define(&mut self, name: &str, text: &str) {
-        self.defines.insert(name.to_owned(), text.to_owned());
+        self.define_bytes += text.len();
+        if let Some(before) = self.defines.insert(name.to_owned(), text.to_owned()) {
+            self.define_bytes -= before.len();
+        }
     }
 
     /// The block with the texts of its defined names.

@@ -137,6 +137,12 @@ impl Places {
         }
     }
 
+    /// Bytes that they take, about.
+    fn bytes(&self) -> usize {
+        let lines = self.labels.len() * 100 + self.numbers.len() * 60 + self.partners.len() * 40;
+        lines + self.programs.len() * 80
+    }
+
     /// Lines of the program around a line.
     pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(_, first, last)| (*first..=*last).contains(&line));
@@ -151,19 +157,20 @@ impl Siemens {
             return Arc::clone(places);
         }
         let places = Arc::new(host.source(file).map(|source| Places::of(&source)).unwrap_or_default());
+        self.table_bytes += places.bytes();
         self.places.insert(file, Arc::clone(&places));
         places
     }
 
     /// A block of a file, read.
     pub(super) fn line_of(&mut self, host: &dyn Host, file: FileId, line: u32) -> Arc<Result<Line, String>> {
-        if let Some(known) = self.read.get(&(file, line)) {
+        if let Some(known) = self.read.get((file, line)) {
             return Arc::clone(known);
         }
         let source = host.source(file);
         let text = source.as_ref().map(|source| String::from_utf8_lossy(source.line(line)));
         let made = Arc::new(read(bare(text.as_deref().unwrap_or_default())));
-        self.read.insert((file, line), Arc::clone(&made));
+        self.read.insert((file, line), &made, text.as_deref().map_or(0, str::len));
         made
     }
 
@@ -252,7 +259,7 @@ impl Siemens {
     pub(super) fn end_label(&mut self, host: &mut dyn Host, place: &Place, from: u32) -> Option<u32> {
         let places = self.places(host, place.file);
         let lines = places.labels.get("ENDLABEL")?;
-        lines.iter().copied().find(|line| *line >= from && *line < place.line)
+        lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line < place.line)
     }
 }
 
@@ -270,10 +277,14 @@ fn find(places: &Places, label: &Label, direction: Direction, around: (u32, u32)
         Label::Name(name) => places.labels.get(name),
         Label::Value(_) => None,
     }?;
-    let mut inside = lines.iter().copied().filter(|line| (around.0..=around.1).contains(line));
+    // They are in ascending order.
+    let at = |line: u32| lines.partition_point(|other| *other < line);
+    let inside = lines.get(at(around.0)..at(around.1.saturating_add(1))).unwrap_or_default();
+    let (before, behind) = inside.split_at_checked(inside.partition_point(|line| *line <= place.line))?;
     match direction {
-        Direction::Forward => inside.find(|line| *line > place.line),
-        Direction::Back => inside.rfind(|line| *line <= place.line),
-        _ => inside.clone().find(|line| *line > place.line).or_else(|| inside.next()),
+        Direction::Forward => behind.first(),
+        Direction::Back => before.last(),
+        _ => behind.first().or_else(|| before.first()),
     }
+    .copied()
 }

@@ -38,6 +38,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{Host, Interpreter, Setting};
 use crate::channel::Halt;
 use crate::diag::{self, Facts};
+use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
 
@@ -79,7 +80,10 @@ pub(crate) struct Siemens {
     /// DEFINE: texts for names.
     defines: FxHashMap<String, String>,
     /// Blocks that were read.
-    read: FxHashMap<(FileId, u32), Arc<Result<line::Line, String>>>,
+    read: Kept<Result<line::Line, String>>,
+    /// Bytes of those texts, and of the labels and loops below.
+    define_bytes: usize,
+    table_bytes: usize,
     /// Labels and loops of files.
     places: FxHashMap<FileId, Arc<jumps::Places>>,
     /// Where subprograms are, by calling file and name.
@@ -170,7 +174,7 @@ impl Interpreter for Siemens {
         if !reset {
             self.variables = before.variables.for_next_program();
             self.timers = before.timers;
-            self.defines = before.defines;
+            (self.defines, self.define_bytes) = (before.defines, before.define_bytes);
             self.settings = before.settings;
         }
     }
@@ -208,5 +212,11 @@ impl Interpreter for Siemens {
 
     fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
         self.settings.set(name, values)
+    }
+
+    fn memory(&self) -> u64 {
+        let names = self.externals.len() + self.found.len() + self.timers.len();
+        let defines = self.defines.len() * 100 + self.define_bytes;
+        (self.variables.bytes() + names * 100 + defines + self.table_bytes + self.read.bytes()) as u64
     }
 }

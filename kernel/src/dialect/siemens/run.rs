@@ -17,8 +17,6 @@ use crate::dialect::{Answer, Call, Host};
 
 /// Most passes of a call.
 pub(super) const MOST_PASSES: i64 = 9_999;
-/// Most blocks that are kept as they were read.
-const MOST_KEPT: usize = 200_000;
 
 /// What is left of a block.
 #[derive(Debug, Default)]
@@ -62,13 +60,13 @@ impl Siemens {
             return self.program_head(host).map(|()| None);
         }
         let kept = place.as_read && self.defines.is_empty();
-        let line = match self.read.get(&(place.file, place.line)).filter(|_| kept) {
+        let line = match self.read.get((place.file, place.line)).filter(|_| kept) {
             Some(line) => Arc::clone(line),
             None => {
                 let text = self.expanded(without_comment(text));
                 let line = Arc::new(read(&text));
-                if kept && self.read.len() < MOST_KEPT {
-                    self.read.insert((place.file, place.line), Arc::clone(&line));
+                if kept {
+                    self.read.insert((place.file, place.line), &line, text.len());
                 }
                 line
             }

@@ -135,6 +135,15 @@ impl Data {
         }
     }
 
+    /// Bytes that it holds besides itself.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Text(text) | Self::Axis(text) => text.len(),
+            Self::Frame(_) => std::mem::size_of::<super::frame::Frame>(),
+            _ => 0,
+        }
+    }
+
     /// As texts show it.
     pub(super) fn text(&self) -> String {
         match self {

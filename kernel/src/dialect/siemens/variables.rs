@@ -56,6 +56,8 @@ pub(super) struct Variables {
     pub(super) shared: FxHashMap<String, (Type, Vec<usize>)>,
     parameters: FxHashMap<u32, f64>,
     pub(super) elements: usize,
+    /// Bytes of their names, texts and frames.
+    texts: usize,
 }
 
 impl Default for Variables {
@@ -66,6 +68,7 @@ impl Default for Variables {
             shared: FxHashMap::default(),
             parameters: FxHashMap::default(),
             elements: 0,
+            texts: 0,
         }
     }
 }
@@ -111,6 +114,11 @@ impl Variables {
         self.levels.get_mut(running)
     }
 
+    /// Bytes that they take, about.
+    pub(super) fn bytes(&self) -> usize {
+        (self.elements + self.parameters.len()) * 48 + self.texts + self.shared.len() * 100
+    }
+
     fn find(&self, name: &str) -> Option<(Holder, &Variable)> {
         let running = self.running();
         let of = |at: usize| self.levels.get(at)?.variables.get(name).map(|found| (Holder::Level(at), found));
@@ -141,11 +149,23 @@ impl Variables {
             return false;
         }
         self.elements += variable.values.len();
+        self.texts += variable.bytes();
         let Some(level) = self.level() else { return false };
         if let Some(old) = level.variables.insert(name.to_owned(), variable) {
             self.elements = self.elements.saturating_sub(old.values.len());
+            self.texts = self.texts.saturating_sub(old.bytes());
         }
         true
+    }
+
+    /// Keeps a variable of the channel, for which there is room.
+    pub(super) fn keep_in_channel(&mut self, name: &str, variable: Variable) {
+        self.elements += variable.values.len();
+        self.texts += variable.bytes();
+        if let Some(old) = self.channel.insert(name.to_owned(), variable) {
+            self.elements = self.elements.saturating_sub(old.values.len());
+            self.texts = self.texts.saturating_sub(old.bytes());
+        }
     }
 
     /// A subprogram begins.
@@ -158,6 +178,7 @@ impl Variables {
         let level = if self.levels.len() > 1 { self.levels.pop() } else { None }?;
         let count: usize = level.variables.values().map(|variable| variable.values.len()).sum();
         self.elements = self.elements.saturating_sub(count);
+        self.texts = self.texts.saturating_sub(level.variables.values().map(Variable::bytes).sum());
         Some(level)
     }
 
@@ -170,6 +191,8 @@ impl Variables {
             }
         }
         let count: usize = level.variables.values().map(|variable| variable.values.len()).sum();
+        let texts: usize = level.variables.values().map(Variable::bytes).sum();
+        self.texts = self.texts.saturating_sub(texts);
         level.variables.clear();
         level.taken = false;
         self.elements = self.elements.saturating_sub(count);
@@ -178,11 +201,17 @@ impl Variables {
     /// What another program of the series finds.
     pub(super) fn for_next_program(self) -> Self {
         let elements = self.channel.values().map(|variable| variable.values.len()).sum();
-        Self { levels: vec![Level::default()], elements, ..self }
+        let texts = self.channel.values().map(Variable::bytes).sum();
+        Self { levels: vec![Level::default()], elements, texts, ..self }
     }
 }
 
 impl Variable {
+    /// Bytes of its name and of what its values hold besides themselves.
+    fn bytes(&self) -> usize {
+        100 + self.values.iter().map(Data::bytes).sum::<usize>()
+    }
+
     pub(super) fn one(kind: Type, value: Data) -> Self {
         Self { kind, sizes: Vec::new(), values: vec![value], born: (0, 0) }
     }
@@ -329,7 +358,9 @@ impl Siemens {
             holder => {
                 let held = self.variables.held(holder, &target.name);
                 if let Some(slot) = held.and_then(|held| held.values.get_mut(target.at)) {
+                    let (before, after) = (slot.bytes(), value.bytes());
                     *slot = value;
+                    self.variables.texts = (self.variables.texts + after).saturating_sub(before);
                 }
             }
         }
@@ -378,9 +409,11 @@ impl Siemens {
             },
             None => rest,
         };
-        for step in 0..count {
-            let element = Target { at: target.at + step, whole: false, ..target.clone() };
+        let mut element = Target { whole: false, ..target.clone() };
+        for _ in 0..count {
+            host.work(1)?;
             self.store(host, &element, value.clone())?;
+            element.at += 1;
         }
         Ok(())
     }

@@ -12,6 +12,7 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
+use crate::channel::burden::shortened;
 use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
@@ -81,7 +82,7 @@ impl Kernel<'_> {
                 self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
             }
             Command::Skip(_) => {}
-            Command::Print(text) => self.emit(0, Kind::Message { text: text.into() }),
+            Command::Print(text) => self.emit(0, Kind::Message { text: shortened(text).into() }),
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
@@ -153,6 +154,7 @@ impl Kernel<'_> {
         if now {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.custom_block(Some(text))));
         }
+        state.grow(text.len() + 64);
         self.leave_for_later(|matching| Later::Text(text, matching))
     }
 
@@ -163,6 +165,7 @@ impl Kernel<'_> {
             return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
         }
         let items: Arc<[Value]> = items.into();
+        state.grow(items.len() * 16 + 64);
         self.leave_for_later(|matching| Later::Items(items, matching))
     }
 

@@ -10,6 +10,7 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::channel::burden::{RESULT, shortened};
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
 use crate::macros::model::Hook;
@@ -131,9 +132,10 @@ impl Kernel<'_> {
                 runtime.store.listed.push(number);
             }
         }
-        let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let text: String = shortened(text).chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let operation = self.operation_name().into();
         let kernel = self.kernel_name().into();
+        self.burden.result(text.len() + RESULT);
         let text = text.into();
         self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text, operation, kernel, origin })));
     }

@@ -124,7 +124,7 @@ impl Kernel<'_> {
             Bound::Shared(Shared::Object(index), _) => state.object(index).map_or(Value::Unset, |value| value.clone()),
             Bound::Shared(Shared::Global(index), _) => {
                 let mut found = Value::Unset;
-                self.global(index, &mut |value| found = value.clone());
+                self.global(index, 0, &mut |value| found = value.clone());
                 found
             }
         }
@@ -143,7 +143,10 @@ impl Kernel<'_> {
                     *slot = value;
                 }
             }
-            Bound::Shared(Shared::Global(index), _) => self.global(index, &mut |slot| *slot = value.clone()),
+            Bound::Shared(Shared::Global(index), _) => {
+                let growth = value.as_text().map_or(0, str::len) + 100;
+                self.global(index, growth, &mut |slot| *slot = value.clone());
+            }
         }
         Ok(())
     }

@@ -102,7 +102,17 @@ impl Shelf for Kernel<'_> {
             self.coordinator.lock().shared.files.leave(tag, path, Some(text));
             return Ok(());
         }
-        self.job_files(|written| written.put(path, text))?.map_err(|text| {
+        let limit = self.shares().common;
+        let (done, over) = self.job_files(|written| {
+            let done = written.put(path, text);
+            (done, written.bytes() as u64 > limit)
+        })?;
+        if over {
+            let halt = self.out_of_memory("files that macros have written take most of it");
+            self.keep_halt(halt);
+            return Err(FAILED);
+        }
+        done.map_err(|text| {
             self.diagnose(&diag::MACRO_FILES, text);
             FAILED
         })

@@ -53,7 +53,10 @@ impl Kernel<'_> {
             let text = String::from_utf8_lossy(source.line(line));
             for pattern in &patterns {
                 state.spend(2 + text.len() / 16)?;
-                if pattern.find(&text, 0, &mut budget)?.is_some() {
+                let before = budget;
+                let found = pattern.find(&text, 0, &mut budget);
+                state.spend(usize::try_from((before - budget) / 8).unwrap_or(usize::MAX))?;
+                if found?.is_some() {
                     let text = text.into_owned();
                     if let Some(runtime) = self.macros.as_deref_mut() {
                         runtime.store.set(names().mcdrd, Value::text(text));

@@ -205,6 +205,11 @@ impl Store {
         self.values.get(index as usize).unwrap_or(&Value::Null)
     }
 
+    /// All values.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Value> {
+        self.values.iter().chain(self.elements.values())
+    }
+
     /// Sets an element.
     pub(crate) fn set_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) {
         self.elements.insert((index, first, second), value);

@@ -1,0 +1,171 @@
+//! Jobs that do as much as they can in every unit of work: each ends within its limits and its memory, and each can be
+//! cancelled wherever it is.
+//!
+//! With `COUNTERPOINT_MEASURE=1` and `--nocapture` it prints what each takes.
+
+mod cases;
+
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
+
+use cases::Case;
+use counterpoint_kernel::control::{Control, State};
+use counterpoint_kernel::job::{Job, Sink, Spec};
+use counterpoint_kernel::log::event::{Event, VerdictKind};
+use counterpoint_kernel::log::fold::Folds;
+use counterpoint_kernel::log::summary::Summary;
+use counterpoint_kernel::options::{Limits, Options};
+
+/// Most memory of the whole process: all cases, with programs and machines.
+const MEMORY: u64 = 512 << 20;
+/// After this time a cancelled job counts as one that does not end.
+const WATCHDOG: Duration = Duration::from_secs(10);
+
+/// Feeds results, keeps no event.
+struct Quiet(Folds);
+
+impl Sink for Quiet {
+    fn events(&mut self, _: u64, batch: &[Event]) -> bool {
+        batch.iter().for_each(|event| self.0.event(event));
+        true
+    }
+}
+
+/// Small enough that a job comes to one of them soon.
+fn small() -> Limits {
+    Limits {
+        blocks: 20_000,
+        zero_time_blocks: 5_000,
+        events: 200_000,
+        memory: 64 << 20,
+        macro_steps: 6_000_000,
+        ..Limits::default()
+    }
+}
+
+/// So large that nobody comes to them.
+fn large() -> Limits {
+    Limits { memory: 128 << 20, block_length: 1 << 20, ..Limits::MOST }
+}
+
+fn run(case: &Case, limits: Limits, control: &Control) -> Summary {
+    let options = Options { limits, ..Options::default() };
+    let work = case.work(options);
+    let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
+    let job = Job::prepare(spec, &work.files).unwrap_or_else(|error| panic!("{}: {error}", case.name));
+    let mut sink = Quiet(Folds::new(job.info()));
+    let outcome = job.run(&work.files, control, &mut sink);
+    sink.0.finish(&outcome).summary
+}
+
+fn measured() -> bool {
+    std::env::var_os("COUNTERPOINT_MEASURE").is_some()
+}
+
+/// Most memory that the process has had since the last call, none where the system does not say.
+fn peak() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let bytes = line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10;
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+    Some(bytes)
+}
+
+#[test]
+fn every_hostile_job_ends_within_its_limits() {
+    let mut wrong = Vec::new();
+    for case in cases::all() {
+        peak();
+        let start = Instant::now();
+        let control = Control::new(case.channels());
+        let summary = run(&case, small(), &control);
+        let memory = peak();
+        let mut numbers: Vec<u32> = summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let limit = summary.verdict.as_ref().is_some_and(|verdict| verdict.kind == VerdictKind::Limit);
+        if measured() {
+            let (seconds, mebibytes) = (start.elapsed().as_secs_f64(), memory.unwrap_or(0) >> 20);
+            println!("{:40} {seconds:7.2} s {mebibytes:5} MiB  limit {limit}, {numbers:?}", case.name);
+        }
+        let found = numbers.iter().find(|number| case.ends_with.contains(number));
+        if found.is_none() || memory.is_some_and(|bytes| bytes >= MEMORY) {
+            let texts: Vec<&str> =
+                summary.diagnostics.iter().map(|diagnostic| diagnostic.text.as_ref()).take(5).collect();
+            wrong.push(format!("{}: {numbers:?} {texts:?} {:?}, {memory:?} bytes", case.name, summary.verdict));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn every_hostile_job_can_be_cancelled() {
+    for case in cases::all() {
+        let control = Arc::new(Control::new(case.channels()));
+        let (ended, end) = channel();
+        let (case, job) = (Arc::new(case), Arc::clone(&control));
+        let running = Arc::clone(&case);
+        let thread = std::thread::spawn(move || {
+            run(&running, large(), &job);
+            // Nobody listens once the watchdog has given up.
+            let _ = ended.send(());
+        });
+        // It is cancelled when it has come to its work, if it does not end before.
+        let started = Instant::now();
+        let begun = || control.progress().iter().any(|channel| channel.state() != State::Ready);
+        while !begun() && started.elapsed() < WATCHDOG {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let early = end.recv_timeout(Duration::from_millis(200)).is_ok();
+        control.cancel();
+        let cancelled = Instant::now();
+        assert!(
+            early || end.recv_timeout(WATCHDOG).is_ok(),
+            "{}: it has not ended {} s after it was cancelled, at block {:?}",
+            case.name,
+            WATCHDOG.as_secs(),
+            control.progress()
+        );
+        if measured() {
+            let how = if early { "ended by itself" } else { "cancelled" };
+            println!("{:40} {how} after {:6.1} ms", case.name, cancelled.elapsed().as_secs_f64() * 1e3);
+        }
+        thread.join().unwrap_or_else(|_| panic!("{}: it panicked", case.name));
+    }
+}
+
+#[test]
+fn the_verdict_names_who_keeps_most() {
+    let case = cases::all().into_iter().find(|case| case.name == "macro: OBJECT sequence of texts").unwrap();
+    let summary = run(&case, small(), &Control::new(case.channels()));
+    let verdict = summary.verdict.expect("a verdict");
+    assert_eq!(verdict.kind, VerdictKind::Limit);
+    assert!(verdict.text.contains("the OBJECT variable HOARD"), "{}", verdict.text);
+}
+
+#[test]
+fn whether_memory_is_used_up_does_not_depend_on_scheduling() {
+    let case = cases::all().into_iter().find(|case| case.name == "macro: GLOBAL variables of two channels").unwrap();
+    let told = |threads| {
+        let options = Options { limits: small(), threads, ..Options::default() };
+        let results = case.work(options).results(None).unwrap().0;
+        (results.summary.verdict.map(|verdict| verdict.text), results.summary.log_digest)
+    };
+    let first = told(1);
+    assert!(first.0.as_ref().is_some_and(|text| text.contains("GLOBAL variables")), "{:?}", first.0);
+    for threads in [0, 1, 2, 0] {
+        assert_eq!(told(threads), first);
+    }
+}
+
+#[test]
+fn limits_beyond_the_most_count_as_the_most() {
+    let limits = Limits { diagnostics: u32::MAX, block_length: 100 << 20, memory: u64::MAX, ..Limits::default() };
+    let work = cases::all().remove(0).work(Options { limits, ..Options::default() });
+    let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
+    let job = Job::prepare(spec, &work.files).unwrap();
+    let capped = &job.spec().options.limits;
+    assert_eq!((capped.diagnostics, capped.block_length), (10_000, 1 << 20));
+    assert_eq!(capped.memory, Limits::MOST.memory);
+}
