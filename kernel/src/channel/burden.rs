@@ -105,7 +105,9 @@ pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
 impl Kernel<'_> {
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
-        Shares::of(&self.options.limits, self.machine.channels.len())
+        let channels = self.machine.channels.len();
+        // Several kernels have a master, which runs macros, too.
+        Shares::of(&self.options.limits, channels + usize::from(channels > 1))
     }
 
     /// Counts work within a block, in elements, and looks whether the job is to end.

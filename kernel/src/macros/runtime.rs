@@ -22,7 +22,6 @@ use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
-use crate::channel::burden::Shares;
 use crate::channel::scan::Scanner;
 use crate::channel::{Halt, Kernel};
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
@@ -350,7 +349,7 @@ impl Kernel<'_> {
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
             let kernels = self.machine.channels.len();
-            let memory = Shares::of(&self.options.limits, kernels).macros;
+            let memory = self.shares().macros;
             let mut runtime = Runtime::new(macros, program, self.rank, (kernels, memory));
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();

@@ -126,9 +126,9 @@ fn macros() -> Vec<Case> {
         rules("tape editor: doubling rules", "\\\\(X.*\\\\)", "\\\\1\\\\1", "X01234567\n", &[LONG]),
         rules(
             "tape editor: backtracking rules",
-            "\\\\(a*\\\\)*\\\\(a*\\\\)*b",
+            "\\\\(a*\\\\)*\\\\(a*\\\\)*cb",
             "",
-            "(aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa)\n",
+            "(aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaax cb)\n",
             &[2_900_008],
         ),
         recursion(),

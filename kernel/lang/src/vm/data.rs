@@ -91,11 +91,14 @@ pub(super) fn pay_to_append(state: &mut State, target: &Value, more: &Value) -> 
     pay(state, more)
 }
 
-/// Bytes that a value can add to whoever stores it.
+/// Bytes that a value can add to whoever stores it; what is no text, sequence or array has its place already.
 fn weight(value: &Value) -> usize {
+    if !matches!(value, Value::Text(_) | Value::Sequence(_) | Value::Array(_)) {
+        return 0;
+    }
     let mut scale = memory::Scale::default();
     scale.add(value);
-    usize::try_from(scale.bytes).unwrap_or(usize::MAX) + memory::ELEMENT
+    usize::try_from(scale.bytes).unwrap_or(usize::MAX)
 }
 
 /// A value that shares nothing with anybody: what kernels exchange must not tell them what the others do with it.
