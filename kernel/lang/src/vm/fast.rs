@@ -249,7 +249,8 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     let Some(left) = passed(at, target, ticks) else { break };
                     put(window, variable, value);
                     if super::run::past(value, last, step) {
-                        ended();
+                        // Seldom: the next instruction must not wait for the comparison.
+                        std::hint::cold_path();
                         at += 1;
                     } else {
                         (at, ticks) = (usize::from(target), left);
@@ -282,11 +283,6 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
     }
     (place.code, place.at, state.ticks) = (code, at, ticks + rest);
 }
-
-/// Tells that a loop ends seldom: the next instruction must not wait for the comparison.
-#[cold]
-#[inline(always)]
-fn ended() {}
 
 /// Ticks left after a jump from `at`: a jump back costs the instructions it goes back over.
 #[inline(always)]
