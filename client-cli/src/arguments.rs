@@ -4,9 +4,30 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+const EXAMPLES: &str = "\
+Examples:
+  counterpoint run part.nc                      run a program, guess the machine
+  counterpoint machine list                     list the machines
+  counterpoint macro explain 2900050            explain a diagnostic";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  counterpoint run --machine fanuc-mill part.nc
+  counterpoint run upper.nc lower.nc --out results
+  counterpoint run --machine ./my-lathe twin.nc#2101 twin.nc#2102 --json
+  counterpoint run part.nc --out out --write summary,toolpath --strict
+
+Limits without other flags: 86400 s (24 h) of simulated time, 10000000 blocks of a channel, 1000000 blocks of a
+channel in a row that take no time, 40000000 events of a channel, 1000 diagnostics kept of a channel.";
+
+const SUBMIT_EXAMPLES: &str = "\
+Examples:
+  counterpoint submit --machine fanuc-2path-lathe upper.nc lower.nc
+  counterpoint watch $(counterpoint submit --machine fanuc-mill part.nc)";
+
 /// Runs NC programs as the control would, block by block, all channels in parallel
 #[derive(Debug, Parser)]
-#[command(name = "counterpoint", version)]
+#[command(name = "counterpoint", version, after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -15,15 +36,17 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Run programs here and now
+    #[command(after_help = RUN_EXAMPLES)]
     Run(Run),
-    /// Hand programs to a server; prints the job's id
+    /// Hand programs to a server; print the job's id
+    #[command(after_help = SUBMIT_EXAMPLES)]
     Submit(Submit),
     /// Follow a job to its end
-    Watch(OneJob),
+    Watch(Follow),
     /// Answer the dialogs of a job that was submitted with --attend
-    Attend(OneJob),
+    Attend(Follow),
     /// Wait for the end of a job
-    Wait(OneJob),
+    Wait(Follow),
     /// List the jobs of a server
     Jobs(Jobs),
     /// Ask a job to stop
@@ -48,26 +71,26 @@ pub(crate) enum Command {
 /// What a job is made of.
 #[derive(Debug, Args)]
 pub(crate) struct Inputs {
-    /// Programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
+    /// Run these programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Machine: a name or a folder with machine.toml. Without it: fanuc-mill for one channel, fanuc-2path-lathe for
-    /// two, fanuc-3path-lathe for three; a single file with waiting codes M100-M199 has a channel per O-program
+    /// Run on this machine, a name or a folder with machine.toml. Without it the machine is guessed from what the
+    /// programs show, and programs that show nothing are refused
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// More files the programs may call; of a folder all files
+    /// Add files the programs may call; of a folder all files
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Optional skip: off, on (the level of marks without a digit), or the levels that are on, 1 to 9
+    /// Skip marked blocks: off, on (the level of marks without a digit), or the levels that are on, 1 to 9
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     pub(crate) opskip: Levels,
-    /// Optional stop (M1) stops
+    /// Stop at optional stops (M1)
     #[arg(long)]
     pub(crate) opstop: bool,
-    /// Channels that pass every meeting point without waiting
+    /// Let these channels pass every meeting point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     pub(crate) ignore_waits: Vec<u32>,
-    /// Kernels that may run at the same time; 0 = one per channel. The result does not depend on it
+    /// Run so many channels at the same time; 0 = all. The result does not depend on it
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
     /// Trace these letters, any of IEWCAMHSXZ, or all: input, edited blocks, words, codes and data, actions, code
@@ -81,20 +104,20 @@ pub(crate) struct Inputs {
         hide_default_value = true
     )]
     pub(crate) trace: String,
-    /// Parameters for the macros of the machine ($UPARAM), one line
+    /// Give the macros of the machine these parameters ($UPARAM), one line
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
     pub(crate) param: String,
-    /// Answers to the dialogs of the machine, TOML: [[answers]] with dialog, button, values
+    /// Answer the dialogs of the machine from this file, TOML: [[answers]] with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
-    /// Dialogs without an answer are put to the operator: here by `run` (which does so on a terminal anyway), by
+    /// Put dialogs without an answer to the operator: here by `run` (which does so on a terminal anyway), by
     /// `counterpoint attend` for `submit`. Without it they fail
     #[arg(long)]
     pub(crate) attend: bool,
-    /// Simulated seconds after which the run is stopped
+    /// Stop the run at this simulated time, in seconds [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
-    /// Blocks of one channel after which the run is stopped
+    /// Stop the run after so many blocks of one channel [default: 10000000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
     /// Memory of the job in MiB, for variables, texts, files and results, after which the run is stopped
@@ -109,32 +132,35 @@ pub(crate) struct Run {
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Which of them; all without it
+    /// Write these results only; without it all but log and console
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
     pub(crate) write: Vec<What>,
-    /// No listing, but the log file (identification, diagnostics, summaries)
+    /// Write no listing, but the log file (identification, diagnostics, summaries)
     #[arg(long, requires = "out")]
     pub(crate) nolist: bool,
-    /// The log file besides the other results
+    /// Write the log file besides the other results
     #[arg(long, requires = "out")]
     pub(crate) ef: bool,
-    /// Lines of listings, logs and consoles end with CR and LF
+    /// End the lines of listings, logs and consoles with CR and LF
     #[arg(long, requires = "out")]
     pub(crate) crlf: bool,
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
-    /// No progress, no report
+    /// Print nothing but errors: no progress, no report
     #[arg(long, short)]
     pub(crate) quiet: bool,
-    /// All meetings and diagnostics in the report, not only the first of them
+    /// Show all meetings and diagnostics in the report, not only the first of them
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
-    /// What the exit code tells: plain (0 to 3), or severity (the highest severity, 100 and up for what kept the run
-    /// from starting)
+    /// Exit with code 1 after warnings, too
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Choose what the exit code tells: plain (0 to 3), or severity (the highest severity, 100 and up for what kept the
+    /// run from starting)
     #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
     pub(crate) exit_code: ExitCodes,
-    /// Macros may start commands of the operating system (SYSTEM) with your rights: only for machines that you trust
+    /// Let macros start commands of the operating system (SYSTEM) with your rights: only for machines that you trust
     #[arg(long)]
     pub(crate) allow_system: bool,
     /// Draw the timeline in the report (the default)
@@ -189,7 +215,7 @@ pub(crate) enum ExitCodes {
 /// Where the server is.
 #[derive(Debug, Args, Clone)]
 pub(crate) struct Remote {
-    /// Address of the server
+    /// Talk to the server at this address
     #[arg(long, env = "COUNTERPOINT_SERVER", default_value = "http://127.0.0.1:7878", value_name = "URL")]
     pub(crate) server: String,
 }
@@ -200,7 +226,7 @@ pub(crate) struct Submit {
     pub(crate) inputs: Inputs,
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// Identity of the request: the same id gives the same job
+    /// Name the request: the same id gives the same job
     #[arg(long, value_name = "ID")]
     pub(crate) request_id: Option<String>,
 }
@@ -211,16 +237,26 @@ pub(crate) struct OneJob {
     pub(crate) job: String,
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// No progress
+    /// Print no progress
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// A job that is followed to its end.
+#[derive(Debug, Args)]
+pub(crate) struct Follow {
+    #[command(flatten)]
+    pub(crate) of: OneJob,
+    /// Exit with code 1 after warnings, too
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Jobs {
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// Only jobs in these states
+    /// List only jobs in these states
     #[arg(long, value_enum, value_delimiter = ',')]
     pub(crate) state: Vec<State>,
     /// Print JSON, one object per line
@@ -245,13 +281,13 @@ pub(crate) struct ResultOf {
     /// Which result
     #[arg(value_enum)]
     pub(crate) what: What,
-    /// Channel of the listing; 0: the merged listing of all, the console of all
+    /// Choose the channel of the listing; 0: the merged listing of all, the console of all
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
-    /// Lines of a listing, log or console end with CR and LF
+    /// End the lines of a listing, log or console with CR and LF
     #[arg(long)]
     pub(crate) crlf: bool,
-    /// Form of timeline and toolpath
+    /// Choose the form of timeline and toolpath
     #[arg(long, value_enum, default_value = "svg")]
     pub(crate) format: Format,
     /// Write to this file instead of standard output; a folder for files
@@ -305,7 +341,7 @@ pub(crate) enum Machine {
         /// Which part
         #[arg(value_enum, default_value = "all")]
         part: Part,
-        /// As JSON
+        /// Print JSON
         #[arg(long)]
         json: bool,
         #[command(flatten)]
@@ -338,5 +374,20 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value < 9e9 => Ok(value),
         _ => Err("expected seconds above 0 and below 9000000000".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_tells_the_limits_of_the_kernel() {
+        let limits = counterpoint_kernel::options::Limits::default();
+        let seconds = limits.simulated_ns / 1_000_000_000;
+        for number in [seconds as u64, limits.blocks, limits.zero_time_blocks, limits.events, limits.diagnostics.into()]
+        {
+            assert!(RUN_EXAMPLES.contains(&format!(" {number} ")), "{number}");
+        }
     }
 }

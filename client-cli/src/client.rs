@@ -33,6 +33,18 @@ pub(crate) struct Client {
 impl Client {
     /// Connects to a server.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
+        let scheme = address.split_once("://").map_or("", |(scheme, _)| scheme).to_ascii_lowercase();
+        if scheme == "https" {
+            return Err(Error::Usage(format!(
+                "server address '{address}': encrypted connections (https) are not supported yet, and nothing was sent; \
+                 reach the server through a tunnel and give its http address"
+            )));
+        }
+        if scheme != "http" {
+            return Err(Error::Usage(format!(
+                "server address '{address}' is not an http address: expected http://HOST:PORT"
+            )));
+        }
         let endpoint = Endpoint::from_shared(address.to_owned())
             .map_err(|error| Error::Usage(format!("server address '{address}': {error}")))?
             .connect_timeout(Duration::from_secs(5))
@@ -42,8 +54,14 @@ impl Client {
             .initial_stream_window_size(1 << 20)
             .initial_connection_window_size(4 << 20);
         let channel = endpoint.connect().await.map_err(|error| {
-            let cause = std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string);
-            Error::Connection(format!("no connection to {address}: {cause}"))
+            let mut cause: &dyn std::error::Error = &error;
+            while let Some(source) = cause.source() {
+                cause = source;
+            }
+            Error::Connection(format!(
+                "no server answers at {address} ({cause}): start one with `counterpointd`, or give its address with \
+                 --server or in COUNTERPOINT_SERVER"
+            ))
         })?;
         Ok(Self { channel, embedded: false, _data: None })
     }
@@ -67,6 +85,11 @@ impl Client {
             Some(address) => Self::connect(address).await,
             None => Self::embed(false, false).await,
         }
+    }
+
+    /// The server is in this process and knows the machines built in.
+    pub(crate) fn is_embedded(&self) -> bool {
+        self.embedded
     }
 
     pub(crate) fn jobs(&self) -> JobsClient<Channel> {

@@ -3,20 +3,19 @@
 use std::path::Path;
 use std::time::Duration;
 
-use clap::CommandFactory as _;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::event::Kind;
 use counterpoint_proto::v1::watch_job_response::Content;
 use tonic::Code;
 
-use crate::arguments::{Arguments, Command, Jobs, Machine, OneJob, Part, ResultOf, State};
+use crate::arguments::{Command, Follow, Jobs, Machine, OneJob, Part, ResultOf, State};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::report::{table, time};
 use crate::say::{self, BAD, WARN, styled};
-use crate::{macros, pack, results, run};
+use crate::{completions, macros, pack, results, run};
 
 /// Times a broken watch is taken up again.
 const RETRIES: u32 = 8;
@@ -36,9 +35,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Machine(arguments) => machine(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "counterpoint", &mut script);
-            say::data(&script)?;
+            say::data(completions::script(shell).as_bytes())?;
             Ok(0)
         }
     }
@@ -58,14 +55,16 @@ pub(crate) fn say_findings(findings: &[v1::Finding]) {
 }
 
 /// Follows a job, over broken connections too: diagnostics and meetings on standard output.
-async fn watch(arguments: OneJob) -> Result<u8, Error> {
+async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut progress = Progress::new(arguments.quiet);
     let (mut cursor, mut failures) = (0, 0);
+    // A connection that breaks is taken up again; a server that never answered is a mistake of the command line.
+    drop(Client::connect(&arguments.remote.server).await?);
     loop {
         match watch_once(&arguments, &mut cursor, &mut progress, &mut failures).await {
             Ok(status) => {
                 progress.clear();
-                return Ok(ended(&status));
+                return Ok(ended(&status, strict));
             }
             Err(Error::Refused(status)) if status.code() != Code::Unavailable && status.code() != Code::Unknown => {
                 return Err(Error::Refused(status));
@@ -121,38 +120,43 @@ fn line(event: &v1::Event) -> Option<String> {
         Kind::Lifecycle(l) => l.phase().as_str_name().trim_start_matches("PHASE_").to_lowercase(),
         _ => return None,
     };
-    Some(format!("{} channel {} line {}: {text}\n", time(event.t_ns), event.channel, event.line))
+    let channel = if event.channel > 0 { format!(" channel {}", event.channel) } else { String::new() };
+    let line = if event.line > 0 { format!(" line {}", event.line) } else { String::new() };
+    Some(format!("{}{channel}{line}: {text}\n", time(event.t_ns)))
 }
 
 /// Says how a job ended.
-fn ended(status: &v1::JobStatus) -> u8 {
+fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
     if let Some(code) = run::not_run(status) {
         return code;
     }
     let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
-    say::talk(format_args!("{state}  {}  {}", time(status.makespan_ns), status.verdict));
-    run::exit_code(status)
+    let succeeded = status.state() == v1::JobState::Succeeded;
+    let warnings = if succeeded && status.highest_severity >= run::WARNING { ", with warnings" } else { "" };
+    let text = format!("{state}{warnings}  {}  {}", time(status.makespan_ns), status.verdict);
+    say::talk(text.trim_end());
+    run::exit_code(status, strict)
 }
 
 /// Answers the questions of a job until it ends.
-async fn attend(arguments: OneJob) -> Result<u8, Error> {
+async fn attend(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let mut attendant = Attendant::start(&client, &arguments.job).await?;
     loop {
         match attendant.next().await? {
             Next::Question(question) => attendant.answer(question).await?,
-            Next::Ended(status) => return Ok(ended(&status)),
+            Next::Ended(status) => return Ok(ended(&status, strict)),
         }
     }
 }
 
-async fn wait(arguments: OneJob) -> Result<u8, Error> {
+async fn wait(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     loop {
         let request = v1::WaitJobRequest { job_id: arguments.job.clone(), timeout_ms: 60_000 };
         let status = client.jobs().wait_job(request).await?.into_inner().status.unwrap_or_default();
         if status.ended_ms != 0 {
-            return Ok(ended(&status));
+            return Ok(ended(&status, strict));
         }
     }
 }

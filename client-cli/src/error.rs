@@ -1,5 +1,7 @@
 //! Why a command failed, and the exit code that tells.
 
+use std::io::ErrorKind;
+
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
 
@@ -16,7 +18,7 @@ pub(crate) enum Error {
     #[error("{0}")]
     Connection(String),
     /// A file cannot be read or written.
-    #[error("{path}: {error}")]
+    #[error("{}", file_problem(.path, .error))]
     File {
         /// The file.
         path: String,
@@ -26,6 +28,17 @@ pub(crate) enum Error {
     /// The reader of standard output has gone: not an error.
     #[error("closed")]
     Closed,
+}
+
+/// What is wrong with a file, in words.
+fn file_problem(path: &str, error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => format!("'{path}' does not exist"),
+        ErrorKind::PermissionDenied => format!("'{path}': permission denied"),
+        ErrorKind::IsADirectory => format!("'{path}' is a folder, not a file"),
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => format!("'{path}' is a file, not a folder"),
+        _ => format!("'{path}': {error}"),
+    }
 }
 
 fn refusal(status: &Status) -> String {

@@ -64,11 +64,21 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     let mut folders: Vec<(PathBuf, String)> = Vec::new();
     for text in &inputs.programs {
         let (path, number) = program(text)?;
+        if path.is_dir() {
+            let hint = if path.join(DEFINITION).is_file() { " (a machine is given with --machine)" } else { "" };
+            return Err(Error::Usage(format!(
+                "'{}' is a folder: give the files of the programs{hint}",
+                path.display()
+            )));
+        }
         let name = match used.get(&path) {
             Some(name) => name.clone(),
             None => free_name(&pack.files, &path)?,
         };
         pack.files.add(name.clone(), &path)?;
+        if let Some(blob) = pack.files.0.get(&name) {
+            is_program(&path, &blob.content)?;
+        }
         used.insert(path.clone(), name.clone());
         pack.programs.push(v1::Program { path: name, number, channel: None });
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -89,11 +99,33 @@ pub(crate) fn job(inputs: &Inputs) -> Result<Pack, Error> {
     Ok(pack)
 }
 
+/// A program is text and has at least one block.
+fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
+    const LOOKED_AT: usize = 64 << 10;
+    let path = path.display();
+    if content.iter().all(u8::is_ascii_whitespace) {
+        return Err(Error::Usage(format!("'{path}' is empty: a program has at least one block")));
+    }
+    // Tapes begin and end with zeros, and files in UTF-16 have many.
+    let strange = |byte: &u8| matches!(byte, 1..=8 | 11 | 12 | 14..=31 | 127);
+    let head = content.get(..LOOKED_AT).unwrap_or(content);
+    let count = head.iter().filter(|byte| strange(byte)).count();
+    if count * 20 > head.len() {
+        return Err(Error::Usage(format!(
+            "'{path}' is not a text file ({count} of {} bytes are control characters): give the NC program itself",
+            head.len()
+        )));
+    }
+    Ok(())
+}
+
 /// `FILE` or `FILE#2102`; a file whose name has a `#` is meant as it stands.
-fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
+pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
     if let (false, Some((path, number))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
         let digits = number.trim_start_matches(['O', 'o']);
-        let number = digits.parse().map_err(|_| Error::Usage(format!("'{text}': '{number}' is no program number")))?;
+        let number = digits
+            .parse()
+            .map_err(|_| Error::Usage(format!("'{text}': '{number}' is not a program number: expected FILE#1234")))?;
         return Ok((PathBuf::from(path), Some(number)));
     }
     Ok((PathBuf::from(text), None))
@@ -144,9 +176,12 @@ fn is_subprogram(name: &str, stem: &str) -> bool {
     o_number || own().is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
 }
 
+/// The file that makes a folder a machine.
+const DEFINITION: &str = "machine.toml";
+
 /// Whether a machine argument means a folder.
 pub(crate) fn is_folder(machine: &str) -> bool {
-    Path::new(machine).join("machine.toml").is_file()
+    Path::new(machine).join(DEFINITION).is_file()
 }
 
 /// Packs a machine folder and the sibling folders it extends; gives its name too.
@@ -227,6 +262,21 @@ mod tests {
         assert_eq!(program("a/b.nc#O0007").unwrap(), (PathBuf::from("a/b.nc"), Some(7)));
         assert_eq!(program("a/b.nc").unwrap(), (PathBuf::from("a/b.nc"), None));
         assert!(program("b.nc#x").is_err());
+    }
+
+    #[test]
+    fn a_program_is_text() {
+        let path = Path::new("p.nc");
+        let refused = |content: &[u8], with: &str| {
+            let error = is_program(path, content).unwrap_err().to_string();
+            assert!(error.contains(with), "{error}");
+        };
+        refused(b"", "is empty");
+        refused(b" \r\n\n", "is empty");
+        refused(&(0..=255).collect::<Vec<u8>>(), "is not a text file (29 of 256 bytes");
+        for content in [&b"%\r\nG0 X1\r\n"[..], b"\0\0\0%\nO1\n\0\0", b"(\xe4\xf6)\nG0\n", b"\xff\xfeG\x000\0"] {
+            assert!(is_program(path, content).is_ok(), "{content:?}");
+        }
     }
 
     #[test]

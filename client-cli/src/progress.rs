@@ -1,6 +1,7 @@
 //! Live progress: one bar per channel on a terminal, plain lines otherwise.
 
 use std::io::IsTerminal as _;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use counterpoint_proto::v1;
@@ -55,6 +56,47 @@ impl Progress {
     pub(crate) fn clear(&mut self) {
         if let Self::Bars { all, .. } = self {
             let _ = all.clear();
+        }
+    }
+}
+
+/// Shows which result is being written.
+pub(crate) enum Steps {
+    Quiet,
+    Plain { said: Instant },
+    Spinner(ProgressBar),
+}
+
+impl Steps {
+    pub(crate) fn new(quiet: bool) -> Self {
+        match () {
+            () if quiet => Self::Quiet,
+            () if std::io::stderr().is_terminal() => Self::Spinner(ProgressBar::new_spinner()),
+            () => Self::Plain { said: Instant::now() },
+        }
+    }
+
+    pub(crate) fn show(&mut self, file: &Path) {
+        let text = format!("writing {}", file.display());
+        match self {
+            Self::Quiet => {}
+            Self::Plain { said } => {
+                if said.elapsed() >= PLAIN_EVERY {
+                    *said = Instant::now();
+                    say::talk(text);
+                }
+            }
+            Self::Spinner(spinner) => {
+                spinner.set_message(text);
+                spinner.tick();
+            }
+        }
+    }
+
+    /// Removes what is shown.
+    pub(crate) fn clear(self) {
+        if let Self::Spinner(spinner) = self {
+            spinner.finish_and_clear();
         }
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Deserialize;
 
+use crate::problems::{counts, problems};
 use crate::say::{BAD, DIM, GOOD, WARN, styled};
 
 /// Diagnostics shown at most.
@@ -22,8 +23,8 @@ pub(crate) struct Summary {
     makespan_ns: i64,
     pub(crate) channels: Vec<Channel>,
     waits: Vec<Wait>,
-    verdict: Option<Verdict>,
-    diagnostics: Vec<Diagnostic>,
+    pub(crate) verdict: Option<Verdict>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -71,36 +72,51 @@ struct Arrival {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Verdict {
-    kind: String,
-    text: String,
+pub(crate) struct Verdict {
+    pub(crate) kind: String,
+    pub(crate) text: String,
+    pub(crate) members: Vec<Member>,
+}
+
+/// A channel in the verdict.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Member {
+    pub(crate) channel: u32,
+    pub(crate) file: String,
+    pub(crate) line: u32,
+    pub(crate) block: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Diagnostic {
-    number: u32,
-    severity: u8,
-    channel: u32,
-    file: String,
-    line: u32,
-    block: String,
-    text: String,
-    origin: Option<Origin>,
+pub(crate) struct Diagnostic {
+    pub(crate) number: u32,
+    pub(crate) severity: u8,
+    pub(crate) channel: u32,
+    pub(crate) file: String,
+    pub(crate) line: u32,
+    pub(crate) block: String,
+    pub(crate) text: String,
+    pub(crate) origin: Option<Origin>,
 }
 
 /// The statement of a macro that raised a diagnostic.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Origin {
-    file: String,
-    line: u32,
+pub(crate) struct Origin {
+    pub(crate) file: String,
+    pub(crate) line: u32,
 }
 
-/// Simulated time as minutes, seconds and milliseconds.
+/// Simulated time as minutes, seconds and milliseconds, from one hour on with hours.
 pub(crate) fn time(ns: i64) -> String {
-    let ms = (ns + 500_000) / 1_000_000;
-    format!("{:02}:{:02}.{:03}", ms / 60_000, ms / 1000 % 60, ms % 1000)
+    let ms = ns.saturating_add(500_000) / 1_000_000;
+    let (minutes, seconds, rest) = (ms / 60_000, ms / 1000 % 60, ms % 1000);
+    match minutes / 60 {
+        0 => format!("{minutes:02}:{seconds:02}.{rest:03}"),
+        hours => format!("{hours}:{:02}:{seconds:02}.{rest:03}", minutes % 60),
+    }
 }
 
 /// Lays rows out in columns; the first `left` columns to the left, the rest to the right.
@@ -123,16 +139,33 @@ pub(crate) fn table(rows: &[Vec<String>], left: usize) -> String {
 /// The report.
 pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     let most = |shown: usize| if verbose { usize::MAX } else { shown };
-    let style = if summary.state == "SUCCEEDED" { GOOD } else { BAD };
-    let mut out = format!("{}  {}\n\n", styled(style, &summary.state), time(summary.makespan_ns));
+    let mut head = summary.state.clone();
+    let counts = counts(summary);
+    if !counts.is_empty() {
+        let _ = write!(head, ", {counts}");
+    }
+    let style = match summary.state.as_str() {
+        "SUCCEEDED" if summary.highest_severity >= 4 => WARN,
+        "SUCCEEDED" => GOOD,
+        _ => BAD,
+    };
+    let mut out = format!("{}  {}\n", styled(style, head), time(summary.makespan_ns));
+    if summary.cancelled() {
+        let _ = writeln!(out, "cancelled before the end: times and meetings are those of the part that was run");
+    }
+    out.push('\n');
+    out.push_str(&problems(summary, most(DIAGNOSTICS)));
     out.push_str(&channels(summary));
     out.push_str(&tools(summary));
     out.push_str(&waits(summary, most(WAITS)));
-    if let Some(verdict) = &summary.verdict {
-        let _ = writeln!(out, "\n{} {}", styled(BAD, &verdict.kind), verdict.text);
-    }
-    out.push_str(&diagnostics(summary, most(DIAGNOSTICS)));
     out
+}
+
+impl Summary {
+    /// Stopped before its end on request.
+    fn cancelled(&self) -> bool {
+        self.state == "CANCELLED"
+    }
 }
 
 fn channels(summary: &Summary) -> String {
@@ -176,8 +209,12 @@ fn waits(summary: &Summary, most: usize) -> String {
     }
     let mut rows = vec![["meeting", "released", "arrivals"].map(str::to_owned).to_vec()];
     for wait in summary.waits.iter().take(most) {
-        let arrivals = wait.arrivals.iter().map(|a| format!("{}: {} line {}", a.channel, time(a.t_ns), a.line));
-        let released = wait.release_ns.map_or_else(|| "never".to_owned(), time);
+        let arrivals = wait.arrivals.iter().map(|a| match a.line {
+            0 => format!("{}: {}", a.channel, time(a.t_ns)),
+            line => format!("{}: {} line {line}", a.channel, time(a.t_ns)),
+        });
+        let open = if summary.cancelled() { "not yet" } else { "never" };
+        let released = wait.release_ns.map_or_else(|| open.to_owned(), time);
         rows.push(vec![wait.key.clone(), released, arrivals.collect::<Vec<_>>().join(", ")]);
     }
     let mut out = format!("\n{}", table(&rows, 3));
@@ -185,50 +222,10 @@ fn waits(summary: &Summary, most: usize) -> String {
     out
 }
 
-fn more(out: &mut String, count: usize, shown: usize, what: &str) {
+pub(crate) fn more(out: &mut String, count: usize, shown: usize, what: &str) {
     if count > shown {
         let _ = writeln!(out, "  {}", styled(DIM, format_args!("and {} more {what}", count - shown)));
     }
-}
-
-/// Diagnostics, worst first; the same one of many places once with a count.
-fn diagnostics(summary: &Summary, most: usize) -> String {
-    let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
-    for diagnostic in &summary.diagnostics {
-        let same = |g: &&mut (&Diagnostic, usize)| {
-            let what = |d: &'_ Diagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
-            what(g.0) == what(diagnostic) && g.0.text == diagnostic.text
-        };
-        match groups.iter_mut().find(same) {
-            Some(group) => group.1 += 1,
-            None => groups.push((diagnostic, 1)),
-        }
-    }
-    groups.sort_by_key(|(diagnostic, _)| std::cmp::Reverse(diagnostic.severity));
-    let mut out = String::new();
-    for (diagnostic, count) in groups.iter().take(most) {
-        out.push_str(&one(diagnostic, *count));
-    }
-    more(&mut out, groups.len(), most, "kinds of diagnostics");
-    if out.is_empty() { out } else { format!("\n{out}") }
-}
-
-fn one(d: &Diagnostic, count: usize) -> String {
-    let (word, style) = match d.severity {
-        0..=3 => ("note", DIM),
-        4..=7 => ("warning", WARN),
-        8..=15 => ("error", BAD),
-        _ => ("fatal", BAD),
-    };
-    let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
-    let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
-    let head = styled(style, format_args!("{word} {}", d.number));
-    let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
-    let mut out = format!("  {head} channel {} {place}{}{origin}{times}\n", d.channel, d.text);
-    if !d.block.is_empty() {
-        let _ = writeln!(out, "      {}", styled(DIM, &d.block));
-    }
-    out
 }
 
 #[cfg(test)]
@@ -238,6 +235,7 @@ mod tests {
     #[test]
     fn times_and_groups() {
         assert_eq!(time(61_234_567_890), "01:01.235");
+        assert_eq!(time(3_661_000_000_000), "1:01:01.000");
         let text = r#"{"state":"FAILED","makespan_ns":5000000,"channels":[{"channel":1,"name":"UPPER","state":"ENDED",
             "tools":[{"tool":3,"name":"ROUGH 80","radius":0.8,"length_offsets":[3,13]},{"tool":5}]}],
             "waits":[{"key":"M101","release_ns":null,"arrivals":[{"channel":1,"t_ns":1000000,"line":3}]}],

@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
+use counterpoint_kernel::machine::package;
+use counterpoint_lang::ident;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 
@@ -13,18 +15,21 @@ use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::codes::{self, Stage};
 use crate::error::Error;
-use crate::progress::Progress;
+use crate::progress::{Progress, Steps};
 use crate::report::{Summary, report};
 use crate::say::{self, DIM, styled};
 use crate::timeline::{Timeline, draw};
-use crate::{pack, results};
+use crate::{guess, pack, results};
+
+/// Lowest severity of a warning.
+pub(crate) const WARNING: u32 = 4;
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
-    let severity = arguments.exit_code == ExitCodes::Severity;
+    let (severity, strict) = (arguments.exit_code == ExitCodes::Severity, arguments.strict);
     match carry_out(arguments).await {
         Ok((status, _)) if severity => Ok(codes::of_job(&status)),
-        Ok((status, plain)) => Ok(plain.unwrap_or_else(|| exit_code(&status))),
+        Ok((status, plain)) => Ok(plain.unwrap_or_else(|| exit_code(&status, strict))),
         Err((_, error @ Error::Closed)) => Err(error),
         Err((stage, error)) if severity => {
             say::error(&error);
@@ -62,7 +67,12 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
-        Target { folder, program: first, arguments }.write(client, job, &summary, &text).await?;
+        let mut steps = Steps::new(arguments.quiet);
+        Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
+        steps.clear();
+        if !arguments.quiet {
+            say::talk(styled(DIM, format!("results are in {}", folder.display())));
+        }
     }
     if arguments.json {
         say::data(&text)?;
@@ -105,20 +115,31 @@ pub(crate) async fn submit(arguments: Submit) -> Result<u8, Error> {
 /// The machine to run on; a folder is put on the server first.
 async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String, Error> {
     let Some(machine) = &inputs.machine else {
-        let channels = pack::channels(&inputs.programs);
-        let name = match channels {
-            1 => "fanuc-mill",
-            2 => "fanuc-2path-lathe",
-            3 => "fanuc-3path-lathe",
-            n => return Err(Error::Usage(format!("there is no default machine for {n} channels, give --machine"))),
-        };
+        let guess = guess::machine(&inputs.programs)?;
         if !quiet {
-            let plural = if channels == 1 { "" } else { "s" };
-            say::talk(styled(DIM, format!("machine {name} (default for programs of {channels} channel{plural})")));
+            let text = format!("machine {}, guessed from {}; --machine chooses another", guess.machine, guess.why);
+            say::talk(styled(DIM, text));
         }
-        return Ok(name.to_owned());
+        return Ok(guess.machine.to_owned());
     };
-    if pack::is_folder(machine) { put_machine(client, Path::new(machine)).await } else { Ok(machine.clone()) }
+    if pack::is_folder(machine) {
+        return put_machine(client, Path::new(machine)).await;
+    }
+    if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
+        return Err(Error::Usage(format!(
+            "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
+        )));
+    }
+    let names = package::shipped_names();
+    if client.is_embedded() && !names.contains(machine) {
+        let near = ident::nearest(machine, names.iter().map(String::as_str));
+        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        return Err(Error::Usage(format!(
+            "there is no machine '{machine}': {near}Shipped are {}; one of your own is a folder with machine.toml",
+            names.join(", ")
+        )));
+    }
+    Ok(machine.clone())
 }
 
 /// Puts a machine folder on the server; gives `name@revision`.
@@ -245,9 +266,9 @@ pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
     None
 }
 
-/// Exit code of an ended job.
-pub(crate) fn exit_code(status: &v1::JobStatus) -> u8 {
-    u8::from(status.state() != v1::JobState::Succeeded)
+/// Exit code of an ended job; `strict`: warnings count as errors.
+pub(crate) fn exit_code(status: &v1::JobStatus, strict: bool) -> u8 {
+    u8::from(status.state() != v1::JobState::Succeeded || strict && status.highest_severity >= WARNING)
 }
 
 /// Columns of the terminal.
@@ -277,7 +298,13 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
-    async fn write(&self, client: &Client, job: &str, summary: &Summary, text: &[u8]) -> Result<(), Error> {
+    async fn write(
+        &self,
+        client: &Client,
+        job: &str,
+        (summary, text): (&Summary, &[u8]),
+        steps: &mut Steps,
+    ) -> Result<(), Error> {
         let folder = self.folder;
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
         let wanted = |what| self.arguments.wants(what);
@@ -292,17 +319,21 @@ impl Target<'_> {
             for &channel in channels.iter().filter(|_| wanted(what)) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
+                steps.show(&path);
                 results::file(client, job, what, channel, form, &path).await?;
             }
         }
         if channels.len() > 1 && wanted(What::Listing) {
-            results::file(client, job, What::Listing, 0, form, &folder.join(format!("{stem}.lce"))).await?;
+            let path = folder.join(format!("{stem}.lce"));
+            steps.show(&path);
+            results::file(client, job, What::Listing, 0, form, &path).await?;
         }
         if wanted(What::Console) {
             results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
         }
         for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(What::Trace)) {
             let path = folder.join(format!("{channel}.trace"));
+            steps.show(&path);
             results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
@@ -314,7 +345,9 @@ impl Target<'_> {
         ];
         for (what, format, name) in files {
             if wanted(what) {
-                results::file(client, job, what, 0, format.into(), &folder.join(name)).await?;
+                let path = folder.join(name);
+                steps.show(&path);
+                results::file(client, job, what, 0, format.into(), &path).await?;
             }
         }
         if wanted(What::Files) {

@@ -147,7 +147,7 @@ fn exit_codes_tell_what_went_wrong() {
     let path = program(folder.path(), "part.nc", "O1\nG0 X1.\nM30\n");
     assert_eq!(code(&counterpoint(&["run", "no-such-file.nc"])), 2);
     assert_eq!(code(&counterpoint(&["run", "--machine", "no-such-machine", &path])), 2);
-    assert_eq!(code(&counterpoint(&["run", &path, &path, &path, &path])), 2, "no default machine for four");
+    assert_eq!(code(&counterpoint(&["run", &path, &path, &path, &path])), 2, "no machine to guess for four");
     assert_eq!(code(&counterpoint(&["nonsense"])), 2);
     assert_eq!(code(&counterpoint(&["jobs", "--server", "http://127.0.0.1:1"])), 3);
     // A channel that waits for one without a program can never go on.
@@ -156,11 +156,66 @@ fn exit_codes_tell_what_went_wrong() {
 }
 
 #[test]
+fn a_machine_is_guessed_with_a_reason_or_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let lathe = "O1\nG50 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG1 Z-30. F0.2\nM30\n";
+    let lathe = program(folder.path(), "lathe.nc", lathe);
+    let output = counterpoint(&["run", &lathe]);
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(code(&output), 0, "{talk}");
+    assert!(talk.contains("machine fanuc-2path-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{talk}");
+    for (name, text, reason) in [
+        ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which one it is for"),
+        ("part.h", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 END PGM PART MM\n", "a Heidenhain control"),
+        ("part.mpf", "G54 G0 X10 Y20\nM30\n", "a Siemens control"),
+    ] {
+        let path = program(folder.path(), name, text);
+        let output = counterpoint(&["run", &path]);
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(code(&output), 2, "{talk}");
+        assert!(talk.contains("no machine was given") && talk.contains(reason), "{talk}");
+        assert!(output.stdout.is_empty(), "nothing was run");
+        assert_eq!(code(&counterpoint(&["run", "--exit-code", "severity", &path])), 201);
+    }
+}
+
+#[test]
+fn warnings_are_counted_and_strict_makes_them_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");
+    let warns = program(folder.path(), "warns.nc", "O1\nG0 X1. NOISE\nG0 X2. HISS\nM30\n");
+    let run = |program: &str, more: &[&str]| {
+        let output = counterpoint(&[&["run", "--machine", "fanuc-mill", program], more].concat());
+        let first = String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().to_owned();
+        (code(&output), first)
+    };
+    let (status, first) = run(&warns, &[]);
+    assert!(status == 0 && first.starts_with("SUCCEEDED, 2 warnings  "), "{first}");
+    assert_eq!(run(&warns, &["--strict"]).0, 1);
+    assert_eq!(run(&clean, &["--strict"]), (0, "SUCCEEDED  00:00.002".to_owned()));
+}
+
+#[test]
+fn a_server_that_cannot_be_reached_is_an_error_at_once() {
+    for command in ["watch", "wait", "attend", "cancel"] {
+        let output = counterpoint(&[command, "job", "--server", "http://127.0.0.1:1"]);
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(code(&output), 3, "{talk}");
+        assert!(talk.contains("no server answers at http://127.0.0.1:1") && talk.contains("counterpointd"), "{talk}");
+        let output = counterpoint(&[command, "job", "--server", "https://127.0.0.1:1"]);
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(code(&output), 2, "{talk}");
+        assert!(talk.contains("https") && talk.contains("not supported yet"), "{talk}");
+        assert_eq!(code(&counterpoint(&[command, "job", "--server", "localhost:1"])), 2);
+    }
+}
+
+#[test]
 fn exit_codes_of_the_emulated_system() {
     let folder = tempfile::tempdir().unwrap();
     let run = |program: &str, more: &[&str]| {
-        let mut arguments = vec!["run", "--exit-code", "severity", "-q", program];
-        arguments.extend(more);
+        let machine = if more.contains(&"--machine") { &[][..] } else { &["--machine", "fanuc-mill"] };
+        let arguments = [&["run", "--exit-code", "severity", "-q", program], machine, more].concat();
         code(&counterpoint(&arguments))
     };
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");

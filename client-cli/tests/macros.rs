@@ -226,6 +226,21 @@ fn explain_knows_numbers_and_names() {
         "$OPSKIPL(1..9)\nLOGICAL, can be assigned (program)\n\nTells whether an optional-skip level is on.\n";
     assert_eq!(explained("$opskipl").1, expected);
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
+    assert!(explained("CODE_DELAY").1.ends_with("It takes REG_DELAY.\n"));
+    assert!(explained("data_tool").1.contains("It is taken by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
+    assert!(explained("PS0160").1.starts_with("# 02900050: "));
+    assert!(explained("ps0161").1.starts_with("# 02900051: "));
+    assert!(explained("//").1.starts_with("//\nOperator"));
+    assert!(explained(".and.").1.starts_with(".AND. &&\nOperator"));
+    assert!(explained("!(s34)").1.contains("7.35 gives '73500'"));
+    assert!(explained("\\<").1.contains("beginning and end of a word"));
+    assert!(explained("THRU").1.contains("WHEN list"));
+    let arguments = explained("$P1").1;
+    assert!(
+        arguments.contains("tool event: 1 tool selected") && arguments.contains("code macro: the code"),
+        "{arguments}"
+    );
+    assert_eq!(explained("PS9999").0, 2);
     assert_eq!(
         explained("$FSQTR"),
         (2, String::new(), "error: nothing is called $FSQTR; did you mean $FSQRT?\n".into())

@@ -1,8 +1,9 @@
 //! docs/tutorial-control.md is true: its files are written and its commands are run from top to bottom.
 //!
 //! Fences of the page: a language and a file name write a file (`more` at its end, `first` at its beginning, `after KEY`
-//! behind the line of a key); `console` holds commands behind `$`, each with what it prints, standard output first. The
-//! folder that comes out is the shipped machine, and the programs are those of the examples.
+//! after the line of a key), and the name stands in bold above the fence; `console` holds commands after `$`, each with
+//! what it prints, standard output first. The folder that comes out is the shipped machine, and the programs are those
+//! of the examples.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
@@ -80,8 +81,11 @@ fn every_step_of_the_tutorial_is_true() {
     let page = std::fs::read_to_string(project().join("docs/tutorial-control.md")).unwrap();
     let mut lines = page.lines();
     let (mut found, mut steps) = (String::new(), 0);
+    let mut above = String::new();
     while let Some(line) = lines.next() {
         let _ = writeln!(found, "{line}");
+        let title = std::mem::take(&mut above);
+        above = if line.is_empty() { title.clone() } else { line.to_owned() };
         let Some(info) = line.strip_prefix("```") else { continue };
         let body: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
         match info.split(' ').collect::<Vec<_>>().as_slice() {
@@ -92,6 +96,7 @@ fn every_step_of_the_tutorial_is_true() {
                 }
             }
             [_, name, how @ ..] => {
+                assert!(title.starts_with(&format!("**{name}**")), "no name above the fence of {name}");
                 let text = body.join("\n") + "\n";
                 write(folder.path(), name, how, &text);
                 found.push_str(&text);

@@ -56,7 +56,7 @@ pub struct PrepareError {
 pub type WrittenFiles = Vec<(String, Arc<str>)>;
 
 /// Receives what a job logs.
-pub trait Sink {
+pub trait Sink: Send {
     /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
     /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
     fn folds(&mut self) -> Option<&mut Folds> {
@@ -116,6 +116,20 @@ impl Job {
     /// Runs the job to its end on its own threads; returns when all kernels have stopped and the sink has seen
     /// the whole log.
     pub fn run(&self, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-        crate::multi::run(self, files, control, sink)
+        if self.macros.is_none() {
+            return crate::multi::run(self, files, control, sink);
+        }
+        // Macros nest deeper than the stack of any thread that asks for a job.
+        let (shown, thread) = (&mut *sink, std::thread::Builder::new().name("job".to_owned()));
+        let ended = std::thread::scope(|scope| {
+            let work = move || crate::multi::run(self, files, control, shown);
+            let handle = thread.stack_size(crate::macros::STACK).spawn_scoped(scope, work).ok()?;
+            Some(handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        });
+        // Without a thread from the operating system the job cannot be run and counts as cancelled.
+        ended.unwrap_or_else(|| {
+            control.cancel();
+            crate::multi::run(self, files, control, sink)
+        })
     }
 }

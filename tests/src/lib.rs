@@ -1,5 +1,8 @@
 //! Shared by the tests that cross crates: running a job in process and reading its summary.
 
+pub mod processors;
+pub mod watchdog;
+
 use std::sync::Arc;
 
 use counterpoint_kernel::control::Control;
@@ -75,7 +78,7 @@ impl Work {
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
         let (job, control) = self.prepare(jitter)?;
         let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new(), files: Vec::new() };
-        let outcome = job.run(&self.files, &control, &mut sink);
+        let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
         let Collect { folds, events, files } = sink;
         Ok(Done { summary: folds.finish(&outcome).summary, events, outcome, files })
     }
@@ -87,7 +90,7 @@ impl Work {
     pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome, WrittenFiles), PrepareError> {
         let (job, control) = self.prepare(jitter)?;
         let mut sink = Fold { folds: Folds::new(job.info()), files: Vec::new() };
-        let outcome = job.run(&self.files, &control, &mut sink);
+        let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
         Ok((sink.folds.finish(&outcome), outcome, sink.files))
     }
 

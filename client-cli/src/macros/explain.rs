@@ -2,20 +2,21 @@
 //!
 //! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
 
-use counterpoint_kernel::machine::ident as control;
+use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::macros::{identifiers, system};
 use counterpoint_lang::func::{self, Way};
 use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
+use super::terms::terms;
 use crate::error::Error;
 use crate::say;
 
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
 pub(super) fn explain(what: &str) -> Result<u8, Error> {
-    match page(what).or_else(|| named(what)) {
+    match page(what).or_else(|| named(what)).or_else(|| alarm(what)) {
         Some(text) => {
             say::data(text.as_bytes())?;
             Ok(0)
@@ -30,8 +31,40 @@ fn page(what: &str) -> Option<String> {
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
+/// The pages of the diagnostics that an alarm of a control stands for: they name it.
+fn alarm(what: &str) -> Option<String> {
+    let word = what.trim().to_uppercase();
+    let letters = word.chars().take_while(char::is_ascii_alphabetic).count();
+    if word.len() < 4 || letters > 4 || !word.chars().skip(letters).all(|c| c.is_ascii_digit()) || letters == word.len()
+    {
+        return None;
+    }
+    let names = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric()).any(|one| one == word);
+    let pages: Vec<&str> = PAGES
+        .files()
+        .filter(|file| file.path().file_stem().is_some_and(|stem| stem != "README"))
+        .filter_map(|file| file.contents_utf8())
+        .filter(|text| names(text))
+        .collect();
+    if pages.is_empty() { None } else { Some(pages.join("\n")) }
+}
+
+/// What to do about a diagnostic, in one sentence: the first of that part of its page.
+pub(crate) fn remedy(number: u32) -> Option<&'static str> {
+    let page = PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()?;
+    let (_, text) = page.split_once("**What to do.** ")?;
+    let line = text.lines().next()?;
+    Some(line.split_once(". ").map_or(line, |(first, _)| first).trim_end_matches('.'))
+}
+
 /// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
 fn named(what: &str) -> Option<String> {
+    let bare = what.trim();
+    if !bare.starts_with(|c: char| c.is_ascii_alphabetic())
+        && let Some(text) = terms(bare)
+    {
+        return Some(text);
+    }
     let name = what.trim().trim_end_matches(['/', '(', ')']).to_uppercase();
     let dollar = format!("${name}");
     let word = || word(&name);
@@ -39,6 +72,7 @@ fn named(what: &str) -> Option<String> {
         .or_else(|| function(&name))
         .or_else(|| variable(&name))
         .or_else(|| identifier(&name))
+        .or_else(|| keyword(&name))
         .or_else(word)
         .or_else(|| function(&dollar))
         .or_else(|| variable(&dollar))
@@ -83,15 +117,30 @@ fn identifier(name: &str) -> Option<String> {
     let built_in = |built_in: bool| if built_in { "a built-in action" } else { "no built-in action" };
     if let Some(facts) = control::code(name).and_then(control::code_facts) {
         let group = if facts.group == 0 { "no modal group".to_owned() } else { format!("modal group {}", facts.group) };
+        let data = list("It takes", &takes::data_of(facts.name));
         return Some(format!(
-            "{}\n\nCode with {group}, order {}, {}.\n",
+            "{}\n\nCode with {group}, order {}, {}.\n{data}",
             facts.name,
             facts.order,
             built_in(facts.built_in)
         ));
     }
     let facts = control::data(name).and_then(control::data_facts)?;
-    Some(format!("{}\n\nData with {}.\n", facts.name, built_in(facts.built_in)))
+    let codes = list("It is taken by", &takes::codes_of(facts.name));
+    Some(format!("{}\n\nData with {}.\n{codes}", facts.name, built_in(facts.built_in)))
+}
+
+fn list(what: &str, names: &[&str]) -> String {
+    if names.is_empty() { String::new() } else { format!("{what} {}.\n", names.join(", ")) }
+}
+
+/// A word of statements; as a minor word it may be a value, too.
+fn keyword(name: &str) -> Option<String> {
+    let text = terms(name)?;
+    Some(match word(name) {
+        Some(word) => format!("{text}\n{word}"),
+        None => text,
+    })
 }
 
 fn word(name: &str) -> Option<String> {
@@ -131,6 +180,7 @@ mod tests {
         }
         for facts in counterpoint_kernel::diag::ALL {
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
+            assert!(remedy(facts.number).is_some_and(|text| text.len() > 5), "{}", facts.number);
         }
         let functions = func::TABLE.iter().map(|function| function.name);
         let statements = counterpoint_lang::parse::COMMANDS.iter().copied();

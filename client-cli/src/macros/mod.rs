@@ -9,6 +9,7 @@ mod explain;
 mod fmt;
 mod run;
 mod sandbox;
+mod terms;
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,7 @@ use counterpoint_lang::tools::File;
 use crate::error::Error;
 use crate::say;
 use arguments::Macro;
+pub(crate) use explain::remedy;
 
 /// Does a command; gives the exit code.
 pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {

@@ -108,6 +108,12 @@ impl Shelf for Sandbox {
         Ok(Facts { size: metadata.len(), times, mode, owner, group, allowed, folder })
     }
 
+    fn creatable(&mut self, path: &str) -> bool {
+        let folder = path.rsplit_once('/').map_or(".", |(folder, _)| folder);
+        let facts = self.folder.metadata(folder);
+        facts.is_ok_and(|facts| facts.is_dir() && !facts.permissions().readonly())
+    }
+
     fn remove(&mut self, path: &str) {
         let _ = self.folder.remove_file(path);
     }

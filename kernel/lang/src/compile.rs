@@ -3,24 +3,27 @@
 //! Invariant: all diagnostics of a file are found in one pass; a program holds code only for macros without errors.
 //! Names of shared variables and functions are resolved once, here. Facts: reference macro-language.md 1.4 to 1.6, 2, 3.
 
+mod arms;
 mod assign;
+mod call;
 mod expression;
 mod fast;
 mod flow;
 mod names;
+mod register;
 mod statement;
 mod traced;
 
 pub use traced::traced;
 
-use crate::ast::{Macro, Scope, StatementKind};
+use crate::ast::{Macro, StatementKind};
 use crate::bytecode::{Code, Declaration, MAX_CODE, Op, Shared, Slot};
 use crate::diag::{Diagnostic, Number};
 use crate::host::Environment;
 use crate::parse::{self, MAX_DIAGNOSTICS};
 use crate::source::{Source, Span};
 use crate::value::{Kind, Value};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// Which names must be declared.
@@ -197,16 +200,17 @@ fn load(
     added.diagnostics.extend(diagnostics);
     for statement in macros.iter().flat_map(|one| &one.statements) {
         if let StatementKind::Include(name) = &statement.kind {
-            if restricted(options) && depth == 0 {
+            if register::restricted(options) && depth == 0 {
                 let message = "under strong declaration INCLUD stands in the declaration macro";
                 added.diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
             }
             include(program, environment, source, (name, statement.span), options, added, depth);
         }
     }
-    let indices: Vec<u16> = macros.iter().map(|one| register(program, source, one, &mut added.diagnostics)).collect();
+    let indices: Vec<u16> =
+        macros.iter().map(|one| register::register(program, source, one, &mut added.diagnostics)).collect();
     for one in &macros {
-        share(program, source, one, options, &mut added.diagnostics);
+        register::share(program, source, one, options, &mut added.diagnostics);
     }
     for (one, index) in macros.iter().zip(indices) {
         let before = added.diagnostics.len();
@@ -253,60 +257,6 @@ fn include(
         None => {
             let message = format!("the file '{name}' cannot be read");
             added.diagnostics.push(Diagnostic::new(source, span, Number::NO_FILE, message));
-        }
-    }
-}
-
-/// Gives a macro its index, and its name if it is a function.
-fn register(program: &mut Program, source: &Arc<Source>, one: &Macro, diagnostics: &mut Vec<Diagnostic>) -> u16 {
-    let index = u16::try_from(program.macros.len()).unwrap_or(u16::MAX);
-    if index == u16::MAX {
-        diagnostics.push(Diagnostic::new(source, one.span, Number::TOO_LARGE, "there are too many macros"));
-        return index;
-    }
-    program.macros.push(Arc::new(Code::empty(source)));
-    if let Some(header) = &one.header {
-        let parameters = header.parameters.iter().map(|(_, kind)| *kind).collect();
-        let symbol = FunctionSymbol { index, parameters, result: header.result };
-        if program.functions.insert(header.name.clone(), symbol).is_some() {
-            let message = format!("the function {} is defined twice", header.name);
-            diagnostics.push(Diagnostic::new(source, header.span, Number::DUPLICATE_FUNCTION, message));
-        }
-    }
-    index
-}
-
-/// Tells whether shared variables and files of functions may not be named here.
-fn restricted(options: Options) -> bool {
-    options.strong != Strong::Off && !matches!(options.place, Place::Declaration | Place::Library)
-}
-
-/// Makes the shared variables that a macro declares.
-fn share(program: &mut Program, source: &Source, one: &Macro, options: Options, diagnostics: &mut Vec<Diagnostic>) {
-    for statement in &one.statements {
-        let StatementKind::Declare { scope, kind, channel, names } = &statement.kind else { continue };
-        if *scope == Scope::Local {
-            continue;
-        }
-        if restricted(options) {
-            let message = "under strong declaration GLOBAL and OBJECT variables are declared in the declaration macro";
-            diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
-        }
-        for declared in names {
-            let shared = if *scope == Scope::Global {
-                program.globals.push(declared.name.clone());
-                Shared::Global(u32::try_from(program.globals.len() - 1).unwrap_or(u32::MAX))
-            } else {
-                program.objects += 1;
-                Shared::Object(program.objects - 1)
-            };
-            let symbol = SharedSymbol { shared, kind: *kind, indices: declared.sizes.len(), channel: *channel };
-            if program.shared.contains_key(&declared.name) || program.functions.contains_key(&declared.name) {
-                let message = format!("{} is declared already", declared.name);
-                diagnostics.push(Diagnostic::new(source, declared.span, Number::REDECLARED, message));
-            } else {
-                program.shared.insert(declared.name.clone(), symbol);
-            }
         }
     }
 }
@@ -359,6 +309,8 @@ struct MacroCompiler<'a> {
     diagnostics: &'a mut Vec<Diagnostic>,
     code: Code,
     locals: FxHashMap<String, Local>,
+    /// Names that the macro assigns somewhere: a loop may read them before the line that does.
+    assigned: FxHashSet<String>,
     temporaries: Vec<Slot>,
     used: usize,
     place: Span,
@@ -383,6 +335,7 @@ impl<'a> MacroCompiler<'a> {
             diagnostics,
             code: Code::empty(source),
             locals: FxHashMap::default(),
+            assigned: FxHashSet::default(),
             temporaries: Vec::new(),
             used: 0,
             place: Span::default(),
@@ -396,6 +349,7 @@ impl<'a> MacroCompiler<'a> {
         self.code.name = self.source.name.clone();
         self.place = one.span;
         self.declare_locals(one);
+        self.note_assigned(one);
         if let Some(header) = &one.header {
             self.header(header);
         }

@@ -354,6 +354,9 @@ pub static TABLE: &[Function] = &[
     missing("$FEDRAP", POST),
 ];
 
+/// `$FFIND` where its first argument is an element of a system variable.
+pub(crate) static FIND_IN_SYSTEM: Function = pure("$FFIND()", "naaN+", R, text::find_in_system);
+
 /// Finds a function by its name, upper case.
 #[must_use]
 pub fn named(name: &str) -> Option<&'static Function> {

@@ -196,6 +196,12 @@ pub trait Host: Registers {
         0
     }
 
+    /// Tells whether a file of this name could be written: 0, else the status for `$ERRNO`.
+    fn may_write(&mut self, path: &str) -> i32 {
+        let _ = path;
+        0
+    }
+
     /// Text of a file, none if it cannot be read.
     fn read_file(&mut self, path: &str) -> Option<String>;
 

@@ -3,6 +3,7 @@
 //! Invariant: words are looked up in upper case; every word and code appears once per table. Facts: the lists of
 //! minor, major and reserved words of the reference.
 
+use crate::value::Record;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
@@ -57,6 +58,36 @@ pub fn major_code(word: &str) -> Option<i32> {
 #[must_use]
 pub fn major_name(subclass: i32) -> Option<&'static str> {
     major().names.get(&subclass).copied()
+}
+
+/// The record that a word names: a major word, or a reserved word of the post product that is a record of its own. The
+/// numbers of the latter are those of cutter location data; class 29000 is this project's own, for words without one.
+#[must_use]
+pub fn record(word: &str) -> Option<Record> {
+    let reserved = || records().iter().find(|(name, _)| *name == word).map(|(_, record)| *record);
+    major_code(word).map(|subclass| Record { class: MAJOR_CLASS, subclass }).or_else(reserved)
+}
+
+/// Word that names a record.
+#[must_use]
+pub fn record_name(record: Record) -> Option<&'static str> {
+    if record.class == MAJOR_CLASS {
+        return major_name(record.subclass);
+    }
+    records().iter().find(|(_, other)| *other == record).map(|(name, _)| *name)
+}
+
+fn records() -> &'static [(&'static str, Record)] {
+    static TABLE: OnceLock<Vec<(&'static str, Record)>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let row = |line: &'static str| {
+            let mut parts = line.split('\t');
+            let name = parts.next()?;
+            let mut number = || parts.next()?.trim().parse().ok();
+            Some((name, Record { class: number()?, subclass: number()? }))
+        };
+        include_str!("../data/record-words.tsv").lines().filter_map(row).collect()
+    })
 }
 
 /// What a reserved word serves.
@@ -140,6 +171,12 @@ mod tests {
         assert_eq!(reserved("WHILE"), Some(Reserved::Control));
         assert_eq!(reserved("GOTO"), Some(Reserved::Post));
         assert_eq!(reserved("MATCH"), Some(Reserved::Control));
+        assert_eq!(record("GOTO"), Some(Record { class: 5000, subclass: 5 }));
+        assert_eq!(record("COOLNT"), Some(Record { class: MAJOR_CLASS, subclass: 1030 }));
+        for (name, record) in records() {
+            assert!(reserved(name).is_some() && minor_code(name).is_none() && major_code(name).is_none(), "{name}");
+            assert_eq!(record_name(*record), Some(*name));
+        }
         assert!(needs_percent("ON") && !needs_percent("ZTOP"));
     }
 

@@ -60,7 +60,8 @@ pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
             }
         }
     }
-    if !current.statements.is_empty() || current.header.is_some() {
+    // A file without statements is a macro that does nothing.
+    if !current.statements.is_empty() || current.header.is_some() || (macros.is_empty() && diagnostics.is_empty()) {
         macros.push(current);
     }
     (macros, diagnostics)

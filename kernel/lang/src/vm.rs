@@ -50,7 +50,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { ticks: 50_000_000, depth: 64, text: 1 << 20, elements: 1_000_000, units: 10, memory: 256 << 20 }
+        Limits { ticks: 50_000_000, depth: 100_000, text: 1 << 20, elements: 1_000_000, units: 10, memory: 256 << 20 }
     }
 }
 

@@ -54,7 +54,7 @@ const ENDLESS: &[(&str, &str, &str, u32)] = &[
     ("splitting", TEXT, "B=$FSPLIT(T,'5')", 81920),
     ("backtracking", "X='aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'", "B=$FMATCH(X,'\\(a*\\)*\\(a*\\)*b')", 0),
     ("new patterns", "", "B=$FMATCH('x',$FSWRIT('!(*)\\(a\\{200\\}\\)\\{90\\}',N))", 13000),
-    ("new formats", TEXT, "B=$FSWRIT($FSWRIT('!(*)!!(*)',T,N),1)", 81920),
+    ("new formats", TEXT, "B=$FSWRIT($FSWRIT('!(*)!!(*)!(*)',T,N),1)", 81920),
     ("a list as text", SEQUENCE, "B=$FSWRIT('!(*)',C)", 80000),
     ("sorting", SEQUENCE, "B=$FSORT(C)", 800000),
     ("other letters", TEXT, "B=$FTOLOWR(T)\nB=$FTRIM(T,'0')", 163840),

@@ -12,7 +12,7 @@
 
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
 use counterpoint_lang::func;
-use counterpoint_lang::host::{Answer, Test};
+use counterpoint_lang::host::{Answer, Domain, SystemVariable, Test};
 use counterpoint_lang::parse;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::tools::{self, Style};
@@ -80,6 +80,9 @@ fn options(example: &Example) -> Options {
 fn host(example: &Example) -> Test {
     let mut host = Test::new();
     host.variable("$TAPEN", Some(Kind::Text), false);
+    let table = SystemVariable { name: "$TLTAB".to_owned(), kind: None, writable: true, indices: 2 };
+    let domain = Domain { indices: vec![Some(9), Some(20)], ..Domain::default() };
+    host.system_variable(table, Value::Null, domain);
     host.set_system("$TAPEN", Value::text("jobs/flange.nc"));
     host.group("CODE_RAPID", 1);
     host.group("CODE_INTERP_LINEAR", 1);

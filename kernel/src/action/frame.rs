@@ -152,6 +152,7 @@ impl Kernel<'_> {
         if wanted == self.place.shift {
             return;
         }
+        let before = self.counts_from();
         if self.place.frames.is_some() {
             self.settle_for_macro();
             let levels = self.cycle_levels();
@@ -167,6 +168,7 @@ impl Kernel<'_> {
             }
             self.place.shift = wanted;
         }
+        self.keep_ways(before);
         self.emit(0, Kind::Frame { shift: Box::new(wanted) });
     }
 

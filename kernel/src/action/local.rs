@@ -57,6 +57,7 @@ pub(super) fn of(id: crate::machine::ident::CodeId) -> Option<(Part, Change)> {
 pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Acted {
     let has = kernel.place.has_axes();
     let levels = kernel.cycle_levels();
+    let before = kernel.counts_from();
     let made = match (part, change) {
         (Part::Mirror, Change::Off) => {
             let given = fewer_mirrors(kernel);
@@ -87,6 +88,7 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
         refuse(kernel, refused);
     }
     kernel.frames_changed();
+    kernel.keep_ways(before);
     kernel.keep_levels(levels);
     let text = kernel.frame_text();
     kernel.emit(0, Kind::Mode { text: text.into() });

@@ -116,14 +116,25 @@ impl Kernel<'_> {
         if self.block.machine_frame {
             let machine = self.machine_point(&self.place.position);
             let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
+            self.ways_travelled(coded);
             return (coded, self.program_point(&self.point_of_machine(&target)));
         }
         let from = self.programmed();
+        let counted = self.counted();
         let shift = |kernel: &Self, axis: usize| kernel.place.shift.get(axis).copied();
-        match self.polar() {
-            Some(polar) => self.axis_words(from, shift, |kernel, axis| kernel.take_polar(polar, axis)),
-            None => self.axis_words(from, shift, Self::take_axis),
+        let (coded, mut target) = match self.polar() {
+            Some(polar) => self.axis_words(counted, shift, |kernel, axis| kernel.take_polar(polar, axis)),
+            None => self.axis_words(counted, shift, Self::take_axis),
+        };
+        if counted != from {
+            for (at, (slot, from)) in target.iter_mut().zip(from).enumerate() {
+                if coded & 1 << at == 0 {
+                    *slot = from;
+                }
+            }
         }
+        self.ways_travelled(coded);
+        (coded, target)
     }
 
     /// Takes the word of an axis.

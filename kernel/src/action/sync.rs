@@ -77,12 +77,17 @@ fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
         Mark::Stop | Mark::Word => (data::SYNC_STOP, 'E'),
     };
     let number = kernel.take(id).map_or(0.0, |d| d.value) as u32;
-    let heads = Set::up_to(2);
+    let heads = heads(kernel);
     if passes(kernel) || !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 {
         return pass(kernel);
     }
     let (primitive, named) = (Primitive::Barrier, Set::default());
     arrive(kernel, Spec { primitive, letter, number, named, parts: heads, style: Style::NoList })
+}
+
+/// The first two channels.
+fn heads(kernel: &Kernel<'_>) -> Set {
+    kernel.machine.channels.iter().take(2).map(|channel| channel.number).collect()
 }
 
 /// The channel never waits.
@@ -111,8 +116,8 @@ pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted 
         }
         CodeForm::Text(_) | CodeForm::NotApplicable => 'M',
     };
-    let count = kernel.machine.channels.len() as u16;
-    let spec = match participants(paths, kernel.machine.sync.paths, count) {
+    let all: Set = kernel.machine.channels.iter().map(|channel| channel.number).collect();
+    let spec = match participants(paths, kernel.machine.sync.paths, all) {
         Ok(Some(named)) => Spec {
             primitive: Primitive::Barrier,
             letter,
@@ -126,7 +131,7 @@ pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted 
             letter,
             number: number as u32,
             named: Set::default(),
-            parts: Set::up_to(2),
+            parts: all,
             style: Style::NoList,
         },
         Err(reason) => {
@@ -138,8 +143,9 @@ pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted 
 }
 
 /// Channels of a P word: `None` without P, which only two channels may do.
-fn participants(paths: Option<f64>, form: PathsForm, count: u16) -> Result<Option<Set>, String> {
+fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<Set>, String> {
     let Some(value) = paths else {
+        let count = all.iter().count();
         return if count == 2 {
             Ok(None)
         } else {
@@ -150,13 +156,15 @@ fn participants(paths: Option<f64>, form: PathsForm, count: u16) -> Result<Optio
         return Err(format!("P{value} is not a positive whole number"));
     }
     let value = value as u64;
-    let all = Set::up_to(count);
-    let bits = || (value > 0 && value & !all.0 == 0).then_some(Set(value));
+    let bits = || {
+        let set = Set(value.into());
+        (value > 0 && set.iter().all(|channel| all.has(channel))).then_some(set)
+    };
     let list = || {
         let mut set = Set::default();
         for digit in value.to_string().bytes() {
             let channel = if digit == b'0' { 10 } else { u16::from(digit - b'0') };
-            if channel > count {
+            if !all.has(channel) {
                 return None;
             }
             set = set.with(channel);
@@ -187,7 +195,15 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let waiting = Waiting { spec, tag, file, line };
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
     kernel.control.disturb(kernel.rank);
-    let met = kernel.coordinator.meet(&waiting, |look| kernel.emitter.work(look));
+    let met = kernel.coordinator.meet(
+        &waiting,
+        kernel,
+        |kernel| {
+            kernel.emitter.flush(tag);
+            kernel.progress.stand(wait.clone());
+        },
+        |kernel, look| kernel.emitter.work(look),
+    );
     kernel.control.disturb(kernel.rank);
     let wake = match met {
         Met::Woken(wake) => wake,
@@ -338,9 +354,13 @@ mod tests {
             (1.5, PathsForm::List, 3, Err(())),
             (0.0, PathsForm::Bits, 3, Err(())),
         ] {
-            assert_eq!(participants(Some(value), form, count).map_err(|_| ()), expected, "{value} {form:?}");
+            assert_eq!(
+                participants(Some(value), form, Set::up_to(count)).map_err(|_| ()),
+                expected,
+                "{value} {form:?}"
+            );
         }
-        assert_eq!(participants(None, PathsForm::Bits, 2), Ok(None));
-        assert!(participants(None, PathsForm::List, 3).is_err());
+        assert_eq!(participants(None, PathsForm::Bits, Set::up_to(2)), Ok(None));
+        assert!(participants(None, PathsForm::List, Set::up_to(3)).is_err());
     }
 }

@@ -77,7 +77,7 @@ impl Kernel<'_> {
 
     /// Register of the sequence numbers that the head of this channel has of its own.
     pub(crate) fn own_sequence(&self) -> Option<u8> {
-        let own = usize::from(self.rank).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
+        let own = usize::from(self.kernel_number()).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
         own.copied().flatten()
     }
 

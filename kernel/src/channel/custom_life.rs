@@ -100,6 +100,7 @@ impl Kernel<'_> {
         if let Some(interpreter) = self.interpreter.as_deref_mut() {
             interpreter.begin(reset);
         }
+        self.interpreter_started();
         self.plain_macro(Hook::ProgramStartup)?;
         self.follow()
     }

@@ -5,7 +5,7 @@
 
 use crate::job::Sink;
 use crate::log::event::{Event, Kind};
-use crate::multi::coordinator::Coordinator;
+use crate::multi::coordinator::switch::Port;
 use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
 use crate::multi::tag::Tag;
@@ -49,7 +49,7 @@ pub(crate) struct Held<'a> {
 /// Collects events into chunks and hands them on.
 pub(crate) struct Emitter<'a> {
     rank: u16,
-    coordinator: &'a Coordinator,
+    coordinator: Port<'a>,
     target: Target<'a>,
     /// Always [`size`](Self::size) events long; those from `count` on are left over from before.
     chunk: Vec<Event>,
@@ -65,7 +65,7 @@ fn blank() -> Event {
 }
 
 impl<'a> Emitter<'a> {
-    pub(crate) fn new(rank: u16, coordinator: &'a Coordinator, mut target: Target<'a>) -> Self {
+    pub(crate) fn new(rank: u16, coordinator: Port<'a>, mut target: Target<'a>) -> Self {
         let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
             Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
@@ -204,7 +204,7 @@ impl<'a> Emitter<'a> {
                 let events = std::mem::replace(&mut self.chunk, next.unwrap_or_default());
                 let _ = feeder.messages.send(Message::Chunk { rank: self.rank, events, upto });
                 if empty {
-                    self.chunk = self.coordinator.wait_credit(upto, || feeder.wait_empty());
+                    self.chunk = self.coordinator.wait_chunk(upto, feeder, Feeder::try_empty, Feeder::wait_empty);
                 }
                 self.chunk.resize_with(self.size, blank);
             }

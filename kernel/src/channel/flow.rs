@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 
 use super::custom_calls::{Called, Callee};
 use super::modal_call::ModalCall;
+use super::passes::Passes;
 use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
 use super::{Acted, Halt, Kernel};
@@ -72,23 +73,6 @@ pub(crate) enum Pending {
     End(Stop),
 }
 
-/// A loop as seen by the last backward jump.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Pass {
-    /// File, target line and line of the jump.
-    pub(crate) key: (FileId, u32, u32),
-    /// Passes so far.
-    pub(crate) count: u64,
-    /// Clock at the last jump.
-    pub(crate) clock: i64,
-    /// Something happened in this pass that the next one could see.
-    pub(crate) effects: bool,
-    /// A shared variable was read in this pass.
-    pub(crate) polled: bool,
-    /// Nobody else was left to change a variable when this pass began.
-    pub(crate) alone: bool,
-}
-
 /// Program flow of a channel.
 #[derive(Debug, Default)]
 pub(crate) struct Flow {
@@ -100,7 +84,7 @@ pub(crate) struct Flow {
     pub(crate) modal_call: Option<Box<ModalCall>>,
     /// The pre-processor of another control calls behind blocks that move.
     pub(crate) modal_text: bool,
-    pub(crate) pass: Pass,
+    pub(crate) pass: Passes,
     /// A line may run again, so compiled lines are worth keeping.
     pub(crate) caching: bool,
     /// Compiled lines of the pre-processor.
@@ -292,8 +276,10 @@ impl Kernel<'_> {
             && frame.repeats > 0
         {
             frame.repeats -= 1;
-            (frame.next, frame.offset) = (frame.range.first, 0);
+            let (first, last) = (frame.range.first, frame.range.last);
+            (frame.next, frame.offset) = (first, 0);
             self.interpreter_again();
+            self.end_pass(first, last)?;
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
         if let Some(frame) = self.flow.frames.pop() {
@@ -354,34 +340,10 @@ impl Kernel<'_> {
 
     /// Goes on at a line of the current program; a jump back ends a pass of a loop.
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
-        let from = self.line;
-        if let Some(frame) = self.frame() {
-            (frame.next, frame.offset) = (line, 0);
-        }
+        let Some(frame) = self.frame() else { return Ok(()) };
+        // After a return this is the line of the call.
+        let from = if frame.offset > 0 { frame.next } else { frame.next.saturating_sub(1) };
+        (frame.next, frame.offset) = (line, 0);
         if line <= from { self.end_pass(line, from) } else { Ok(()) }
-    }
-
-    /// Counts a pass; one that took no time costs a tick, and one that only polls may be hopeless.
-    fn end_pass(&mut self, target: u32, from: u32) -> Acted {
-        self.flow.caching = true;
-        let key = (self.file, target, from);
-        let pass = self.flow.pass;
-        let count = if pass.key == key { pass.count + 1 } else { 1 };
-        let timeless = pass.key == key && pass.clock == self.clock;
-        let idle = self.idle_blocks;
-        let mut alone = false;
-        if timeless {
-            self.advance(self.machine.sync.poll_ns);
-            // A tick is not progress, unless the loop looks at what others may change.
-            self.idle_blocks = if pass.polled { 0 } else { idle };
-            if pass.polled && !pass.effects {
-                alone = self.is_alone()?;
-                if alone && pass.alone {
-                    return Err(self.spinning(target));
-                }
-            }
-        }
-        self.flow.pass = Pass { key, count, clock: self.clock, effects: false, polled: false, alone };
-        Ok(())
     }
 }

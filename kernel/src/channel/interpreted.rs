@@ -88,6 +88,12 @@ impl Kernel<'_> {
         Some(done)
     }
 
+    pub(super) fn interpreter_started(&mut self) {
+        if self.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
+        }
+    }
+
     #[inline]
     pub(super) fn interpreter_entered(&mut self) {
         if self.interpreter.is_some() {
@@ -307,8 +313,9 @@ impl Host for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
         let programmed = self.programmed();
         let machine = self.machine_point(&self.place.position);
-        let values = programmed.iter().zip(machine.iter());
-        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), (work, machine))| {
+        let counted = self.counted();
+        let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
+        let places = self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
             let named = self.machine.axes.get(axis.machine)?;
             let factor = self.program_factor(at);
             Some(AxisPlace {
@@ -316,6 +323,7 @@ impl Host for Kernel<'_> {
                 letter: named.letter.clone(),
                 diameter: self.factor_across(at) * axis.scale < 1.0,
                 work: work / factor,
+                from: from / factor,
                 machine: machine / factor,
             })
         });
@@ -324,6 +332,10 @@ impl Host for Kernel<'_> {
 
     fn relative(&self) -> bool {
         self.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+    }
+
+    fn moves_straight(&self) -> bool {
+        matches!(self.modal.code(group::MOTION), Some(codes::RAPID | codes::INTERP_LINEAR))
     }
 
     fn second(&self, register: &str) -> Option<String> {

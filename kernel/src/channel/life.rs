@@ -45,6 +45,7 @@ impl Kernel<'_> {
         self.initial_frame();
         self.load(file)?;
         self.tell_leader(file, range);
+        self.interpreter_started();
         self.begin_macros()
     }
 
@@ -172,7 +173,7 @@ impl Kernel<'_> {
     }
 
     fn what_it_did(&self, reason: &str) -> String {
-        let pass = self.flow.pass;
+        let pass = self.flow.pass.last();
         let name = self.info.file_name(self.file);
         if pass.count > 1 {
             let (_, first, last) = pass.key;

@@ -26,6 +26,7 @@ pub(crate) mod life;
 mod macro_call;
 pub(crate) mod macros;
 mod modal_call;
+mod passes;
 pub(crate) mod plan;
 pub(crate) mod read;
 pub(crate) mod remarks;
@@ -56,6 +57,7 @@ use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
 use crate::macros::runtime::Runtime;
+use crate::multi::coordinator::switch::Port;
 use crate::multi::coordinator::{Coordinator, Inner};
 use crate::multi::tag::Tag;
 use crate::options::Options;
@@ -84,7 +86,7 @@ pub(crate) struct Kernel<'a> {
     pub(crate) options: &'a Options,
     pub(crate) files: &'a dyn Files,
     pub(crate) plan: &'a Plan,
-    pub(crate) coordinator: &'a Coordinator,
+    pub(crate) coordinator: Port<'a>,
     pub(crate) control: &'a Control,
     pub(crate) progress: &'a Progress,
     pub(crate) emitter: Emitter<'a>,
@@ -150,6 +152,12 @@ impl Kernel<'_> {
         Tag { t: self.clock, micro: self.micro, rank: self.rank }
     }
 
+    /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
+    pub(crate) fn kernel_number(&self) -> u16 {
+        let channels = self.machine.channels.iter().zip(1_u16..);
+        channels.into_iter().find(|(channel, _)| channel.number == self.rank).map_or(0, |(_, at)| at)
+    }
+
     /// Adds an event of this block at the clock.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
@@ -187,7 +195,7 @@ impl Kernel<'_> {
         let coordinator = self.coordinator;
         if self.rank == 0 {
             // The master works while no channel does.
-            return Ok(operation(&mut coordinator.lock(), coordinator));
+            return Ok(operation(&mut coordinator.lock(), coordinator.core()));
         }
         if self.emitter.is_late(self.clock) {
             self.settle()?;
@@ -204,7 +212,7 @@ impl Kernel<'_> {
                 }
             },
         };
-        let result = operation(&mut guard, coordinator);
+        let result = operation(&mut guard, coordinator.core());
         coordinator.leave(&mut guard);
         drop(guard);
         self.control.disturb(self.rank);

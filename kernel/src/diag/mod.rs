@@ -92,7 +92,7 @@ diagnostics! {
     SIEMENS_DEFINITION 2900201 12 true "variable that cannot be defined";
     SIEMENS_ARGUMENTS 2900202 12 true "arguments that do not fit the subprogram";
     SIEMENS_FRAME 2900203 8 false "frame that the machine has no words for";
-    SIEMENS_ALARM 2900204 0 false "alarm that the program sets";
+    SIEMENS_ALARM 2900204 4 false "alarm of the program that is only shown";
     SIEMENS_IGNORED 2900205 4 false "part of a statement that is not carried out";
     SIEMENS_FILE 2900206 4 false "definition file that does not exist";
     STATEMENT_UNKNOWN 2900240 8 false "statement of a control that its pre-processor does not understand";
@@ -126,8 +126,11 @@ diagnostics! {
     TEXT_OF_NO_PROGRAM 2900171 4 false "text of a file that belongs to no program";
     RUNS_INTO_DEFINITION 2900172 4 false "program that runs into the definition behind it";
     OKUMA_UNKNOWN 2900180 8 false "variable or function that nobody knows (Okuma)";
-    OKUMA_CONTINUED 2900181 8 false "line that goes on with the block above it (Okuma)";
+    OKUMA_CONTINUED 2900181 8 false "line that goes on with a block that is not above it (Okuma)";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
+    SIEMENS_STOP 2900365 12 true "alarm of the program that stops the channel";
+    NO_TEETH 2900366 12 true "feed per tooth without the number of teeth";
+    OKUMA_ALARM 2900367 12 true "alarm of the user (Okuma)";
 }
 
 #[cfg(test)]

@@ -29,6 +29,9 @@ pub(crate) trait Interpreter: Send {
     /// 5.8).
     fn begin(&mut self, reset: bool);
 
+    /// The main program is about to run; its file is loaded.
+    fn started(&mut self, _host: &mut dyn Host) {}
+
     /// A subprogram begins: one that [`Host::call`] asked for, or another that words called.
     fn entered(&mut self, host: &mut dyn Host);
 
@@ -125,6 +128,8 @@ pub(crate) struct AxisPlace {
     pub(crate) diameter: bool,
     /// Where it is in the frame of the program, as the program counts now.
     pub(crate) work: f64,
+    /// What incremental words count from: where it is, or where it was before a change of frames that is to be travelled.
+    pub(crate) from: f64,
     /// Where it is in the machine frame, as the program counts now.
     pub(crate) machine: f64,
 }
@@ -249,6 +254,9 @@ pub(crate) trait Host {
 
     /// Positions count from where the axes stand.
     fn relative(&self) -> bool;
+
+    /// Moves are rapid or straight unless a block says otherwise.
+    fn moves_straight(&self) -> bool;
 
     /// Name of the incremental form of a register.
     fn second(&self, register: &str) -> Option<String>;

@@ -104,29 +104,34 @@ impl Folds {
         });
         let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
         for (lane, channel) in lanes.into_iter().zip(&info.channels) {
-            let Lane { number, digest, mut tally, mut bars, track, program, tools, .. } = lane;
+            let Lane { number, digest, mut tally, mut bars, track, program, tools, spans, .. } = lane;
             let stay = meetings.standing(number);
             let since = stay.map(|stay| stay.since_ns);
             let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
             if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
                 bars.wait(stay.since_ns, end_ns, stay);
             }
-            rows.push(timeline::Channel::new(channel, bars.finish(end_ns), (state, end_ns), tally.wait_ns));
+            let tools = tools.finish();
+            let spans = spans.finish(&info, &tools, end_ns);
+            let bars = (bars.finish(end_ns), spans);
+            rows.push(timeline::Channel::new(channel, bars, (state, end_ns), tally.wait_ns));
             let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
             if let Some(file) = program {
                 info.file_name(file).clone_into(&mut end.program);
             }
-            end.tools = tools.finish();
+            end.tools = tools;
             ends.push(end);
             tracks.push(track);
             digests.push((number, digest));
         }
         let meetings = meetings.finish();
         let digest = digest::log(digests.into_iter());
+        let tracks = tracks.into_iter().zip(&rows).map(|(track, row)| (track, row.tools.as_slice())).collect();
+        let toolpath = toolpath::Toolpath::new(&info, tracks);
         Results {
             summary: findings.finish(ends, meetings.clone(), outcome.cancelled, digest),
             timeline: Timeline::new(&info, rows, meetings),
-            toolpath: toolpath::Toolpath::new(&info, tracks),
+            toolpath,
         }
     }
 }

@@ -62,6 +62,8 @@ pub struct Channel {
     pub file: FileId,
     /// Axes in channel order.
     pub axes: Vec<Axis>,
+    /// Its tools work from below the turning axis.
+    pub lower: bool,
 }
 
 /// An axis as results need it.

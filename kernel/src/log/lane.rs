@@ -8,6 +8,7 @@ use crate::log::digest::Digest;
 use crate::log::event::{Event, FileId, Kind, MotionKind, Phase};
 use crate::log::info::{self, Info};
 use crate::log::meetings::Stay;
+use crate::log::spans::Spans;
 use crate::log::summary::tally::Tally;
 use crate::log::timeline::bars::Bars;
 use crate::log::told::Told;
@@ -34,6 +35,8 @@ pub(crate) struct Lane {
     pub(super) last_ns: i64,
     /// Its tools.
     pub(super) tools: Tools,
+    /// When they were in work.
+    pub(super) spans: Spans,
     /// File that the kernel started with, when it is not the one given to it by the job.
     pub(super) program: Option<FileId>,
 }
@@ -52,6 +55,7 @@ impl Lane {
             told: Vec::new(),
             last_ns: 0,
             tools: Tools::default(),
+            spans: Spans::default(),
             program: None,
         }
     }
@@ -84,7 +88,7 @@ impl Lane {
             Kind::Motion(motion) => {
                 let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
                 self.work(work, event);
-                self.track.motion(motion);
+                self.track.motion(motion, (event.file, event.line));
             }
             _ => self.other(event),
         }
@@ -116,6 +120,9 @@ impl Lane {
             }
             kind => {
                 self.tools.event(kind);
+                if let Some(tool) = self.spans.event(event) {
+                    self.track.tool(tool);
+                }
                 if let Some(work) = Work::of(kind) {
                     self.work(work, event);
                 }

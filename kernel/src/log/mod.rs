@@ -11,6 +11,7 @@ pub mod jsonl;
 pub(crate) mod lane;
 pub mod listing;
 mod meetings;
+pub mod spans;
 pub mod summary;
 mod svg;
 pub mod timeline;

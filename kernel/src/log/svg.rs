@@ -33,6 +33,23 @@ pub(crate) fn text(out: &mut String, at: (f64, f64), size: u8, anchor: &str, col
     );
 }
 
+/// Width of a text in pixels, as wide as any usual font draws it.
+pub(crate) fn width(text: &str, size: u8) -> f64 {
+    text.chars().count() as f64 * f64::from(size) * 0.62
+}
+
+/// A text that is no wider than so many pixels, cut with an ellipsis; empty when not even two letters fit.
+pub(crate) fn fit(text: &str, size: u8, room: f64) -> String {
+    if width(text, size) <= room {
+        return text.to_owned();
+    }
+    let most = (room / (f64::from(size) * 0.62)) as usize;
+    match most {
+        0..3 => String::new(),
+        most => text.chars().take(most - 1).collect::<String>().trim_end().chars().chain(['…']).collect(),
+    }
+}
+
 /// Opening of a picture with a white ground.
 pub(crate) fn open(out: &mut String, width: f64, height: f64) {
     let _ = write!(
@@ -114,6 +131,14 @@ mod tests {
     fn steps_are_round() {
         assert_eq!([round_step(100.0, 10.0), round_step(101.0, 10.0), round_step(0.3, 4.0)], [10.0, 20.0, 0.1]);
         assert_eq!(round_step(0.0, 4.0), 1.0);
+    }
+
+    #[test]
+    fn long_texts_end_with_an_ellipsis() {
+        assert_eq!(fit("UPPER", 12, 100.0), "UPPER");
+        assert_eq!(fit("MAIN SPINDLE TURRET", 10, 62.0), "MAIN SPIN…");
+        assert_eq!(fit("MAIN SPINDLE", 10, 37.5), "MAIN…", "no blank before it");
+        assert_eq!(fit("MAIN", 10, 15.0), "");
     }
 
     #[test]

@@ -30,6 +30,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         program: format!("jobs/p{}.nc", index + 1),
         lines: (1, 99),
         file: index as u16,
+        lower: index == 1,
         axes: axes.iter().map(axis).collect(),
     };
     let file = |(index, text): (usize, &&str)| {

@@ -12,6 +12,7 @@ mod tests;
 use serde::Serialize;
 
 use crate::log::info::{self, Info};
+use crate::log::spans::Span;
 use crate::log::summary::{ChannelState, Waits};
 use bars::Bar;
 
@@ -40,6 +41,9 @@ pub struct Channel {
     pub name: String,
     /// What it did.
     pub bars: Vec<Bar>,
+    /// Its tools in work, left out without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tools: Vec<Span>,
     /// Program, for the title of the picture.
     #[serde(skip)]
     pub program: String,
@@ -55,15 +59,15 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// From the bars of a channel, its state, where it ended and how long it waited.
+    /// From the bars and tools of a channel, its state, where it ended and how long it waited.
     pub(crate) fn new(
         channel: &info::Channel,
-        bars: Vec<Bar>,
+        (bars, tools): (Vec<Bar>, Vec<Span>),
         (state, end_ns): (ChannelState, i64),
         wait_ns: i64,
     ) -> Self {
         let (name, program) = (channel.name.clone(), channel.program.clone());
-        Self { channel: channel.number, name, bars, program, state, end_ns, wait_ns }
+        Self { channel: channel.number, name, bars, tools, program, state, end_ns, wait_ns }
     }
 }
 

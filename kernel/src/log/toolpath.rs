@@ -4,11 +4,14 @@
 //! Everything else is X Y Z, seen from above and from the front. Invariant: a channel holds [`store::MOST`] moves at
 //! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
 //!
-//! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, truncated, segments}]}`. A segment is either
+//! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, side, tools, truncated, segments}]}`. `side` is
+//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed all the same. `tools`
+//! are those that moved, `{tool, name}`. A segment is either
 //! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
 //! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
 //! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space, or
-//! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to 0.0001.
+//! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to
+//! 0.0001. Every segment has `tool` (0 before the first one), `file` and `lines`: the line of each of its moves.
 
 mod json;
 pub mod store;
@@ -16,11 +19,14 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
-use crate::log::event::{Motion, MotionKind, Position};
+use crate::log::event::{FileId, Motion, MotionKind, Position};
 use crate::log::geometry::{Loop, Sweep, scale};
 use crate::log::info::{self, Info, Unit};
+use crate::log::spans::Span;
 use store::{Curve, Move, Path, Stroke};
 
 /// Longest chord of a circle in space, radians.
@@ -28,6 +34,9 @@ const CHORD: f64 = std::f64::consts::TAU / 120.0;
 
 /// Chords of a circle with many turns that is seen from its side.
 const MOST_CHORDS: f64 = 4000.0;
+
+/// Tools that are told apart.
+const MOST_TOOLS: usize = 500;
 
 /// How the path is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -74,7 +83,12 @@ pub struct Channel {
     pub program: String,
     /// Its path.
     pub path: Path,
+    /// It works from below the turning axis.
+    pub lower: bool,
+    /// Names of its tools, by number, in the order of their first motion.
+    pub tools: Vec<(u32, String)>,
     view: View,
+    info: Arc<Info>,
 }
 
 /// Where a channel's coordinates come from.
@@ -128,6 +142,8 @@ pub(crate) struct Track {
     axes: Vec<info::Axis>,
     eyes: Eyes,
     path: Path,
+    /// Tool in work.
+    tool: u32,
     /// Where the last motion ended.
     end: Option<Position>,
 }
@@ -148,50 +164,57 @@ impl Track {
             axes: channel.axes.clone(),
             eyes: Eyes::new(channel, view(info)),
             path: Path::with_capacity(lines as usize),
+            tool: 0,
             end: None,
         }
     }
 
-    /// The next motion.
+    /// A tool has been loaded.
+    pub(crate) fn tool(&mut self, tool: u32) {
+        self.tool = tool;
+    }
+
+    /// The next motion, and the file and line of its block.
     #[inline]
-    pub(crate) fn motion(&mut self, motion: &Motion) {
+    pub(crate) fn motion(&mut self, motion: &Motion, (file, line): (FileId, u32)) {
+        self.path.mark(self.tool, file);
         let (stroke, curve) = match motion.kind {
             MotionKind::Rapid => (Stroke::Rapid, None),
             MotionKind::Thread => (Stroke::Thread, None),
             MotionKind::Linear => (Stroke::Feed, None),
             MotionKind::ArcSpace => {
-                self.around(motion);
+                self.around(motion, line);
                 (Stroke::Feed, None)
             }
             MotionKind::ArcCw | MotionKind::ArcCcw => {
                 let sweep = Sweep::of(motion, &self.axes);
                 let curve = sweep.as_ref().and_then(|sweep| self.eyes.curve(sweep, motion));
                 if let (Some(sweep), None) = (&sweep, &curve) {
-                    self.aside(motion, sweep);
+                    self.aside(motion, sweep, line);
                 }
                 (Stroke::Feed, curve)
             }
         };
-        self.begin(motion);
+        self.begin(motion, line);
         self.end = Some(motion.to);
-        self.path.push(Move::new(stroke, self.eyes.point(&motion.to)), curve);
+        self.path.push(Move::new(stroke, self.eyes.point(&motion.to), line), curve);
     }
 }
 
 impl Track {
     /// The path goes on where the motion begins.
     #[inline(always)]
-    fn begin(&mut self, motion: &Motion) {
+    fn begin(&mut self, motion: &Motion, line: u32) {
         if self.end != Some(motion.from) {
-            self.path.begin(self.eyes.point(&motion.from));
+            self.path.begin(self.eyes.point(&motion.from), line);
             self.end = Some(motion.from);
         }
     }
 
     /// A circle whose plane is not seen up to its end: chords, with the points where a coordinate turns back.
     #[cold]
-    fn aside(&mut self, motion: &Motion, sweep: &Sweep) {
-        self.begin(motion);
+    fn aside(&mut self, motion: &Motion, sweep: &Sweep, line: u32) {
+        self.begin(motion, line);
         let parts = (sweep.angle.abs() / CHORD).ceil().clamp(1.0, MOST_CHORDS);
         let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
         shares.extend(sweep.turning_points());
@@ -206,35 +229,50 @@ impl Track {
                     *slot = value / scale(own);
                 }
             }
-            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position)), None);
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position), line), None);
         }
     }
 
     /// A circle in space up to its end: chords, with the points where a coordinate turns back.
     #[cold]
-    fn around(&mut self, motion: &Motion) {
+    fn around(&mut self, motion: &Motion, line: u32) {
         let Some(space) = Loop::of(motion, &self.axes) else { return };
-        self.begin(motion);
+        self.begin(motion, line);
         let parts = (space.circle.sweep / CHORD).ceil().max(1.0);
         let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
         shares.extend((0..3).flat_map(|side| space.circle.turning_points(side)).flatten());
         shares.sort_by(f64::total_cmp);
         for share in shares {
-            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&space.at(motion, share))), None);
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&space.at(motion, share)), line), None);
         }
     }
 }
 
+/// Tools that moved, with the name that each has when it is first loaded.
+fn tools(path: &Path, spans: &[Span]) -> Vec<(u32, String)> {
+    let mut all: Vec<(u32, String)> = Vec::new();
+    for mark in &path.marks {
+        if all.len() < MOST_TOOLS && all.iter().all(|(tool, _)| *tool != mark.tool) {
+            let name = spans.iter().find(|span| span.tool == mark.tool).map(|span| span.operation.to_string());
+            all.push((mark.tool, name.unwrap_or_default()));
+        }
+    }
+    all
+}
+
 impl Toolpath {
-    /// From the tracks of all channels.
-    pub(crate) fn new(info: &Info, tracks: Vec<Track>) -> Self {
+    /// From the tracks of all channels and the times of their tools.
+    pub(crate) fn new(info: &Arc<Info>, tracks: Vec<(Track, &[Span])>) -> Self {
         let view = view(info);
-        let channel = |(channel, track): (&info::Channel, Track)| Channel {
+        let channel = |(channel, (track, spans)): (&info::Channel, (Track, &[Span]))| Channel {
             channel: channel.number,
             name: channel.name.clone(),
             program: channel.program.clone(),
+            lower: channel.lower && view == View::Zx,
+            tools: tools(&track.path, spans),
             path: track.path,
             view,
+            info: info.clone(),
         };
         let all = info.channels.iter().zip(tracks).map(channel);
         Self {

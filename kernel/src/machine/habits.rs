@@ -14,6 +14,8 @@ pub struct Habits {
     pub rotations: Rotations,
     /// Feed per minute that counts where none is programmed, or zero; without one such moves are timed as rapid ones.
     pub least_feed: Option<f64>,
+    /// Incremental words travel changes of frames, offsets and tool lengths too.
+    pub frame_increments: bool,
     /// Codes of heads divide a file into the programs of the heads.
     pub heads_in_file: bool,
     /// Answers to questions of the machine's own that are texts, `$TUDQ`.
@@ -67,6 +69,7 @@ impl Default for Habits {
             home: Home::Workpiece,
             rotations: Rotations { name: "CAC", axes: [2, 0, 2] },
             least_feed: None,
+            frame_increments: false,
             heads_in_file: false,
             texts: Vec::new(),
             integers: Vec::new(),

@@ -282,6 +282,8 @@ pub struct Channel {
     pub milling: Option<u16>,
     /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
     pub polar: Option<[usize; 2]>,
+    /// Its tools work from below the turning axis: toolpath pictures show it there.
+    pub lower: bool,
 }
 
 /// A spindle.

@@ -192,7 +192,7 @@ impl Host for Kernel<'_> {
         }
         let number = diagnostic.number;
         // The verdict of the job says it.
-        if number == Number::MEMORY {
+        if number == Number::MEMORY || state.is_over_memory() {
             return;
         }
         if !self.has_room(number == Number::TICKS) {
@@ -220,6 +220,10 @@ impl Host for Kernel<'_> {
 
     fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
         self.openable(state, path)
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.file_writable(path)
     }
 
     fn read_file(&mut self, path: &str) -> Option<String> {

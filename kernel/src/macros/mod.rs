@@ -14,3 +14,4 @@ pub(crate) mod runtime;
 pub mod system;
 
 pub use double::double;
+pub(crate) use runtime::STACK;

@@ -31,8 +31,14 @@ use crate::machine::ident::{CodeId, DataId};
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
 
-/// Macros active at once.
-const DEPTH: u32 = 32;
+/// Macros active at once; functions nest without a stack of this program.
+const DEPTH: u32 = 100_000;
+
+/// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
+const MOST_NESTED: usize = 1000;
+
+/// Stack of a thread that runs macros, in bytes.
+pub(crate) const STACK: usize = 128 << 20;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;
@@ -219,9 +225,9 @@ fn limits(memory: u64) -> Limits {
 
 impl Runtime {
     /// Everything switched on as at the start of a run; `kernels` > 1 means that there is a master.
-    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, rank: u16, (kernels, memory): (usize, u64)) -> Self {
+    pub(crate) fn new(macros: &Macros, program: &Arc<Program>, kernel: u16, (kernels, memory): (usize, u64)) -> Self {
         let mut state = State::new(limits(memory));
-        state.channel = u32::from(rank).max(1);
+        state.channel = u32::from(kernel).max(1);
         state.channels = u32::try_from(kernels).unwrap_or(1).max(1);
         let mut runtime = Self {
             program: Arc::clone(program),
@@ -350,7 +356,7 @@ impl Kernel<'_> {
         self.macros = self.machine.macros.as_deref().zip(program).map(|(macros, program)| {
             let kernels = self.machine.channels.len();
             let memory = self.shares().macros;
-            let mut runtime = Runtime::new(macros, program, self.rank, (kernels, memory));
+            let mut runtime = Runtime::new(macros, program, self.kernel_number(), (kernels, memory));
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.machine.subprograms.extension.as_str();
@@ -384,7 +390,9 @@ impl Kernel<'_> {
         runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
+        let limit = self.limit_nesting(&mut state);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
+        state.limits.depth = limit;
         let outputs = self.macro_ended(state, code, matching, end);
         if self.trace.is_some() {
             self.trace_leaving(code, selects);
@@ -403,9 +411,20 @@ impl Kernel<'_> {
         runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0, functions: Vec::new() });
         runtime.set_busy(code, true);
         let matching = std::mem::replace(&mut runtime.matching, true);
+        let limit = self.limit_nesting(&mut state);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
+        state.limits.depth = limit;
         self.macro_ended(state, code, matching, end)?;
         Ok(value)
+    }
+
+    /// Lets no further macro begin where the stack of the thread would not hold it; gives the limit as it was.
+    fn limit_nesting(&self, state: &mut State) -> u32 {
+        let limit = state.limits.depth;
+        if self.macros.as_deref().is_some_and(|runtime| runtime.calls.len() > MOST_NESTED) {
+            state.limits.depth = state.depth;
+        }
+        limit
     }
 
     fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {

@@ -62,6 +62,7 @@ fn channels(machine: &Machine) -> Vec<Channel> {
             program: String::new(),
             lines: (0, 0),
             file: 0,
+            lower: c.lower,
             axes: c
                 .axes
                 .iter()
@@ -230,8 +231,9 @@ fn place(spec: &Spec, candidates: Vec<Candidate<'_>>, channels: &mut [Channel], 
             // Further programs of a single file stay callable; more files than channels are a mistake.
             None if spec.programs.len() == 1 => {}
             None => {
-                findings
-                    .push(candidate.error(format!("machine {machine} has {count} channels, there are more programs")));
+                let plural = if count == 1 { "" } else { "s" };
+                let text = format!("machine {machine} has {count} channel{plural}, there are more programs");
+                findings.push(candidate.error(text));
             }
         }
     }

@@ -11,6 +11,7 @@ pub(crate) mod meet;
 mod pair;
 mod permits;
 mod sleep;
+pub(crate) mod switch;
 
 use std::sync::atomic::{
     AtomicBool, AtomicI64, AtomicU32, AtomicU64,
@@ -21,6 +22,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use crossbeam_channel::Sender;
 
 use super::merge::Message;
+use super::ranks::Ranks;
 use super::shared::Shared;
 use super::tag::Tag;
 use super::waits::{Waiting, Waits};
@@ -87,6 +89,7 @@ struct Slot {
 
 /// Everything under the lock.
 pub(crate) struct Inner {
+    ranks: Ranks,
     status: Vec<Status>,
     wakes: Vec<Option<Wake>>,
     /// Arrivals of parked kernels that anybody may carry out in their place.
@@ -107,6 +110,7 @@ pub(crate) struct Inner {
 
 /// The meeting place of the kernels of one job.
 pub(crate) struct Coordinator {
+    ranks: Ranks,
     slots: Box<[Slot]>,
     inner: Mutex<Inner>,
     /// Where the only two kernels of a job meet.
@@ -125,29 +129,30 @@ pub(crate) struct Coordinator {
     single: AtomicBool,
     /// Fewer permits than kernels.
     limited: bool,
+    /// All kernels share the thread of the master.
+    one_thread: bool,
     spin: u32,
+    /// Waits to come that sleep at once, because other programs want the processors too. It says how to wait, never what
+    /// comes out.
+    crowded: AtomicU32,
 }
 
 /// Lock of a shared operation that may run now.
 pub(crate) type Guard<'a> = MutexGuard<'a, Inner>;
 
-fn index(rank: u16) -> usize {
-    usize::from(rank).wrapping_sub(1)
-}
-
 impl Inner {
     fn status(&self, rank: u16) -> Status {
-        self.status.get(index(rank)).copied().unwrap_or(Status::Done)
+        self.status.get(self.ranks.index(rank)).copied().unwrap_or(Status::Done)
     }
 
     fn set(&mut self, rank: u16, status: Status) {
-        if let Some(slot) = self.status.get_mut(index(rank)) {
+        if let Some(slot) = self.status.get_mut(self.ranks.index(rank)) {
             *slot = status;
         }
     }
 
     fn take_wake(&mut self, rank: u16) -> Option<Wake> {
-        self.wakes.get_mut(index(rank)).and_then(Option::take)
+        self.wakes.get_mut(self.ranks.index(rank)).and_then(Option::take)
     }
 
     fn tell(&self, message: Message) {
@@ -158,7 +163,10 @@ impl Inner {
 
     /// No other kernel runs or is about to act.
     pub(crate) fn alone(&self, rank: u16) -> bool {
-        self.status.iter().zip(1_u16..).all(|(s, r)| r == rank || matches!(s, Status::Blocked | Status::Done))
+        self.status
+            .iter()
+            .zip(self.ranks.numbers())
+            .all(|(s, &r)| r == rank || matches!(s, Status::Blocked | Status::Done))
     }
 
     /// Nothing runs, nothing is parked: whoever is blocked stays blocked.
@@ -168,18 +176,22 @@ impl Inner {
 }
 
 impl Coordinator {
-    /// For `kernels` channels of which `threads` may run at once (0 = all).
+    /// For these channels, of which `threads` may run at once (0 = all).
     pub(crate) fn new(
-        kernels: usize,
+        ranks: Ranks,
         threads: usize,
         shared: Shared,
         waits: Waits,
         messages: Option<Sender<Message>>,
     ) -> Self {
-        let release_ns = waits.release_ns();
+        let (release_ns, kernels) = (waits.release_ns(), ranks.len());
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let one_thread = permits <= 1 || cores == 1;
+        // On one thread a kernel runs until it has to wait, so nobody needs a permit.
+        let permits = if one_thread { kernels } else { permits };
         Self {
+            ranks: ranks.clone(),
             slots: (0..kernels)
                 .map(|_| Slot {
                     bound: AtomicI64::new(0),
@@ -190,6 +202,7 @@ impl Coordinator {
                 })
                 .collect(),
             inner: Mutex::new(Inner {
+                ranks,
                 status: vec![Status::Running; kernels],
                 wakes: vec![None; kernels],
                 arriving: vec![None; kernels],
@@ -210,7 +223,9 @@ impl Coordinator {
             waiting_permits: AtomicU32::new(0),
             single: AtomicBool::new(false),
             limited: permits < kernels,
-            spin: if permits > 1 && cores > 1 { 150 } else { 0 },
+            one_thread,
+            spin: if one_thread { 0 } else { 150 },
+            crowded: AtomicU32::new(0),
         }
     }
 
@@ -219,18 +234,18 @@ impl Coordinator {
         self.single.store(true, Relaxed);
     }
 
+    /// All kernels run on the thread of the master, each until it has to wait.
+    pub(crate) fn on_one_thread(&self) -> bool {
+        self.one_thread
+    }
+
     /// Whether only one kernel runs.
     pub(crate) fn is_single(&self) -> bool {
         self.single.load(Relaxed)
     }
 
-    /// Number of kernels.
-    pub(crate) fn kernels(&self) -> usize {
-        self.slots.len()
-    }
-
     fn slot(&self, rank: u16) -> Option<&Slot> {
-        self.slots.get(index(rank))
+        self.slots.get(self.ranks.index(rank))
     }
 
     /// The lock; a poisoned one is taken over, since every change under it is complete.
@@ -293,7 +308,7 @@ impl Coordinator {
     /// all the others are done. A kernel that stands can only be let go by this one, so it holds at this one's time.
     pub(crate) fn floor(&self, rank: u16) -> i64 {
         let least = || {
-            let others = self.slots.iter().zip(1_u16..).filter(|(_, other)| *other != rank);
+            let others = self.slots.iter().zip(self.ranks.numbers()).filter(|(_, other)| **other != rank);
             let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
             let least = if least == STANDS { self.bound(rank) } else { least };
             // A kernel that has stopped the job is done: the stop is looked at after its bound.
@@ -309,14 +324,6 @@ impl Coordinator {
         least()
     }
 
-    /// Lets all other kernels come up to `tag`, if this one is running.
-    pub(crate) fn catch_up(&self, tag: Tag) {
-        let running = self.lock().status(tag.rank) == Status::Running;
-        if running && let Ok(mut guard) = self.enter(tag) {
-            self.leave(&mut guard);
-        }
-    }
-
     /// The files that macros have written, when no kernel runs any more.
     pub(crate) fn written(&self) -> WrittenFiles {
         self.lock().shared.files.take()
@@ -327,14 +334,14 @@ impl Coordinator {
         self.lock().stop.unwrap_or(Tag::END)
     }
 
-    fn bound(&self, rank: u16) -> i64 {
+    pub(crate) fn bound(&self, rank: u16) -> i64 {
         self.slot(rank).map_or(i64::MAX, |s| s.bound.load(SeqCst))
     }
 
     /// No other kernel can still act before `tag`.
     fn eligible(&self, inner: &Inner, tag: Tag) -> bool {
-        inner.status.iter().zip(&self.slots).zip(1_u16..).all(|((status, slot), rank)| {
-            rank == tag.rank
+        inner.status.iter().zip(&self.slots).zip(self.ranks.numbers()).all(|((status, slot), rank)| {
+            *rank == tag.rank
                 || match status {
                     Status::Running => slot.bound.load(SeqCst) > tag.t,
                     Status::Parked(other) => *other > tag,
@@ -345,8 +352,8 @@ impl Coordinator {
 
     /// Asks every running kernel that still stands before `tag` to report when it has passed it.
     fn ask(&self, inner: &Inner, tag: Tag) {
-        for ((status, slot), rank) in inner.status.iter().zip(&self.slots).zip(1_u16..) {
-            if rank != tag.rank && *status == Status::Running && slot.bound.load(SeqCst) <= tag.t {
+        for ((status, slot), rank) in inner.status.iter().zip(&self.slots).zip(self.ranks.numbers()) {
+            if *rank != tag.rank && *status == Status::Running && slot.bound.load(SeqCst) <= tag.t {
                 slot.need.fetch_min(tag.t, SeqCst);
             }
         }

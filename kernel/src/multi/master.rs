@@ -6,6 +6,7 @@
 use counterpoint_lang::value::Value;
 
 use super::Shop;
+use super::coordinator::switch::Switch;
 use super::rounds::Again;
 use crate::channel::Halt;
 use crate::channel::emit::Target;
@@ -42,9 +43,10 @@ impl<'a> Shop<'a> {
             return None;
         }
         let (name, axes) = ("MASTER".to_owned(), Vec::new());
-        let channel = Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None };
+        let channel =
+            Channel { number: 0, name, axes, spindle: None, rear: None, milling: None, polar: None, lower: false };
         let mut kept = Vec::new();
-        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept));
+        let mut kernel = self.kernel(&channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
         for (number, at) in machine.channels.iter().zip(1_i64..) {
             let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
             let file = program.map_or("", |info| self.job.info().file_name(info.file)).to_owned();
@@ -148,7 +150,7 @@ impl<'a> Shop<'a> {
         runtime.closing = true;
         runtime.later.clear();
         let mut kept = Vec::new();
-        let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept));
+        let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
         (kernel.clock, kernel.micro) = (t, micro);
         kernel.macros = Some(runtime);
         let done = kernel.plain_macro(Hook::MachineShutdown);

@@ -198,6 +198,27 @@ impl Merger {
         }
     }
 
+    /// Takes what has been sent so far and hands on what can be ordered: for kernels that run on this thread in turns.
+    pub(crate) fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
+        let mut any = false;
+        while let Ok(message) = self.messages.try_recv() {
+            self.take(message);
+            any = true;
+        }
+        if !any {
+            return;
+        }
+        if self.end == End::Complete {
+            self.end = self.emit(sink);
+            if self.end != End::Complete {
+                on_stop();
+            }
+        }
+        if self.end != End::Complete {
+            self.discard();
+        }
+    }
+
     fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
         self.streams.iter_mut().find(|s| s.rank == rank)
     }

@@ -8,6 +8,8 @@ pub(crate) mod feed;
 pub(crate) mod files;
 mod master;
 pub(crate) mod merge;
+mod one_thread;
+pub(crate) mod ranks;
 mod rounds;
 pub(crate) mod shared;
 pub(crate) mod tag;
@@ -17,6 +19,7 @@ pub(crate) mod waits;
 use std::sync::OnceLock;
 
 use coordinator::Coordinator;
+use coordinator::switch::{Port, Switch};
 use counterpoint_lang::pattern::Memory;
 use feed::Feed;
 use master::{At, Master};
@@ -211,6 +214,7 @@ impl<'a> Shop<'a> {
         // The only kernel needs no thread of its own.
         match work.len() {
             1 => work.into_iter().map(|(start, way)| self.alone(start, way.into())).collect(),
+            _ if self.coordinator.on_one_thread() => self.in_turns(work, || ()),
             _ => self.together(work, || ()),
         }
     }
@@ -234,6 +238,9 @@ impl<'a> Shop<'a> {
             Some((starting.swap_remove(at), Way::Queue(feeder)))
         });
         let work: Vec<_> = feeders.collect();
+        if self.coordinator.on_one_thread() {
+            return self.in_turns(work, || merger.pump(sink, || self.coordinator.abort()));
+        }
         self.together(work, || merger.run(sink, || self.coordinator.abort()))
     }
 
@@ -243,17 +250,17 @@ impl<'a> Shop<'a> {
         'a: 'k,
     {
         self.coordinator.set_single();
-        let (kernel, at, reset) = self.started(start, target);
+        let (kernel, at, reset) = self.started(start, target, Switch::Thread);
         kernel.live(at, reset)
     }
 
     /// A kernel as it starts, with its program.
-    fn started<'k>(self, start: Start<'k>, target: Target<'k>) -> (Kernel<'k>, At, Option<bool>)
+    fn started<'k>(self, start: Start<'k>, target: Target<'k>, switch: Switch<'k>) -> (Kernel<'k>, At, Option<bool>)
     where
         'a: 'k,
     {
         let Start { channel, progress, at, before, reset } = start;
-        let mut kernel = self.kernel(channel, progress, target);
+        let mut kernel = self.kernel(channel, progress, target, switch);
         if let Some((now, carried)) = before {
             (kernel.clock, kernel.micro) = now;
             if let Some(carried) = carried {
@@ -274,10 +281,14 @@ impl<'a> Shop<'a> {
             for (start, way) in work {
                 let number = start.channel.number;
                 let work = move || {
-                    let (kernel, at, reset) = self.started(start, way.into());
+                    let (kernel, at, reset) = self.started(start, way.into(), Switch::Thread);
                     guarded(kernel, at, reset, coordinator)
                 };
-                match std::thread::Builder::new().name(format!("kernel-{number}")).spawn_scoped(scope, work) {
+                let mut thread = std::thread::Builder::new().name(format!("kernel-{number}"));
+                if self.job.macros().is_some() {
+                    thread = thread.stack_size(crate::macros::STACK);
+                }
+                match thread.spawn_scoped(scope, work) {
                     Ok(handle) => running.push(handle),
                     Err(_) => {
                         // The operating system refuses a thread: the job cannot be run and counts as cancelled.
@@ -314,11 +325,18 @@ fn master(t_ns: i64, kind: Kind) -> Event {
 }
 
 impl<'a> Shop<'a> {
-    fn kernel<'k>(self, channel: &'k Channel, progress: &'k Progress, target: Target<'k>) -> Kernel<'k>
+    fn kernel<'k>(
+        self,
+        channel: &'k Channel,
+        progress: &'k Progress,
+        target: Target<'k>,
+        switch: Switch<'k>,
+    ) -> Kernel<'k>
     where
         'a: 'k,
     {
         let Self { job, plan, coordinator, files, control, given } = self;
+        let coordinator = Port::new(coordinator, switch);
         let machine = &*job.spec().machine;
         let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
         let shared = spindle.is_some_and(|index| crate::action::spindles::is_shared(machine, index));

@@ -5,6 +5,7 @@
 
 use super::coordinator::Coordinator;
 use super::master::{At, Master};
+use super::ranks::Ranks;
 use super::shared::{Shared, Spindle};
 use super::{Shop, Start, life};
 use crate::channel::carried::{Carried, Lived};
@@ -54,9 +55,9 @@ impl Round {
         let Spec { machine, options, .. } = job.spec();
         let fresh = || Shared { spindles: vec![Spindle::default(); machine.spindles.len()], ..Shared::default() };
         let shared = self.shared.take().unwrap_or_else(fresh);
-        let waits = Waits::new(machine.channels.len(), machine.sync.release_ns);
-        let coordinator =
-            Coordinator::new(machine.channels.len(), usize::from(options.threads), shared, waits, messages);
+        let ranks = Ranks::new(machine.channels.iter().map(|channel| channel.number));
+        let waits = Waits::new(ranks.clone(), machine.sync.release_ns);
+        let coordinator = Coordinator::new(ranks, usize::from(options.threads), shared, waits, messages);
         coordinator.go_on_from(self.meetings);
         coordinator
     }

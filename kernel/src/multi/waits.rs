@@ -7,27 +7,29 @@ mod start;
 
 use std::fmt::Write as _;
 
+use super::ranks::Ranks;
 use super::tag::Tag;
 use crate::log::event::{FileId, Member, Primitive};
 
 /// Set of channels, bit `n − 1` for channel `n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(crate) struct Set(pub(crate) u64);
+pub(crate) struct Set(pub(crate) u128);
 
 impl Set {
     /// All channels up to `count`.
+    #[cfg(test)]
     pub(crate) fn up_to(count: u16) -> Self {
-        Self(if count >= 64 { u64::MAX } else { (1 << count) - 1 })
+        (1..=count).collect()
     }
 
-    /// With one more channel; numbers outside 1–64 are ignored.
+    /// With one more channel; numbers outside 1–128 are ignored.
     pub(crate) fn with(self, channel: u16) -> Self {
-        if (1..=64).contains(&channel) { Self(self.0 | 1 << (channel - 1)) } else { self }
+        if (1..=128).contains(&channel) { Self(self.0 | 1 << (channel - 1)) } else { self }
     }
 
     /// Membership.
     pub(crate) fn has(self, channel: u16) -> bool {
-        (1..=64).contains(&channel) && self.0 & (1 << (channel - 1)) != 0
+        (1..=128).contains(&channel) && self.0 & (1 << (channel - 1)) != 0
     }
 
     /// Channels, ascending.
@@ -38,6 +40,12 @@ impl Set {
             left &= left.checked_sub(1)?;
             Some(channel)
         })
+    }
+}
+
+impl FromIterator<u16> for Set {
+    fn from_iter<I: IntoIterator<Item = u16>>(channels: I) -> Self {
+        channels.into_iter().fold(Self::default(), Self::with)
     }
 }
 
@@ -172,6 +180,7 @@ pub(crate) enum Arrival {
 /// All waits of the job.
 #[derive(Debug)]
 pub(crate) struct Waits {
+    ranks: Ranks,
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
     release_ns: i64,
@@ -184,13 +193,10 @@ pub(crate) fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
     if release_ns > 0 { (t + release_ns, 0) } else { (t, micro + 1) }
 }
 
-fn index(rank: u16) -> usize {
-    usize::from(rank).wrapping_sub(1)
-}
-
 impl Waits {
-    pub(crate) fn new(channels: usize, release_ns: i64) -> Self {
-        Self { waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
+    pub(crate) fn new(ranks: Ranks, release_ns: i64) -> Self {
+        let channels = ranks.len();
+        Self { ranks, waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
     }
 
     /// Time from the last arrival to the release, ns.
@@ -200,28 +206,28 @@ impl Waits {
 
     /// The wait of a channel.
     pub(crate) fn at(&self, rank: u16) -> Option<&Waiting> {
-        self.waiting.get(index(rank)).and_then(Option::as_ref)
+        self.waiting.get(self.ranks.index(rank)).and_then(Option::as_ref)
     }
 
     /// How a channel ended.
     pub(crate) fn end(&self, rank: u16) -> Option<Finish> {
-        self.finished.get(index(rank)).copied().flatten()
+        self.finished.get(self.ranks.index(rank)).copied().flatten()
     }
 
-    /// All channels.
-    pub(crate) fn channels(&self) -> impl Iterator<Item = u16> + use<> {
-        1..=u16::try_from(self.waiting.len()).unwrap_or(u16::MAX)
+    /// All channels, ascending.
+    pub(crate) fn channels(&self) -> impl Iterator<Item = u16> + use<'_> {
+        self.ranks.numbers().iter().copied()
     }
 
     pub(crate) fn finish(&mut self, rank: u16, finish: Finish) {
-        if let Some(slot) = self.finished.get_mut(index(rank)) {
+        if let Some(slot) = self.finished.get_mut(self.ranks.index(rank)) {
             *slot = Some(finish);
         }
         self.leave(rank);
     }
 
     fn leave(&mut self, rank: u16) {
-        if let Some(slot) = self.waiting.get_mut(index(rank)) {
+        if let Some(slot) = self.waiting.get_mut(self.ranks.index(rank)) {
             *slot = None;
         }
     }
@@ -233,7 +239,7 @@ impl Waits {
         self.waiting.iter().flatten().all(|other| arriving.spec.mismatch(&other.spec).is_none())
             && arriving.spec.parts.iter().filter(|&c| c != own).all(|c| match self.at(c) {
                 Some(other) => other.spec.matches(&arriving.spec),
-                None => self.end(c).is_none() && usize::from(c) <= self.waiting.len(),
+                None => self.end(c).is_none() && self.ranks.index(c) < self.waiting.len(),
             })
     }
 
@@ -269,7 +275,7 @@ impl Waits {
             return Arrival::Mismatch { channels: refused.with(rank), members, text };
         }
         let parts = arriving.spec.parts;
-        if let Some(slot) = self.waiting.get_mut(index(rank)) {
+        if let Some(slot) = self.waiting.get_mut(self.ranks.index(rank)) {
             *slot = Some(arriving);
         }
         if self.missing(rank) != Set::default() {
@@ -346,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_meeting_releases_at_the_latest_arrival() {
-        let mut waits = Waits::new(3, 0);
+        let mut waits = Waits::new(Ranks::new(1..=3), 0);
         assert_eq!(waits.arrive(waiting(1, 1, 101, &[1, 2, 3])), Arrival::Blocked);
         assert_eq!(waits.arrive(waiting(2, 5, 101, &[1, 2, 3])), Arrival::Blocked);
         let Arrival::Released { channels, t, micro } = waits.arrive(waiting(3, 7, 101, &[1, 2, 3])) else {
@@ -364,7 +370,7 @@ mod tests {
             (waiting(1, 0, 101, &[]), waiting(2, 0, 101, &[1, 2]), true),
             (waiting(1, 0, 101, &[1, 2]), waiting(2, 0, 102, &[2, 3]), false),
         ] {
-            let mut waits = Waits::new(3, 0);
+            let mut waits = Waits::new(Ranks::new(1..=3), 0);
             assert_eq!(waits.arrive(first), Arrival::Blocked);
             let arrival = waits.arrive(second.clone());
             assert_eq!(matches!(arrival, Arrival::Mismatch { .. }), alarm, "{second:?}: {arrival:?}");
@@ -373,7 +379,7 @@ mod tests {
 
     #[test]
     fn a_circle_of_three_is_dead_only_when_closed() {
-        let mut waits = Waits::new(3, 0);
+        let mut waits = Waits::new(Ranks::new(1..=3), 0);
         waits.arrive(waiting(1, 1, 101, &[1, 2]));
         waits.arrive(waiting(2, 2, 102, &[2, 3]));
         assert_eq!(waits.dead(), Set::default());

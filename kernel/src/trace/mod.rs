@@ -76,7 +76,7 @@ impl Kernel<'_> {
     fn trace_head_sequence(&mut self) {
         let Some(register) = self.own_sequence() else { return };
         let word = self.block.words.iter().find(|word| word.register == register).map(|word| word.value);
-        let id = if self.rank == 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        let id = if self.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
         if let Some(value) = word {
             self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
         }

@@ -71,7 +71,7 @@ impl Finished {
     /// A document as text; `None` when it cannot be written as such.
     pub(crate) fn document(&self, document: Document) -> Option<Vec<u8>> {
         match document {
-            Document::Summary => json(&self.results.summary),
+            Document::Summary => pretty(&self.results.summary),
             Document::TimelineJson => json(&self.results.timeline),
             Document::TimelineSvg => Some(self.results.timeline.svg().into_bytes()),
             Document::ToolpathJson => json(&self.results.toolpath),
@@ -79,6 +79,13 @@ impl Finished {
             Document::Files => json(&self.files),
         }
     }
+}
+
+/// JSON for people, over lines.
+fn pretty(value: &impl Serialize) -> Option<Vec<u8>> {
+    let mut text = serde_json::to_vec_pretty(value).ok()?;
+    text.push(b'\n');
+    Some(text)
 }
 
 fn json(value: &impl Serialize) -> Option<Vec<u8>> {

@@ -59,6 +59,7 @@ impl Runner for Script {
             program: program.file.clone(),
             lines: (1, 100),
             file: 0,
+            lower: false,
             axes: vec![axis("X"), axis("Z")],
         };
         let file = File { name: program.file.clone(), source: Default::default() };

@@ -152,6 +152,16 @@ impl MacroCompiler<'_> {
         self.store(reach, read.span, slots, to, (None, value.span));
     }
 
+    /// Type that a store must have, if it must have one.
+    pub(super) fn declared_kind(reach: &Reach, element: bool) -> Option<Kind> {
+        match reach {
+            Reach::Local(local) if !element || local.indices > 0 || local.channel => local.kind,
+            Reach::Shared { kind, indices, channel, .. } if !element || *indices > 0 || *channel => *kind,
+            Reach::System { kind, .. } => *kind,
+            _ => None,
+        }
+    }
+
     /// Emits the store of a register; no indices for a single value.
     pub(super) fn store(
         &mut self,
@@ -161,12 +171,7 @@ impl MacroCompiler<'_> {
         a: Slot,
         (kind, value_span): (Option<Kind>, Span),
     ) {
-        let declared = match reach {
-            Reach::Local(local) if indices.is_none() || local.indices > 0 || local.channel => local.kind,
-            Reach::Shared { kind, indices: known, channel, .. } if indices.is_none() || *known > 0 || *channel => *kind,
-            Reach::System { kind, .. } => *kind,
-            _ => None,
-        };
+        let declared = Self::declared_kind(reach, indices.is_some());
         if let (Some(declared), Some(found)) = (declared, kind)
             && declared != found
         {

@@ -6,7 +6,7 @@ use super::MacroCompiler;
 use crate::ast::{Expr, ExprKind, Variable};
 use crate::bytecode::{NO_SLOT, Op, Own, Relation, Shared, Slot};
 use crate::diag::Number;
-use crate::func::{self, Way};
+use crate::func;
 use crate::ident;
 use crate::lex::Sign;
 use crate::source::Span;
@@ -84,7 +84,7 @@ impl MacroCompiler<'_> {
         }
     }
 
-    fn goal(&mut self, wanted: Option<Slot>) -> Slot {
+    pub(super) fn goal(&mut self, wanted: Option<Slot>) -> Slot {
         match wanted {
             Some(slot) => slot,
             None => self.temporary(),
@@ -248,7 +248,9 @@ impl MacroCompiler<'_> {
         if let Variable::User(name) = variable
             && self.locals.get(name).is_none_or(|local| local.indices == 0)
             && (self.program.functions.contains_key(name)
-                || (!self.locals.contains_key(name) && !self.program.shared.contains_key(name)))
+                || (!self.locals.contains_key(name)
+                    && !self.program.shared.contains_key(name)
+                    && !self.assigned.contains(name)))
         {
             return self.user_call(name, indices, span, wanted);
         }
@@ -325,128 +327,6 @@ impl MacroCompiler<'_> {
         (to, kind)
     }
 
-    fn user_call(&mut self, name: &str, arguments: &[Expr], span: Span, wanted: Option<Slot>) -> Operand {
-        let slots: Vec<Operand> = arguments.iter().map(|argument| self.expression(argument, None)).collect();
-        let Some(symbol) = self.program.functions.get(name).cloned() else {
-            let help = self.near_name(name);
-            let message = format!("{name} is neither a function nor an array that is declared or assigned");
-            if self.locals.contains_key(name) {
-                return (0, None);
-            }
-            self.error_with(span, Number::UNKNOWN_FUNCTION, message, help);
-            return (0, None);
-        };
-        if symbol.parameters.len() != arguments.len() {
-            let message = format!("{name} takes {} arguments, {} are given", symbol.parameters.len(), arguments.len());
-            self.error(span, Number::WRONG_COUNT, message);
-        }
-        for ((argument, (_, kind)), wanted) in arguments.iter().zip(&slots).zip(&symbol.parameters) {
-            if let (Some(found), Some(kind)) = (kind, wanted)
-                && found != kind
-            {
-                self.wrong(argument.span, kind.name(), *found);
-            }
-        }
-        let list = self.list(slots.into_iter().map(|(slot, _)| slot).collect());
-        let to = self.goal(wanted);
-        self.emit(Op::CallMacro { to, callee: symbol.index, list });
-        (to, symbol.result)
-    }
-
-    fn call(&mut self, name: &str, arguments: &[Expr], span: Span, wanted: Option<Slot>) -> Operand {
-        let Some(function) = func::named(name) else {
-            let help = ident::nearest(name, func::TABLE.iter().map(|function| function.name));
-            let help = help.map(|near| format!("did you mean {near}?"));
-            self.error_with(span, Number::UNKNOWN_FUNCTION, format!("there is no function {name}"), help);
-            return (0, None);
-        };
-        if let Way::Missing(why) = function.way {
-            self.error(span, Number::NOT_HERE, format!("{name} is not available: {why}"));
-            return (0, function.result);
-        }
-        if arguments.len() < function.least() || arguments.len() > function.most() {
-            let message = if function.least() == function.most() {
-                format!("{name} takes {} arguments, {} are given", function.least(), arguments.len())
-            } else {
-                format!("{name} takes at least {} arguments, {} are given", function.least(), arguments.len())
-            };
-            self.error(span, Number::WRONG_COUNT, message);
-        }
-        let mut slots = Vec::new();
-        for (position, argument) in arguments.iter().enumerate() {
-            if name == "$FFIND" && position == 0 {
-                slots.push(self.whole_array(argument));
-                continue;
-            }
-            let (slot, kind) = self.expression(argument, None);
-            if let Some(kind) = kind.filter(|kind| !func::fits(function.letter(position), *kind)) {
-                let message = format!("argument {} of {name} cannot be of type {}", position + 1, kind.name());
-                self.error(argument.span, Number::WRONG_TYPE, message);
-            }
-            self.check_literal(function.name, position, argument);
-            slots.push(slot);
-        }
-        let position = self.function(function);
-        let to = self.goal(wanted);
-        if let (Way::Math(_), [a]) = (&function.way, slots.as_slice()) {
-            self.emit(Op::Math { to, a: *a, function: position });
-        } else {
-            let list = self.list(slots);
-            self.emit(Op::Call { to, function: position, list });
-        }
-        (to, function.result)
-    }
-
-    /// Checks formats and regular expressions that are written as constants.
-    fn check_literal(&mut self, name: &str, position: usize, argument: &Expr) {
-        let ExprKind::Text(text) = &argument.kind else { return };
-        let fault = match (name, position) {
-            ("$FSWRIT", 0) => crate::format::Format::output(text).err(),
-            ("$FEDIT" | "$FMATCH" | "$FSPLIT", 1) => crate::pattern::Pattern::new(text).err(),
-            _ => None,
-        };
-        if let Some(fault) = fault {
-            self.error(argument.span, fault.number, fault.message);
-        }
-    }
-
-    fn function(&mut self, function: &'static func::Function) -> u16 {
-        let known = self.code.functions.iter().position(|other| other.name == function.name);
-        let position = known.unwrap_or_else(|| {
-            self.code.functions.push(function);
-            self.code.functions.len() - 1
-        });
-        u16::try_from(position).unwrap_or(u16::MAX)
-    }
-
-    /// An array, or the rest of one from an element on, for `$FFIND`.
-    fn whole_array(&mut self, argument: &Expr) -> Slot {
-        let (variable, indices) = match &argument.kind {
-            ExprKind::Variable(variable) => (variable, None),
-            ExprKind::Element(variable, indices) => (variable, Some(indices)),
-            _ => return self.expression(argument, None).0,
-        };
-        let (slot, array) = match self.reach(variable, argument.span, false) {
-            Reach::Local(local) => (local.slot, local.indices > 0 || local.channel),
-            Reach::Shared { shared, indices, channel, .. } if indices > 0 || channel => {
-                let to = self.temporary();
-                self.emit(Op::ReadShared { to, shared });
-                (to, true)
-            }
-            _ => return self.expression(argument, None).0,
-        };
-        if !array {
-            return self.expression(argument, None).0;
-        }
-        let Some(indices) = indices else { return slot };
-        let mut list = vec![NO_SLOT];
-        list.extend(self.indices(indices));
-        let list = self.list(list);
-        let to = self.temporary();
-        self.emit(Op::Elements { to, a: slot, list });
-        to
-    }
-
     fn unary(&mut self, sign: Sign, operand: &Expr, wanted: Option<Slot>) -> Operand {
         if let (Sign::Minus, ExprKind::Real(number)) = (sign, &operand.kind) {
             let slot = self.constant(Value::Real(-number));
@@ -469,7 +349,7 @@ impl MacroCompiler<'_> {
 
     fn binary(&mut self, sign: Sign, left: &Expr, right: &Expr, span: Span, wanted: Option<Slot>) -> Operand {
         if matches!(sign, Sign::And | Sign::Or) {
-            return self.logic(sign, left, right);
+            return self.logic(sign, left, right, wanted);
         }
         if let Some(relation) = relation(sign) {
             let (a, b) = self.compared(left, right, span);
@@ -519,7 +399,8 @@ impl MacroCompiler<'_> {
         (a, b)
     }
 
-    fn logic(&mut self, sign: Sign, left: &Expr, right: &Expr) -> Operand {
+    /// The truth is made in a register of its own: the right side may still read the one that is wanted.
+    fn logic(&mut self, sign: Sign, left: &Expr, right: &Expr, wanted: Option<Slot>) -> Operand {
         let to = self.temporary();
         let a = self.typed(left, Kind::Logical, "a truth value");
         self.emit(Op::Truth { to, a });
@@ -531,7 +412,10 @@ impl MacroCompiler<'_> {
         let b = self.typed(right, Kind::Logical, "a truth value");
         self.emit(Op::Truth { to, a: b });
         self.patch(jump);
-        (to, Some(Kind::Logical))
+        if let Some(wanted) = wanted {
+            self.emit(Op::Move { to: wanted, a: to });
+        }
+        (wanted.unwrap_or(to), Some(Kind::Logical))
     }
 
     /// Emits jumps taken when the condition is `when`; they are collected in `jumps`.

@@ -282,37 +282,36 @@ impl MacroCompiler<'_> {
             }
             _ => (self.slot(), Some(variable.clone())),
         };
+        // All three are evaluated before the variable gets its first value: each may read it.
         let [start, last] = range;
-        for (expression, slot) in [(last, end), (start, counter)] {
-            if expression.span == last.span && slot == counter {
-                continue;
-            }
-            let (_, kind) = self.expression(expression, Some(slot));
-            if let Some(found) = kind.filter(|kind| *kind != Kind::Real) {
-                self.wrong(expression.span, "a number", found);
-            }
-        }
+        let first = self.temporary();
+        self.number_to(start, first);
+        self.number_to(last, end);
         match step {
-            Some(step) => {
-                let (_, kind) = self.expression(step, Some(step_slot));
-                if let Some(found) = kind.filter(|kind| *kind != Kind::Real) {
-                    self.wrong(step.span, "a number", found);
-                }
-            }
+            Some(step) => self.number_to(step, step_slot),
             None => {
                 let one = self.constant(Value::Real(1.0));
                 self.emit(Op::Move { to: step_slot, a: one });
             }
         }
+        self.emit(Op::Move { to: counter, a: first });
         let skip = self.emit(Op::DoStart { variable: counter, end, target: 0 });
         self.open(Block::Do, |open| {
-            open.ends.push(skip);
+            open.next.push(skip);
             open.value = end;
             open.variable = counter;
             open.outside.clone_from(&outside);
         });
         if let Some(target) = outside {
             self.copy_out(&target, counter);
+        }
+    }
+
+    /// Compiles a number of a DO.
+    fn number_to(&mut self, expression: &Expr, slot: Slot) {
+        let (_, kind) = self.expression(expression, Some(slot));
+        if let Some(found) = kind.filter(|kind| *kind != Kind::Real) {
+            self.wrong(expression.span, "a number", found);
         }
     }
 
@@ -365,10 +364,12 @@ impl MacroCompiler<'_> {
                     self.expression(outside, Some(open.variable));
                 }
                 self.emit(Op::DoNext { variable: open.variable, end: open.value, target: open.top });
-                self.patch_all(open.ends);
+                self.patch_all(open.next);
                 if let Some(outside) = &open.outside {
                     self.copy_out(outside, open.variable);
                 }
+                // EXIT leaves the variable as the body has left it.
+                self.patch_all(open.ends);
             }
             Block::Repeat => {}
         }

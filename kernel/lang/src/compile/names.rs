@@ -1,7 +1,8 @@
 //! Local names: declarations, first uses, near misses.
 
+use super::arms::Arms;
 use super::{Local, MacroCompiler, Strong};
-use crate::ast::{Macro, Scope, StatementKind};
+use crate::ast::{ExprKind, Macro, Scope, StatementKind, Variable};
 use crate::bytecode::Slot;
 use crate::diag::Number;
 use crate::ident;
@@ -11,11 +12,19 @@ use crate::value::Kind;
 impl MacroCompiler<'_> {
     /// Collects the locals that the macro declares, so that their types are known everywhere in it.
     pub(super) fn declare_locals(&mut self, one: &Macro) {
+        let mut arms = Arms::default();
         for statement in &one.statements {
+            arms.pass(statement);
             let StatementKind::Declare { scope: Scope::Local, kind, channel, names } = &statement.kind else {
                 continue;
             };
             for declared in names {
+                let said = (Scope::Local, *kind, declared.sizes.len(), *channel);
+                let again = arms.again(&declared.name, said);
+                arms.declared(&declared.name, said);
+                if again {
+                    continue;
+                }
                 let taken = self.locals.contains_key(&declared.name)
                     || self.program.shared.contains_key(&declared.name)
                     || self.program.functions.contains_key(&declared.name)
@@ -32,6 +41,22 @@ impl MacroCompiler<'_> {
                     local.indices = declared.sizes.len();
                     local.channel = *channel;
                     local.written = true;
+                }
+            }
+        }
+    }
+
+    /// Collects the names that the macro assigns as a whole.
+    pub(super) fn note_assigned(&mut self, one: &Macro) {
+        for statement in &one.statements {
+            let targets = match &statement.kind {
+                StatementKind::Assign { target, .. } => std::slice::from_ref(target),
+                StatementKind::Read { targets, .. } => targets.as_slice(),
+                _ => continue,
+            };
+            for target in targets {
+                if let ExprKind::Variable(Variable::User(name)) = &target.kind {
+                    self.assigned.insert(name.clone());
                 }
             }
         }

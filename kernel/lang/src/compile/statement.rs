@@ -1,11 +1,11 @@
 //! Statements into instructions.
 
 use super::{MacroCompiler, Place};
-use crate::ast::{Expr, ExprKind, Statement, StatementKind};
-use crate::bytecode::{CommandCode, Op, Slot};
+use crate::ast::{Block, Expr, ExprKind, Statement, StatementKind};
+use crate::bytecode::{CommandCode, Op, Relation, Slot};
 use crate::diag::Number;
 use crate::format::Format;
-use crate::value::Kind;
+use crate::value::{Kind, Value};
 
 impl MacroCompiler<'_> {
     pub(super) fn statement(&mut self, statement: &Statement) {
@@ -43,8 +43,20 @@ impl MacroCompiler<'_> {
             (Place::Startup, K::Output) => "OUTPUT is not possible in a startup or shutdown macro",
             (
                 Place::Declaration,
-                K::Output | K::Exec(..) | K::TapeRead | K::TapeWrite | K::Search(_) | K::SaveModal | K::RestoreModal,
-            ) => "a declaration macro declares; commands for the control belong to other macros",
+                K::Declare { .. }
+                | K::Include(_)
+                | K::If(_)
+                | K::ElseIf(_)
+                | K::Else
+                | K::Case(_)
+                | K::When(_)
+                | K::EndOf(Block::If | Block::Case)
+                | K::EndMacro
+                | K::Empty,
+            ) => return,
+            (Place::Declaration, _) => {
+                "a declaration macro holds declarations only: DECLAR and INCLUD, inside IF or CASE"
+            }
             _ => return,
         };
         self.error(self.place, Number::NOT_HERE, message);
@@ -172,8 +184,21 @@ impl MacroCompiler<'_> {
                 ExprKind::Variable(variable) => (self.reach(variable, target.span, true), None),
                 _ => continue,
             };
+            if Self::declared_kind(&reach, indices.is_some()).is_some() {
+                self.null_to_unset(slot);
+            }
             self.store(&reach, target.span, indices, slot, (None, target.span));
         }
+    }
+}
+
+impl MacroCompiler<'_> {
+    /// Makes `$NULL` in a register the value that a declared variable begins with: what could not be read is no fault.
+    fn null_to_unset(&mut self, slot: Slot) {
+        let (null, unset) = (self.constant(Value::Null), self.constant(Value::Unset));
+        let jump = self.emit(Op::JumpUnlessCompare { relation: Relation::Equal, a: slot, b: null, target: 0 });
+        self.emit(Op::Move { to: slot, a: unset });
+        self.patch(jump);
     }
 }
 

@@ -12,7 +12,7 @@ pub enum Style {
     Variable,
     /// `F`: blanks for suppressed zeros, the sign inside the columns of the whole digits.
     Fixed,
-    /// `X`: like `F` with a column of its own for the sign.
+    /// `X`: like `F`, but the sign has the first column for itself.
     Signed,
 }
 
@@ -176,8 +176,7 @@ impl Numeric {
         };
         let blanks = whole.len() - whole.trim_start_matches(' ').len();
         match self.style {
-            Style::Variable => whole.insert(0, sign),
-            Style::Signed => whole.insert(blanks, sign),
+            Style::Variable | Style::Signed => whole.insert(0, sign),
             Style::Fixed if blanks > 0 => {
                 whole.remove(0);
                 whole.insert(blanks - 1, sign);

@@ -232,7 +232,7 @@ fn major(word: &str) -> Option<Value> {
             Some((class, subclass)) => Record { class: part(class)?, subclass: part(subclass)? },
             None => Record { class: ident::MAJOR_CLASS, subclass: part(codes)? },
         },
-        None => Record { class: ident::MAJOR_CLASS, subclass: ident::major_code(word)? },
+        None => ident::record(word)?,
     };
     Some(Value::Record(record))
 }

@@ -90,6 +90,9 @@ pub struct Format {
     pub arguments: usize,
 }
 
+/// Largest width and column.
+const WIDEST: usize = 999;
+
 const LETTERS: &str = "ABCDEFHNSTXYZ";
 
 impl Format {
@@ -179,7 +182,7 @@ fn code(inner: &str, input: bool) -> Outcome<Code> {
     let first = characters.next().ok_or_else(|| bad(inner))?;
     let rest = characters.as_str();
     let lower = first.is_ascii_lowercase();
-    let width = || number(rest).filter(|width| *width <= 512).ok_or_else(|| bad(inner));
+    let width = || number(rest).filter(|width| *width <= WIDEST).ok_or_else(|| bad(inner));
     Ok(match first {
         '*' if rest.is_empty() => Code::Any,
         'A' | 'a' => Code::Text { width: width()?, lower },

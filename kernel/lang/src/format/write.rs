@@ -86,7 +86,7 @@ fn keyword(code: i32) -> String {
 
 fn record(name: Record) -> String {
     let part = |number: i32| if number < 0 { "*".to_owned() } else { number.to_string() };
-    match ident::major_name(name.subclass).filter(|_| name.class == ident::MAJOR_CLASS) {
+    match ident::record_name(name) {
         Some(word) => word.to_owned(),
         None => format!("#{}:{}", part(name.class), part(name.subclass)),
     }

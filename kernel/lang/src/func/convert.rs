@@ -66,8 +66,7 @@ pub(super) fn minor(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> 
 
 pub(super) fn major(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     if let Some(Value::Text(name)) = arguments.first() {
-        let found = ident::major_code(&name.trim().to_uppercase());
-        return Ok(found.map_or(Value::Null, |subclass| Value::Record(Record { class: ident::MAJOR_CLASS, subclass })));
+        return Ok(ident::record(&name.trim().to_uppercase()).map_or(Value::Null, Value::Record));
     }
     let first = real_argument(arguments, 0)?;
     let (class, subclass) = match arguments.get(1) {

@@ -151,7 +151,7 @@ fn one(out: &mut String, code: char, bare: bool, at: &Moment, zone: &str) {
         'b' => out.push_str(name(&MONTHS, month - 1).get(..3).unwrap_or("")),
         'B' => out.push_str(name(&MONTHS, month - 1)),
         'p' => out.push_str(if at.hour < 12 { "AM" } else { "PM" }),
-        'c' if bare => write(out, "%A, %B %d, %Y %H:%M:%S", at, zone),
+        'c' if bare => write(out, "%A, %B %d, %Y, %H:%M:%S", at, zone),
         'c' => write(out, "%m/%d/%y %H:%M:%S", at, zone),
         'x' if bare => write(out, "%A, %B %d, %Y", at, zone),
         'x' => write(out, "%m/%d/%y", at, zone),

@@ -5,7 +5,7 @@ use super::{Context, impossible, numbers};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::ident;
-use crate::value::{Record, Value};
+use crate::value::Value;
 
 /// A square matrix; 12 numbers become 4×4.
 #[derive(Clone)]
@@ -119,7 +119,7 @@ impl Items<'_> {
     fn word(&mut self, word: &str) -> bool {
         let found = match self.0.first() {
             Some(Value::Keyword(code)) => ident::minor_name(*code) == Some(word),
-            Some(Value::Record(Record { subclass, .. })) => ident::major_name(*subclass) == Some(word),
+            Some(Value::Record(record)) => ident::record_name(*record) == Some(word),
             _ => false,
         };
         if found {
@@ -157,8 +157,8 @@ pub(super) fn build(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<V
 
 fn steps(first: &[f64], items: &mut Items<'_>) -> Outcome<Matrix> {
     let wrong = |what: &str| Err(Fault::new(Number::WRONG_COUNT, format!("$FMX needs {what}")));
-    if !matches!(first.len(), 2 | 3) {
-        return wrong("two or three numbers, or twelve");
+    if !matches!(first.len(), 0 | 2 | 3) || (first.is_empty() && items.0.is_empty()) {
+        return wrong("two or three numbers, twelve, or a rotation");
     }
     let mut matrix = Matrix::identity(4);
     while let Some((_, plane)) = PLANES.into_iter().find(|(word, _)| items.word(word)) {
@@ -241,41 +241,72 @@ pub(super) fn vector(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value>
     transformed(arguments, 0.0)
 }
 
+/// What a linear part is made of, beside a mirror.
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    Zero,
+    Plain,
+    Rotated,
+    Scaled,
+    Mixed,
+}
+
+/// A product of two columns of a rotation given to nine digits differs from 0 or 1 by less than this.
+const NINE_DIGITS: f64 = 2e-9;
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9
+}
+
+/// Tells the shape of the upper left `size` rows and columns. A half turn is a rotation; so is what is left of three
+/// negative directions after the mirror.
+fn shape(matrix: &Matrix, size: usize) -> Shape {
+    let all = |test: &dyn Fn(usize, usize) -> bool| (0..size).all(|r| (0..size).all(|c| test(r, c)));
+    if all(&|r, c| near(matrix.at(r, c), 0.0)) {
+        return Shape::Zero;
+    }
+    let column = |c: usize| (0..size).map(|r| matrix.at(r, c)).collect::<Vec<f64>>();
+    let columns: Vec<Vec<f64>> = (0..size).map(column).collect();
+    let product = |a: usize, b: usize| match (columns.get(a), columns.get(b)) {
+        (Some(a), Some(b)) => super::vector::dot(a, b),
+        _ => 0.0,
+    };
+    let pure = all(&|a, b| (product(a, b) - f64::from(u8::from(a == b))).abs() < NINE_DIGITS);
+    let straight = all(&|r, c| r == c || near(matrix.at(r, c), 0.0));
+    let turned = !straight || (0..size).filter(|at| matrix.at(*at, *at) < 0.0).count() > 1;
+    match (turned, pure) {
+        (true, true) => Shape::Rotated,
+        (true, false) => Shape::Mixed,
+        (false, true) => Shape::Plain,
+        (false, false) => Shape::Scaled,
+    }
+}
+
 pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let matrix = Matrix::new(numbers(arguments, 0)?)?;
     let homogeneous = matrix.size == 4;
     let size = if homogeneous { 3 } else { matrix.size };
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
     let translation = homogeneous && (0..3).any(|row| !near(matrix.at(row, 3), 0.0));
-    let identity = (0..size).all(|r| (0..size).all(|c| near(matrix.at(r, c), f64::from(u8::from(r == c)))));
-    let zero = (0..size).all(|r| (0..size).all(|c| near(matrix.at(r, c), 0.0)));
-    let column = |c: usize| (0..size).map(|r| matrix.at(r, c)).collect::<Vec<f64>>();
-    let lengths: Vec<f64> = (0..size).map(|c| super::vector::norm(&column(c))).collect();
-    let scale = !zero && lengths.iter().any(|length| !near(*length, 1.0));
-    let square = (0..size).all(|a| (0..a).all(|b| near(super::vector::dot(&column(a), &column(b)), 0.0)));
-    let mirror = determinant(&matrix, size) < 0.0;
-    let diagonal = (0..size).all(|r| (0..size).all(|c| r == c || near(matrix.at(r, c), 0.0)));
-    let rotation = if zero || diagonal {
-        0.0
-    } else if square {
-        100.0
-    } else {
-        200.0
+    let shape = shape(&matrix, size);
+    let rotation = match shape {
+        Shape::Rotated => 100.0,
+        Shape::Mixed => 200.0,
+        _ => 0.0,
     };
     let parts = [
-        (Some("TRANS"), if translation { 10.0 } else { 0.0 }),
-        (Some("ROTATE"), rotation),
-        (Some("SCALE"), if scale { 1000.0 } else { 0.0 }),
-        (Some("MIRROR"), if mirror { 10000.0 } else { 0.0 }),
-        (None, if identity { 1.0 } else { 0.0 }),
+        ("TRANS", if translation { 10.0 } else { 0.0 }),
+        ("ROTATE", rotation),
+        ("SCALE", if shape == Shape::Scaled { 1000.0 } else { 0.0 }),
+        ("MIRROR", if determinant(&matrix, size) < 0.0 { 10000.0 } else { 0.0 }),
     ];
     let mut wanted = Items(arguments.get(1..).unwrap_or(&[]));
     for (word, part) in parts {
-        if word.is_some_and(|word| wanted.word(word)) {
+        if wanted.word(word) {
             return Ok(Value::Real(part));
         }
     }
-    Ok(Value::Real(parts.iter().map(|(_, part)| part).sum()))
+    let sum: f64 = parts.iter().map(|(_, part)| part).sum();
+    Ok(Value::Real(if sum == 0.0 && shape == Shape::Plain { 1.0 } else { sum }))
 }
 
 fn determinant(matrix: &Matrix, size: usize) -> f64 {

@@ -36,6 +36,7 @@ pub(super) fn length(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value>
 pub(super) fn index(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let (text, wanted) = (string(arguments, 0)?, string(arguments, 1)?);
     let wanted = if wanted.is_empty() { " " } else { wanted };
+    let text = if text.is_empty() { " " } else { text };
     let found = text.find(wanted).and_then(|at| text.get(..at));
     Ok(real(found.map_or(0, |before| before.chars().count() + 1)))
 }
@@ -54,6 +55,34 @@ pub(super) fn find(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
     context.state.spend(looked.len().saturating_mul(wanted.as_text().map_or(0, str::len)) / 64)?;
     let found = elements.iter().take(limit).position(|element| element.equals(wanted) == Some(true));
     Ok(real(found.map_or(0, |at| at + 1)))
+}
+
+/// Most elements of a system variable that are looked at without a limit.
+const MOST_ELEMENTS: usize = 10_000;
+
+/// `$FFIND` in the elements of a system variable: its position in the table of the host, what is looked for, the limit or
+/// `$NULL`, the indices of the first element. The last index counts.
+pub(super) fn find_in_system(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let [_, wanted, limit, indices @ ..] = arguments else { return Ok(Value::Null) };
+    let system = u32::try_from(count(number(arguments, 0)?)).unwrap_or(u32::MAX);
+    let limit = limit.as_real().map_or(MOST_ELEMENTS, count);
+    #[allow(clippy::cast_possible_truncation)]
+    let whole = |value: &Value| value.as_real().map(|number| number as i64);
+    let indices: Option<Vec<i64>> = indices.iter().map(whole).collect();
+    let mut indices = indices.ok_or_else(|| Fault::new(Number::TYPE_MISMATCH, "an index must be a number"))?;
+    for position in 1..=limit {
+        context.state.spend(1)?;
+        match context.host.read_system(system, &indices) {
+            Ok(element) if element.equals(wanted) == Some(true) => return Ok(real(position)),
+            Ok(_) => {}
+            Err(fault) if position == 1 => return Err(fault),
+            Err(_) => break,
+        }
+        if let Some(last) = indices.last_mut() {
+            *last += 1;
+        }
+    }
+    Ok(real(0))
 }
 
 /// Third and fourth argument of $FEDIT and $FMATCH: a text is the replacement, a number the match.

@@ -108,13 +108,20 @@ fn three(mut v: Vec<f64>) -> (Vec<f64>, usize) {
     (v, length)
 }
 
+/// The fraction 1 or −1 gives the direction of the second vector, whatever the angle; a negative fraction goes the other
+/// way round.
 pub(super) fn turn_toward(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let ((a, length), (b, _)) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?));
+    let fraction = number(arguments, 2)?;
     let axis = cross(&a, &b);
-    if norm(&axis) == 0.0 {
-        return Ok(Value::numbers(a.get(..length).unwrap_or(&a)));
-    }
-    let result = turned(&a, &axis, unsigned_angle(&a, &b) * number(arguments, 2)?);
+    let result = if fraction.abs() == 1.0 && norm(&b) > 0.0 {
+        normalised(&b).iter().map(|part| part * norm(&a)).collect()
+    } else if norm(&axis) == 0.0 {
+        a
+    } else {
+        let angle = unsigned_angle(&a, &b);
+        turned(&a, &axis, if fraction < 0.0 { 360.0 - angle } else { angle } * fraction)
+    };
     Ok(Value::numbers(result.get(..length).unwrap_or(&result)))
 }
 

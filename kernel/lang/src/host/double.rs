@@ -454,6 +454,10 @@ impl Host for Test {
         self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.writable(shelf, path))
+    }
+
     fn read_file(&mut self, path: &str) -> Option<String> {
         self.load(path).ok()
     }

@@ -81,6 +81,12 @@ pub trait Shelf {
     /// The status.
     fn facts(&mut self, path: &str) -> Result<Facts, i32>;
 
+    /// Tells whether a file that does not exist could be written; false where its folder is missing.
+    fn creatable(&mut self, path: &str) -> bool {
+        let _ = path;
+        true
+    }
+
     /// Removes a file.
     fn remove(&mut self, path: &str);
 }
@@ -150,12 +156,24 @@ impl Folder {
         shelf.write(&place, text)
     }
 
-    /// Status of opening a file: it may be missing, but it must be one and lie below the folder of the run.
+    /// Status of writing a file.
+    pub fn writable(&self, shelf: &mut dyn Shelf, path: &str) -> i32 {
+        let Some(place) = self.located(path).filter(|place| !stored(place)) else { return FORBIDDEN };
+        match shelf.facts(&place) {
+            Ok(facts) if facts.folder || facts.allowed & 2 == 0 => FORBIDDEN,
+            Ok(_) => 0,
+            Err(_) if shelf.creatable(&place) => 0,
+            Err(status) => status,
+        }
+    }
+
+    /// Status of opening a file: it may be missing if it can be made, but it must be one and lie below the folder of the
+    /// run.
     pub fn openable(&self, shelf: &mut dyn Shelf, state: &mut State, path: &str) -> i32 {
         let found = self.place(state, path).and_then(|place| match shelf.facts(&place) {
             Ok(facts) if facts.folder || facts.allowed & 4 == 0 => Err(FORBIDDEN),
-            Err(NOT_FOUND) if stored(&place) => Err(NOT_FOUND),
-            Ok(_) | Err(NOT_FOUND) => Ok(()),
+            Ok(_) => Ok(()),
+            Err(NOT_FOUND) if !stored(&place) && shelf.creatable(&place) => Ok(()),
             Err(status) => Err(status),
         });
         found.err().unwrap_or(0)

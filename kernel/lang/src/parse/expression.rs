@@ -128,8 +128,8 @@ impl Parser<'_> {
         if let Some(code) = ident::minor_code(name) {
             return Ok(ExprKind::Keyword(code));
         }
-        if let Some(subclass) = ident::major_code(name) {
-            return Ok(ExprKind::Record(Record { class: ident::MAJOR_CLASS, subclass }));
+        if let Some(record) = ident::record(name) {
+            return Ok(ExprKind::Record(record));
         }
         if ident::reserved(name).is_some() {
             let message = format!("{name} is a word of the language and no value");

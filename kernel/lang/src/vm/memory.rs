@@ -151,6 +151,12 @@ impl State {
         self.memory.fresh > (self.memory.kept / 4).max(WORTH_WEIGHING)
     }
 
+    /// The budget of memory is used up.
+    #[must_use]
+    pub fn is_over_memory(&self) -> bool {
+        self.memory.over.is_some()
+    }
+
     /// Who keeps most, once the budget of memory is used up.
     pub fn over_memory(&mut self) -> Option<String> {
         self.memory.over.take()

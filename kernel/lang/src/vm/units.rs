@@ -38,6 +38,8 @@ pub struct Unit {
     written: usize,
     /// Bytes of what was read when it was opened.
     read: usize,
+    /// Status of writing to it, found by the first WRITE.
+    writable: Option<i32>,
 }
 
 impl Unit {
@@ -68,6 +70,8 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
     }
     state.spend(size(state, f64::from(number)) / 64)?;
     close(state, host, f64::from(number));
+    // What another file lost by being closed here is not forgotten because this one opens.
+    let lost = state.status == CANNOT_OPEN;
     if state.units.len() >= state.limits.units {
         return Err(Fault::new(Number::UNITS, format!("more than {} units are open", state.limits.units)));
     }
@@ -78,12 +82,22 @@ pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) 
         return Ok(());
     }
     let text = if console { None } else { host.read_file(&path) };
+    if text.is_none() && !console {
+        // It is made by writing, so there must be nothing, and a place for it.
+        state.status = host.may_write(&path);
+        if state.status != 0 {
+            return Ok(());
+        }
+    }
     let read = text.as_ref().map_or(0, String::len);
     state.spend(FILE_TICKS + read / 64)?;
     let lines: Vec<String> = text.unwrap_or_default().lines().map(str::to_owned).collect();
     state.spend(lines.len())?;
     let next = if rear { lines.len() } else { 0 };
-    let unit = Unit { path, lines, next, rear, changed: false, console, written: 0, read };
+    if lost {
+        state.status = CANNOT_OPEN;
+    }
+    let unit = Unit { path, lines, next, rear, console, read, ..Unit::default() };
     state.grow(unit.bytes());
     state.units.insert(number, unit);
     Ok(())
@@ -128,6 +142,11 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
     if unit.console {
         host.write_console(text);
     } else {
+        let status = *unit.writable.get_or_insert_with(|| host.may_write(&unit.path));
+        if status != 0 {
+            state.status = status;
+            return Ok(());
+        }
         if !unit.changed && !unit.rear {
             unit.lines.truncate(unit.next);
         }

@@ -3,7 +3,7 @@
 //!
 //! Facts: reference channel-synchronisation.md 1.0; the reading is ours, told in docs/emulation.md, "Spindles".
 
-use super::{pass, passes, stand, woken};
+use super::{heads, pass, passes, stand, woken};
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Kind, Release};
 use crate::machine::model::SyncDialect;
@@ -12,13 +12,15 @@ use crate::multi::waits::{Set, Spec, Waiting};
 
 /// Carries out the start by a head.
 pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {
-    let heads = Set::up_to(2);
+    let heads = heads(kernel);
+    // The code names a head by its place: the first or the second channel.
+    let by = heads.iter().nth(usize::from(by).saturating_sub(1)).unwrap_or(by);
     let gives = kernel.rank == by && kernel.machine.sync.dialect != SyncDialect::None;
     if !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 || !gives && passes(kernel) {
         return pass(kernel);
     }
     kernel.flow.pass.effects = true;
-    if gives { give(kernel) } else { wait(kernel, by) }
+    if gives { give(kernel, heads) } else { wait(kernel, by, heads) }
 }
 
 fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
@@ -26,11 +28,11 @@ fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
 }
 
 /// Lets the other head go on, now or when it comes.
-fn give(kernel: &mut Kernel<'_>) -> Acted {
-    tell(kernel, &Spec::start(kernel.rank), "set");
+fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
+    tell(kernel, &Spec::start(kernel.rank, heads), "set");
     let tag = kernel.tag();
     kernel.shared(|inner, coordinator| {
-        if let Some(released) = inner.waits.start(tag) {
+        if let Some(released) = inner.waits.start(tag, heads) {
             let meeting = coordinator.count_meeting(inner, Set::default().with(tag.rank).with(released.rank));
             coordinator.resume(inner, released.rank, Wake::Released { tag: released, meeting });
         }
@@ -38,8 +40,8 @@ fn give(kernel: &mut Kernel<'_>) -> Acted {
 }
 
 /// Waits for the other head, unless it has been here before.
-fn wait(kernel: &mut Kernel<'_>, by: u16) -> Acted {
-    let spec = Spec::start(by);
+fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
+    let spec = Spec::start(by, heads);
     let (since_ns, tag) = (kernel.clock, kernel.tag());
     let (file, line, info) = (kernel.file, kernel.line, kernel.info);
     let waiting = Waiting { spec: spec.clone(), tag, file, line };

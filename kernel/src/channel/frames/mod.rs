@@ -25,6 +25,7 @@ pub(crate) mod offsets;
 pub(crate) mod polar;
 pub(crate) mod tip;
 mod told;
+mod travel;
 
 use affine::Point;
 use local::Local;
@@ -51,6 +52,8 @@ pub(crate) struct Frames {
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
     pub(crate) cutter: Option<Box<crate::action::cutter::Cutter>>,
+    /// What incremental words travel beside their distance, by axis.
+    pub(crate) ways: Option<Box<Position>>,
     /// The last point that the program reached: in the work frame, and as programmed.
     reached: Option<[Position; 2]>,
 }
@@ -58,7 +61,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Nothing is active any more.
     fn is_idle(&self) -> bool {
-        self.local.is_empty() && self.polar.is_none() && self.tip.is_none() && self.cutter.is_none()
+        self.local.is_empty() && self.polar.is_none() && self.tip.is_none() && self.cutter.is_none() && self.ways.is_none()
     }
 
     /// Axis that says the distance across while words are coordinates of the part.

@@ -147,6 +147,7 @@ impl Heidenhain {
     fn plain(&mut self, host: &mut dyn Host, words: &[Word]) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
         self.cycle_calls(host, &mut seen, false)?;
         Ok(Some(joined("", &seen)))
     }
@@ -209,7 +210,11 @@ impl Heidenhain {
             Some(tool) => self.tool(host, tool)?,
             None => None,
         };
-        let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
+        if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
+            self.variables.told.tool = Some(number);
+        }
+        self.feed_units(host, &mut seen)?;
         for word in &seen {
             if word.value.is_none()
                 && let Some(at) = AXES.iter().position(|axis| word.is(axis))
@@ -270,6 +275,7 @@ impl Heidenhain {
         // Old programs show what they do not say.
         seen.retain(|word| word.value.is_some() || !matches!(word.text.as_str(), "R" | "F" | "M"));
         self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
         let moves = seen.iter().any(|word| {
             word.value.is_some()
                 && (axis(&word.name).is_some() || matches!(&*word.name, "PR" | "PA" | "IPR" | "IPA" | "H"))

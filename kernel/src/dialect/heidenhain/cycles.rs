@@ -23,7 +23,7 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
     let Some((number, _)) = cursor.number() else { return Err(expected(cursor, "the number of the cycle")) };
     let (cycle, part) = match number.split_once('.') {
         Some((cycle, part)) => (cycle, Some(part)),
-        None => (number, None),
+        None => (&*number, None),
     };
     let whole = |digits: &str, cursor: &Cursor<'_>| -> Result<u32, Wrong> {
         digits.parse().map_err(|_| expected(cursor, "the number of the cycle"))
@@ -100,6 +100,7 @@ impl Heidenhain {
             }
         }
         let number = seen.first().and_then(|word| word.value).unwrap_or(0.0) as u32;
+        self.shifts.define(number, &mut []);
         if self.settings.cycles.contains(&number) {
             self.cycle = State { program: Some(number.to_string().into()), modal: None };
             return Ok(None);
@@ -165,7 +166,8 @@ impl Heidenhain {
         if !ACT_AT_ONCE.contains(cycle) {
             self.cycle = State::default();
         }
-        let seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        let mut seen = Evaluator::new(&mut self.variables, host).seen(&all)?;
+        self.shifts.define(*cycle, &mut seen);
         Ok(Some(joined("", &seen)))
     }
 
@@ -178,6 +180,7 @@ impl Heidenhain {
     ) -> Result<Option<String>, Halt> {
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         self.functions_of(&seen);
+        self.feed_units(host, &mut seen)?;
         let text = match kind {
             Call::Here => "CYCL CALL",
             Call::Position => "CYCL CALL POS",

@@ -96,7 +96,8 @@ pub(super) fn path(words: Vec<Word>) -> Statement {
 pub(in crate::dialect) fn concerns(text: &[u8]) -> bool {
     let mut at = text.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
     if matches!(text.get(at), None | Some(b';')) {
-        return false;
+        // The line that follows a comment with this sign is part of it.
+        return text.trim_ascii_end().ends_with(b"~");
     }
     while let Some(&byte) = text.get(at) {
         at += 1;

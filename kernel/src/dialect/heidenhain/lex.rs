@@ -4,6 +4,8 @@
 //! begins a comment, `*` a structure line or, at the end of a block, its end, `~` at the end goes on in the next line.
 //! Invariant: outside quotation marks everything is in capital letters.
 
+use std::borrow::Cow;
+
 use crate::dialect::text::without_comment;
 
 /// A block as it is read.
@@ -15,6 +17,8 @@ pub(super) struct Clean {
     pub(super) text: String,
     /// The next line belongs to it.
     pub(super) continues: bool,
+    /// It has nothing to do because it is a comment or is skipped.
+    pub(super) silent: bool,
     /// It has a mark of optional skip, so what is made of it does not hold for ever.
     pub(super) marked: bool,
 }
@@ -27,7 +31,10 @@ pub(super) fn clean(raw: &[u8], skips: &dyn Fn(Option<u8>) -> bool) -> Clean {
     if let Some(before) = rest.strip_suffix('~') {
         (block.continues, rest) = (true, before);
     }
-    rest = without_comment(rest).trim();
+    let whole = rest.len();
+    rest = without_comment(rest);
+    block.silent = rest.len() < whole;
+    rest = rest.trim();
     if let Some(before) = rest.strip_suffix('~') {
         (block.continues, rest) = (true, before.trim_end());
     }
@@ -36,7 +43,7 @@ pub(super) fn clean(raw: &[u8], skips: &dyn Fn(Option<u8>) -> bool) -> Clean {
             let level = behind.bytes().next().filter(|byte| (b'1'..=b'9').contains(byte)).map(|byte| byte - b'0');
             block.marked = true;
             if skips(level) {
-                return Clean { marked: true, ..Clean::default() };
+                return Clean { marked: true, silent: true, continues: block.continues, ..Clean::default() };
             }
             rest = behind.get(usize::from(level.is_some())..).unwrap_or_default().trim_start();
         }
@@ -45,7 +52,7 @@ pub(super) fn clean(raw: &[u8], skips: &dyn Fn(Option<u8>) -> bool) -> Clean {
         }
     }
     if rest.starts_with('*') {
-        return Clean { text: String::new(), ..block };
+        return Clean { text: String::new(), silent: true, ..block };
     }
     let rest = rest.strip_suffix('*').map_or(rest, str::trim_end);
     block.text = capitals(rest);
@@ -170,11 +177,16 @@ impl<'t> Cursor<'t> {
         rest.get(..end).unwrap_or_default()
     }
 
-    /// A number without sign: how it is written and what it is.
-    pub(super) fn number(&mut self) -> Option<(&'t str, f64)> {
+    /// A number without sign: how it is written, with a point for a decimal comma, and what it is.
+    pub(super) fn number(&mut self) -> Option<(Cow<'t, str>, f64)> {
         self.blanks();
         let start = self.at;
-        let text = self.run(|byte| byte.is_ascii_digit() || byte == b'.');
+        let mut text = Cow::Borrowed(self.run(|byte| byte.is_ascii_digit() || byte == b'.'));
+        let decimals = self.rest().strip_prefix(',').and_then(|behind| behind.bytes().next());
+        if !text.is_empty() && !text.contains('.') && decimals.is_some_and(|byte| byte.is_ascii_digit()) {
+            self.at += 1;
+            text = Cow::Owned(format!("{text}.{}", self.run(|byte| byte.is_ascii_digit())));
+        }
         match text.parse() {
             Ok(value) if text.bytes().any(|byte| byte.is_ascii_digit()) => Some((text, value)),
             _ => {
@@ -233,6 +245,15 @@ mod tests {
         assert_eq!(cleaned("Q200=2 ;SET-UP ~"), (None, "Q200=2".into(), true));
         assert_eq!(cleaned("/ 4 X+1"), (Some(4), "X+1".into(), false));
         assert_eq!(cleaned("4 /2 X+1"), (Some(4), "X+1".into(), false));
+    }
+
+    #[test]
+    fn a_decimal_comma_is_a_point() {
+        let number = |text: &str| Cursor::new(text).number().map(|(text, value)| (text.into_owned(), value));
+        assert_eq!(number("1,25 X"), Some(("1.25".into(), 1.25)));
+        assert_eq!(number("1.5,2"), Some(("1.5".into(), 1.5)));
+        assert_eq!(number("7, 8"), Some(("7".into(), 7.0)));
+        assert_eq!(number(",5"), None);
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod circle;
 mod corner;
 mod cycles;
 mod eval;
+mod feeds;
 mod flow;
 mod formula;
 mod functions;
@@ -20,6 +21,7 @@ mod path;
 mod polar;
 mod print;
 mod settings;
+mod shifts;
 mod statement;
 mod system;
 mod variables;
@@ -70,6 +72,8 @@ pub(crate) struct Heidenhain {
     /// Program that CALL SELECTED PGM calls.
     selected: Option<Arc<str>>,
     cycle: cycles::State,
+    shifts: shifts::Shifts,
+    units: feeds::Units,
     /// Lengths and radii that TOOL DEF has told.
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     /// A line may run again, so compiled lines are worth keeping.
@@ -107,11 +111,15 @@ impl Heidenhain {
     ) -> Result<(Line, bool), String> {
         let mut clean = lex::clean(first, &|level| host.skips(level));
         let mut next = line + 1;
-        let joins = self.settings.joins || clean.text.starts_with("CYCL") || clean.text.starts_with('G');
+        // Of a block that is skipped, or that is a comment alone, the lines that follow are part.
+        let silent = clean.text.is_empty() && clean.silent;
+        let joins = silent || self.settings.joins || clean.text.starts_with("CYCL") || clean.text.starts_with('G');
         while clean.continues && joins && next <= last && next - line < CONTINUED {
             let more = lex::clean(text(next), &|level| host.skips(level));
-            clean.text.push(' ');
-            clean.text.push_str(&more.text);
+            if !silent {
+                clean.text.push(' ');
+                clean.text.push_str(&more.text);
+            }
             clean.continues = more.continues;
             clean.marked |= more.marked;
             next += 1;
@@ -156,7 +164,9 @@ impl Interpreter for Heidenhain {
         self.main = Frame::default();
         self.calling = None;
         self.path = Path::default();
+        self.units = feeds::Units::default();
         if reset {
+            self.shifts = shifts::Shifts::default();
             self.cycle = cycles::State::default();
             self.selected = None;
         }

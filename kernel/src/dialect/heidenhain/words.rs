@@ -91,7 +91,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
     if letters.is_empty() {
         // A sign of its own, a number without a name, anything else.
         if let Some((text, value)) = cursor.number() {
-            return Word { name: "".into(), operand: Operand::Number(text.into(), value) };
+            return Word { name: "".into(), operand: Operand::Number(Arc::from(&*text), value) };
         }
         let first = cursor.bump().map(String::from).unwrap_or_default();
         return Word { operand: operand(cursor, false), name: first.into() };

@@ -121,6 +121,15 @@ impl<'e> Eval<'e> {
         }
     }
 
+    /// A variable with the values of its indices.
+    pub(super) fn told(&mut self, variable: &Variable) -> Result<String, Stop> {
+        match variable {
+            Variable::Local(name) => Ok(name.to_string()),
+            Variable::Common(family, index) => Ok(format!("{}{}", family.prefix(), self.value(index)?)),
+            Variable::System(name, indices) => self.spelled(name, indices),
+        }
+    }
+
     /// A name with the values of its indices.
     fn spelled(&mut self, name: &str, indices: &[Expr]) -> Result<String, Stop> {
         let mut text = name.to_owned();

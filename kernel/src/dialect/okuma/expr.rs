@@ -150,6 +150,7 @@ impl<'c, 'a> Reader<'c, 'a> {
                 Ok(inside)
             }
             Some(b'0'..=b'9' | b'.') => self.number(),
+            Some(b'#' | b'$') => self.hexadecimal(),
             Some(b'A'..=b'Z') => self.name(),
             _ => Err(Mistake::Expected("a value", self.cursor.at + 1)),
         }
@@ -159,6 +160,21 @@ impl<'c, 'a> Reader<'c, 'a> {
         let at = self.cursor.at;
         let text = number_text(self.cursor);
         text.parse().map(Expr::Number).map_err(|_| Mistake::Expected("a number", at + 1))
+    }
+
+    /// `#81H` or `$81`.
+    fn hexadecimal(&mut self) -> Result<Expr, Mistake> {
+        let closes = self.cursor.here() == Some(b'#');
+        self.cursor.at += 1;
+        let at = self.cursor.at;
+        let digits = self.cursor.run(|byte| byte.is_ascii_hexdigit());
+        // More digits are no whole number that a value can be.
+        let value = i64::from_str_radix(digits, 16).ok().filter(|_| digits.len() <= 12);
+        let Some(value) = value else { return Err(Mistake::Expected("a hexadecimal number", at + 1)) };
+        if closes && self.cursor.here() == Some(b'H') {
+            self.cursor.at += 1;
+        }
+        Ok(Expr::Number(value as f64))
     }
 
     fn name(&mut self) -> Result<Expr, Mistake> {
@@ -261,6 +277,7 @@ mod tests {
         assert!(matches!(read("V33"), Expr::Variable(Variable::Common(Family::V, _))));
         assert_eq!(read("VTOFX[1]"), Expr::Variable(Variable::System("VTOFX".into(), [Expr::Number(1.0)].into())));
         assert_eq!(read("HALF[ 1, 2]"), Expr::Unknown("HALF[ 1, 2]".into()));
+        assert_eq!((read("#81H"), read("$fF".to_ascii_uppercase().as_str())), (Expr::Number(129.0), Expr::Number(255.0)));
         assert_eq!((read("EMPTY"), read("-.5")), (Expr::Empty, Expr::Number(-0.5)));
     }
 }

@@ -39,7 +39,7 @@ pub(super) enum Statement {
     /// Nothing more.
     #[default]
     Nothing,
-    /// It goes on with a line above it, which is not understood.
+    /// It goes on with a line above it that there is not.
     Continued,
     /// Go to a block, if something is true.
     Goto(Option<Expr>, Target),
@@ -84,6 +84,13 @@ pub(super) enum Item {
         value: Expr,
         /// The value as written, if it is a number and nothing else.
         spelled: Option<String>,
+        /// The item as written.
+        raw: String,
+    },
+    /// A text for a variable of the control: `VUACM[1]='NO PART'`.
+    Text {
+        variable: Variable,
+        text: String,
         /// The item as written.
         raw: String,
     },
@@ -338,6 +345,9 @@ impl Reading<'_> {
         if opens || ahead.peek() == Some(b'=') {
             let variable = Reader::new(&mut self.cursor).variable(name)?;
             if self.cursor.take(b'=') {
+                if self.cursor.peek() == Some(b'\'') {
+                    return self.text(start, variable).map(Some);
+                }
                 return self.set(start, name, Some(variable)).map(Some);
             }
             return Err(Mistake::Expected("'='", self.cursor.at + 1));
@@ -345,6 +355,16 @@ impl Reading<'_> {
         // The rest of a number, as in.
         self.cursor.run(|byte| !byte.is_ascii_uppercase() && !matches!(byte, b' ' | b',' | b'=' | b'['));
         Ok(None)
+    }
+
+    /// A text between apostrophes.
+    fn text(&mut self, start: usize, variable: Variable) -> Result<Item, Mistake> {
+        self.cursor.at += 1;
+        let from = self.cursor.at;
+        self.cursor.run(|byte| byte != b'\'');
+        let text = self.raw(from, self.cursor.at);
+        self.cursor.expect(b'\'', "an apostrophe")?;
+        Ok(Item::Text { variable, text, raw: self.raw(start, self.cursor.at) })
     }
 
     fn set(&mut self, start: usize, name: &str, variable: Option<Variable>) -> Result<Item, Mistake> {
@@ -371,6 +391,11 @@ pub(crate) fn is_header(line: &[u8]) -> bool {
     line.first() == Some(&b'$') && line.last() == Some(&b'%')
 }
 
+/// A line that goes on with the one above it: `$` before its words.
+pub(super) fn is_continued(line: &[u8]) -> bool {
+    line.trim_ascii_start().first() == Some(&b'$') && !is_header(line)
+}
+
 /// A sequence number or program name as it is compared: zeros before a number do not count.
 pub(super) fn normal(name: &str) -> String {
     let name = name.to_ascii_uppercase();
@@ -394,7 +419,7 @@ mod tests {
         let Statement::Items(items) = line(text).unwrap().statement else { panic!("{text} has no items") };
         let text = |item| match item {
             Item::Plain(text) => format!("'{text}'"),
-            Item::Set { raw, .. } => raw,
+            Item::Set { raw, .. } | Item::Text { raw, .. } => raw,
         };
         items.into_iter().map(text).collect()
     }
@@ -404,6 +429,7 @@ mod tests {
         assert_eq!(plain("G1X=5Y-2.5 z[la1]M8"), ["'G1'", "X=5", "'Y-2.5'", "z[la1]", "'M8'"]);
         assert_eq!(plain("VC[1] = 2 ,LA=3"), ["VC[1] = 2", "LA=3"]);
         assert_eq!(plain("GOTP N1"), ["'GOTP N1'"]);
+        assert_eq!(plain("VUACM[1]='No part (1)' X=#1FH"), ["VUACM[1]='No part (1)'", "X=#1FH"]);
         assert_eq!(plain("IFA=1"), ["IFA=1"]);
         assert_eq!(plain("X=VC1EQ 1"), ["X=VC1EQ 1"]);
     }

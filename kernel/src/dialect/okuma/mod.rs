@@ -36,6 +36,12 @@ use expr::{Expr, Reader, Variable};
 use programs::Index;
 use store::Arguments;
 
+/// Most lines of a block.
+const CONTINUED: u32 = 100;
+
+/// Most texts of alarms.
+const ALARM_TEXTS: usize = 1000;
+
 /// The pre-processor with its variables.
 #[derive(Debug)]
 pub(crate) struct Okuma {
@@ -50,6 +56,8 @@ pub(crate) struct Okuma {
     indices: FxHashMap<FileId, Arc<Index>>,
     /// Bytes of those.
     table_bytes: usize,
+    /// Texts of the alarms of the user, `VUACM[n]`.
+    alarm_texts: FxHashMap<u32, String>,
     /// Calls are carried out; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
@@ -69,6 +77,7 @@ impl Okuma {
             lines: Kept::default(),
             indices: FxHashMap::default(),
             table_bytes: 0,
+            alarm_texts: FxHashMap::default(),
             takes_calls: true,
             takes_names,
             takes_messages: true,
@@ -99,6 +108,32 @@ impl Okuma {
                 let text = format!("{mistake} in '{}'", host.block_text());
                 Err(host.alarm(&diag::MACRO_SYNTAX, text))
             }
+        }
+    }
+
+    /// The text of a block with the lines that go on with it, and the line behind them.
+    fn continued(&mut self, host: &mut dyn Host, text: &[u8]) -> Option<(Vec<u8>, u32)> {
+        let place = host.place();
+        let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
+        if !place.as_read || of_the_file || !self.index(host, place.file).continues {
+            return None;
+        }
+        let source = host.source(place.file)?;
+        let mut whole = text.to_vec();
+        let mut next = place.line + 1;
+        while next - place.line < CONTINUED && next <= source.lines() && line::is_continued(source.line(next)) {
+            let more = source.line(next).trim_ascii_start();
+            whole.push(b' ');
+            whole.extend_from_slice(more.get(1..).unwrap_or_default());
+            next += 1;
+        }
+        (next > place.line + 1).then_some((whole, next))
+    }
+
+    /// Plain words too are for the pre-processor where lines go on with those above them.
+    fn watch(&mut self, host: &mut dyn Host, file: FileId) {
+        if self.index(host, file).continues {
+            host.watch(true);
         }
     }
 
@@ -160,6 +195,14 @@ impl Okuma {
 impl Interpreter for Okuma {
     fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
         self.arguments = None;
+        let whole = self.continued(host, text);
+        let text = match &whole {
+            Some((whole, next)) => {
+                host.go_to(*next)?;
+                whole.as_slice()
+            }
+            None => text,
+        };
         let line = self.line(host, text)?;
         if !line.messages.is_empty() && !self.takes_messages {
             return Ok(Some(String::from_utf8_lossy(text).into_owned()));
@@ -170,8 +213,14 @@ impl Interpreter for Okuma {
     fn begin(&mut self, reset: bool) {
         self.store.begin(reset);
         self.modal.clear();
+        self.alarm_texts.clear();
         self.arguments = None;
         self.caching = false;
+    }
+
+    fn started(&mut self, host: &mut dyn Host) {
+        let file = host.place().file;
+        self.watch(host, file);
     }
 
     fn entered(&mut self, host: &mut dyn Host) {

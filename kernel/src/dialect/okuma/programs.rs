@@ -33,6 +33,8 @@ pub(super) struct Index {
     pub(super) definitions: Vec<Definition>,
     /// Lines by sequence number or name without N, ascending.
     labels: FxHashMap<String, Vec<u32>>,
+    /// Lines go on with those above them.
+    pub(super) continues: bool,
 }
 
 impl Index {
@@ -46,6 +48,7 @@ impl Index {
                 open = false;
                 continue;
             }
+            index.continues |= super::line::is_continued(text);
             match head(text) {
                 Some(Head::Program(name)) => {
                     let name = normal(name.get(1..).unwrap_or_default());

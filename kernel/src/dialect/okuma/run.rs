@@ -6,17 +6,22 @@
 
 use std::sync::Arc;
 
-use super::Okuma;
+use counterpoint_lang::value::Value;
+
+use super::{ALARM_TEXTS, Okuma};
 use super::eval::{Eval, Stop};
-use super::expr::Expr;
+use super::expr::{Expr, Variable};
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use crate::channel::{Acted, Halt};
 use crate::diag;
-use crate::dialect::{self, Host};
+use crate::dialect::{self, Answer, Host};
 
 /// Modal calls at the same time.
 const MODAL: usize = 8;
+
+/// Output that sets an alarm of the user.
+const USER_ALARM: f64 = 992.0;
 
 /// Largest number of repeats.
 const REPEATS: f64 = 9999.0;
@@ -46,7 +51,7 @@ impl Okuma {
         match &line.statement {
             Statement::Nothing => {}
             Statement::Continued => {
-                let text = format!("'{}' goes on with the block above it, it is dropped", host.block_text());
+                let text = format!("'{}' goes on with a block that is not above it, it is dropped", host.block_text());
                 host.diagnose(&diag::OKUMA_CONTINUED, text);
                 return Ok(None);
             }
@@ -145,6 +150,9 @@ impl Okuma {
     fn call(&mut self, host: &mut dyn Host, call: dialect::Call, arguments: Arguments) {
         let place = host.place();
         self.caching = true;
+        if let Some((file, _)) = call.place {
+            self.watch(host, file);
+        }
         self.arguments = Some((place.file, place.line, arguments));
         host.call(call);
     }
@@ -192,8 +200,15 @@ impl Okuma {
                 push(left, text);
                 return Ok(());
             }
+            Item::Text { variable, text, raw } => return self.text(host, (variable, text, raw), left),
             Item::Set { name, variable, value, spelled, raw } => (name, variable, value, spelled, raw),
         };
+        if let Some(Variable::System(name, index)) = variable
+            && let ("VDOUT", [index]) = (&**name, &**index)
+            && self.value(host, index)? == USER_ALARM
+        {
+            return self.user_alarm(host, value, raw, left);
+        }
         let mut eval = Eval::new(&mut self.store, host);
         let done = eval.assigned(value).and_then(|assigned| {
             let number = assigned.unwrap_or(0.0);
@@ -219,6 +234,57 @@ impl Okuma {
             }
             Err(Stop::Halt(halt)) => Err(halt),
         }
+    }
+}
+
+impl Okuma {
+    /// A text for a variable: that of an alarm, or what the machine knows.
+    fn text(
+        &mut self,
+        host: &mut dyn Host,
+        (variable, text, raw): (&Variable, &str, &str),
+        left: &mut String,
+    ) -> Acted {
+        let asked = match Eval::new(&mut self.store, host).told(variable) {
+            Ok(asked) => asked,
+            Err(Stop::Keep) => raw.to_owned(),
+            Err(Stop::Halt(halt)) => return Err(halt),
+        };
+        match host.identify(&asked, Some(&Value::text(text)))? {
+            Answer::Drop => return Ok(()),
+            Answer::Keep => {
+                push(left, raw);
+                return Ok(());
+            }
+            Answer::Instead(_) | Answer::Unknown => {}
+        }
+        let number = asked.strip_prefix("VUACM[").and_then(|rest| rest.strip_suffix(']')?.parse().ok());
+        match number {
+            Some(number) if self.alarm_texts.len() < ALARM_TEXTS => {
+                self.alarm_texts.insert(number, text.to_owned());
+            }
+            _ => {
+                let text = format!("{asked} takes no text in '{}', nothing is set", host.block_text());
+                host.diagnose(&diag::OKUMA_UNKNOWN, text);
+            }
+        }
+        Ok(())
+    }
+
+    /// `VDOUT[992]=n`: the alarm of the user with that number, unless the machine sees to it.
+    fn user_alarm(&mut self, host: &mut dyn Host, value: &Expr, raw: &str, left: &mut String) -> Acted {
+        let number = self.value(host, value)?;
+        match host.identify("VDOUT[992]", Some(&Value::Real(number)))? {
+            Answer::Drop => return Ok(()),
+            Answer::Keep => {
+                push(left, raw);
+                return Ok(());
+            }
+            Answer::Instead(_) | Answer::Unknown => {}
+        }
+        let text = self.alarm_texts.get(&1).map_or(String::new(), |text| format!(": {text}"));
+        let text = format!("the program sets alarm {number}{text} in '{}'", host.block_text());
+        Err(host.alarm(&diag::OKUMA_ALARM, text))
     }
 }
 

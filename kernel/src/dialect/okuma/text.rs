@@ -23,7 +23,13 @@ pub(super) fn prepare(text: &[u8]) -> Prepared {
     let mut plain: Vec<u8> = text.iter().map(|&byte| if byte == b'\t' { b' ' } else { byte }).collect();
     let (mut messages, mut open, mut at) = (Vec::new(), false, 0);
     while let Some(start) = memchr::memchr(b'(', plain.get(at..).unwrap_or_default()).map(|found| at + found) {
-        let statement = is_behind_msg(plain.get(..start).unwrap_or_default());
+        let before = plain.get(..start).unwrap_or_default();
+        if memchr::memchr_iter(b'\'', before).count() % 2 == 1 && memchr::memchr(b'=', before).is_some() {
+            // It stands in a text.
+            at = start + 1;
+            continue;
+        }
+        let statement = is_behind_msg(before);
         let inside = text.get(start + 1..).unwrap_or_default();
         let close = if statement { memchr::memrchr(b')', inside) } else { memchr::memchr(b')', inside) };
         open |= close.is_none();

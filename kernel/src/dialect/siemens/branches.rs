@@ -17,9 +17,8 @@ impl Siemens {
         match item {
             Item::If(condition, jump) => {
                 let holds = self.is_true(host, condition)?;
-                match jump {
-                    Some(jump) if holds => self.jump(host, jump)?,
-                    Some(_) => false,
+                let gone = match jump {
+                    Some(jump) => holds && self.jump(host, jump)?,
                     None if holds => false,
                     None => {
                         let partners = self.partners(host)?;
@@ -27,11 +26,10 @@ impl Siemens {
                         true
                     }
                 };
-                return Ok(if holds && jump.is_none() { Then::GoOn } else { Then::Stop });
+                // What stands after a jump that is not made is carried out, further conditions too.
+                return Ok(if gone { Then::Stop } else { Then::GoOn });
             }
-            Item::Goto(jump) => {
-                self.jump(host, jump)?;
-            }
+            Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::GoOn }),
             Item::Case(value, cases, default) => self.case(host, value, cases, default.as_ref())?,
             Item::For(variable, first, _) => {
                 let value = Assigned::One(first.clone(), String::new());

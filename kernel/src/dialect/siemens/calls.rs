@@ -20,36 +20,33 @@ use crate::mcd::program::Range;
 #[derive(Debug)]
 pub(super) struct Calling {
     /// Block that calls.
-    line: u32,
+    pub(super) line: u32,
     /// A part of the program, which has no variables of its own.
-    part: bool,
-    given: Vec<Given>,
+    pub(super) part: bool,
+    pub(super) given: Vec<Given>,
 }
 
 /// An argument.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Given {
     value: Passed,
     /// Where it came from, if that is a variable.
     from: Option<Target>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Passed {
     Missing,
     One(Data),
     Whole(Box<Variable>),
 }
 
-/// A subprogram that blocks with motion call.
-#[derive(Debug)]
-pub(super) struct Modal {
-    pub(super) items: Vec<Item>,
-    /// Subprograms that were running when it was said.
-    pub(super) level: usize,
-}
-
 impl Given {
+    /// The same value, as if no variable had given it.
+    pub(super) fn without_variable(&self) -> Self {
+        Self { value: self.value.clone(), from: None }
+    }
+
     /// The caller has given something.
     pub(super) fn is_there(&self) -> bool {
         !matches!(self.value, Passed::Missing)
@@ -210,9 +207,8 @@ impl Siemens {
         if let Some(modes) = &level.modes {
             host.restore_modes(modes);
         }
-        if self.modal.as_ref().is_some_and(|modal| modal.level > host.place().level) {
-            self.modal = None;
-            self.watch(host);
+        if self.modal_from.is_some_and(|level| host.place().level <= level) {
+            self.modal_from = None;
         }
         for (name, given) in &level.back {
             let variable = level.variables.get(name);

@@ -202,7 +202,7 @@ fn unknown(name: &str) -> Fault {
 fn unary(operator: Unary, inner: &Data) -> Outcome<Data> {
     let value = number(inner)?;
     Ok(match (operator, inner) {
-        (Unary::Minus, Data::Int(value)) => Data::Int(-value),
+        (Unary::Minus, Data::Int(value)) => value.checked_neg().map_or(Data::Real(-(*value as f64)), Data::Int),
         (Unary::Minus, _) => Data::Real(-value),
         (Unary::Not, _) => Data::Bool(value == 0.0),
         (Unary::BitNot, _) => Data::Int(i64::from(!(bits(inner)?))),

@@ -194,10 +194,21 @@ pub(super) fn read(text: &str) -> Result<Line, String> {
     loop {
         cursor.blanks();
         if cursor.is_at_end() {
-            return Ok(line);
+            return if line.items.len() > 1 { alone(line) } else { Ok(line) };
         }
         let item = item(&mut cursor)?;
         line.items.push(item);
+    }
+}
+
+/// Statements of loops and branches stand in a block of their own.
+fn alone(line: Line) -> Result<Line, String> {
+    let is_structure = |item: &&Item| {
+        matches!(item, Item::Structure(_) | Item::For(..) | Item::While(_) | Item::Until(_) | Item::RepeatPart { .. })
+    };
+    match line.items.iter().find(is_structure) {
+        Some(_) => Err("a loop, a branch or a repetition stands beside other words".to_owned()),
+        None => Ok(line),
     }
 }
 

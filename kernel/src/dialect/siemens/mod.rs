@@ -19,6 +19,7 @@ mod frames;
 mod functions;
 mod jumps;
 mod line;
+mod modal;
 mod run;
 mod settings;
 mod statement;
@@ -93,7 +94,9 @@ pub(crate) struct Siemens {
     /// Subprogram that the block calls.
     calling: Option<calls::Calling>,
     /// Subprogram that blocks with motion call.
-    modal: Option<Arc<calls::Modal>>,
+    modal: Option<modal::Modal>,
+    /// Subprograms that were running where it was called; it runs, or has run.
+    modal_from: Option<usize>,
     settings: settings::Settings,
     /// What stopped the channel where nothing could be returned.
     halted: Option<Halt>,

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use super::calls::Modal;
 use super::expression::{Argument, Expression, Name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
@@ -23,9 +22,9 @@ pub(super) const MOST_PASSES: i64 = 9_999;
 pub(super) struct Left {
     /// Blocks that act before the words.
     before: Vec<String>,
-    words: String,
+    pub(super) words: String,
     pub(super) call: Option<Call>,
-    passes: Option<u32>,
+    pub(super) passes: Option<u32>,
     /// The word for passes, which is one of the block if nothing is called.
     passes_word: Option<String>,
     /// An axis is programmed.
@@ -95,22 +94,14 @@ impl Siemens {
         }
         for (at, item) in line.items.iter().enumerate() {
             if let Item::Modal = item {
-                let items = line.items.get(at + 1..).unwrap_or_default().to_vec();
-                let level = host.place().level;
-                self.modal = (!items.is_empty()).then(|| Arc::new(Modal { items, level }));
-                self.watch(host);
+                self.set_modal(host, line.items.get(at + 1..).unwrap_or_default())?;
                 break;
             }
             if self.item(host, item, &mut left)? == Then::Stop {
                 break;
             }
         }
-        let modal = self.modal.clone().filter(|modal| modal.level == host.place().level && left.moves);
-        if let Some(modal) = modal.filter(|_| left.call.is_none()) {
-            for item in &modal.items {
-                self.item(host, item, &mut left)?;
-            }
-        }
+        self.call_modally(host, &mut left);
         self.finish(host, line, left)
     }
 
@@ -143,12 +134,9 @@ impl Siemens {
         Ok((!text.is_empty()).then_some(text))
     }
 
-    fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
+    pub(super) fn item(&mut self, host: &mut dyn Host, item: &Item, left: &mut Left) -> Outcome<Then> {
         match item {
-            Item::Text(text) => {
-                left.moves |= names_axis(host, text);
-                left.add(text);
-            }
+            Item::Text(text) => left.add(text),
             Item::Set { name, value } => self.set(host, name, value, left)?,
             Item::Bare(name) => self.bare_name(host, name, left)?,
             Item::Function(name, arguments) => self.function_block(host, name, arguments, left)?,
@@ -357,7 +345,9 @@ impl Siemens {
             None => String::new(),
             Some(argument) => match &argument.value {
                 Ok(None) => String::new(),
-                Ok(Some(Expression::Name(name))) if name.index.is_empty() && !self.variables.knows(&name.name) => {
+                Ok(Some(Expression::Name(name)))
+                    if name.index.is_empty() && !name.name.starts_with('$') && !self.variables.knows(&name.name) =>
+                {
                     argument.text.clone()
                 }
                 Ok(Some(expression)) => self.evaluate(host, expression)?.text(),
@@ -374,15 +364,28 @@ impl Siemens {
         Ok(())
     }
 
+    /// SETAL: an alarm, which stops the channel or is only shown, as its number says.
     fn set_alarm(&mut self, host: &mut dyn Host, arguments: &[Argument]) -> Outcome<()> {
-        let mut values = Vec::new();
-        for argument in arguments {
-            values.push(self.argument(host, argument)?.map(|value| value.text()).unwrap_or_default());
+        let Some(first) = arguments.first() else { return syntax("SETAL needs the number of an alarm") };
+        let number = match self.argument(host, first)? {
+            Some(value) => super::evaluate::number(&value)?,
+            None => return syntax("SETAL needs the number of an alarm"),
+        };
+        if number.fract() != 0.0 || !(60_000.0..70_000.0).contains(&number) {
+            let number = super::value::shown(number);
+            return super::wrong_type(format!("SETAL sets alarms 60000 to 69999, not {number}"));
         }
-        let number = values.first().cloned().unwrap_or_default();
-        let text = values.get(1).map_or(String::new(), |text| format!(": {text}"));
-        let severity = self.settings.severity;
-        host.report(&diag::SIEMENS_ALARM, severity, format!("the program sets alarm {number}{text}"));
+        let text = match arguments.get(1) {
+            Some(text) => self.argument(host, text)?.map_or_else(String::new, |text| format!(": {}", text.text())),
+            None => String::new(),
+        };
+        let text = format!("the program sets alarm {number}{text}");
+        let is_shown = matches!(number as u32 / 1000, 60 | 63 | 64 | 67);
+        match self.settings.severity {
+            Some(severity) => host.report(&diag::SIEMENS_ALARM, severity, text),
+            None if is_shown => host.diagnose(&diag::SIEMENS_ALARM, text),
+            None => return Err(Fault::Alarm(&diag::SIEMENS_STOP, text)),
+        }
         Ok(())
     }
 }
@@ -410,12 +413,6 @@ fn mode(text: &str) -> Option<bool> {
         "91" => Some(true),
         _ => None,
     }
-}
-
-/// A plain word of an axis.
-fn names_axis(host: &dyn Host, text: &str) -> bool {
-    let Some(letter) = text.get(..1).filter(|_| text.len() > 1) else { return false };
-    host.axes().iter().any(|axis| axis.letter.eq_ignore_ascii_case(letter))
 }
 
 /// A word of the machine may begin with this name.

@@ -21,8 +21,8 @@ pub(super) struct Settings {
     pub(super) applies_frames: bool,
     /// Whether `X=5` becomes `X5`.
     pub(super) collapse: Option<bool>,
-    /// Severity of SETAL.
-    pub(super) severity: u8,
+    /// Severity of SETAL; without one the number of the alarm says what it does.
+    pub(super) severity: Option<u8>,
     /// Folder of the control's files.
     pub(super) root: String,
     /// Definition files that are still to be read, and whether a missing one is told.
@@ -43,7 +43,7 @@ impl Default for Settings {
             global: false,
             applies_frames: true,
             collapse: None,
-            severity: 0,
+            severity: None,
             root: String::new(),
             definitions: Vec::new(),
         }
@@ -90,7 +90,7 @@ impl Settings {
         match values {
             [value] => match value.as_real() {
                 Some(severity) if severity.fract() == 0.0 && (0.0..100.0).contains(&severity) => {
-                    self.severity = severity as u8;
+                    self.severity = Some(severity as u8);
                     Setting::Made
                 }
                 _ => Setting::Wrong,

@@ -56,7 +56,7 @@ impl Siemens {
                             return Ok(());
                         }
                         None => {
-                            let at = axis.map_or(0.0, |axis| axis.work);
+                            let at = axis.map_or(0.0, |axis| axis.from);
                             Data::Real(if relative { value } else { at + value }).word()
                         }
                     },
@@ -136,7 +136,7 @@ fn placed(axes: &[AxisPlace], axis: Option<&AxisPlace>, address: &str, way: Way,
         return Placed::Value(value);
     }
     if let Some(axis) = axis {
-        let to = |end: f64| Placed::Value(if relative { end - axis.work } else { end });
+        let to = |end: f64| Placed::Value(if relative { end - axis.from } else { end });
         let turn = (value - axis.work).rem_euclid(360.0);
         return match way {
             Way::Incremental => Placed::Step(value),

@@ -1,16 +1,17 @@
-//! The timeline as a picture: a row for each channel, the time below, lines where channels met.
+//! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
 //!
 //! Invariant: the size of the picture depends on its width in pixels, not on the length of the log.
 
 mod meetings;
 mod rows;
 mod scale;
+mod tools;
 
 use std::fmt::Write as _;
 
 use super::Timeline;
 use crate::log::summary::ChannelState;
-use crate::log::svg::{open, text};
+use crate::log::svg::{fit, open, text, width};
 use crate::log::work::Work;
 use scale::{Scale, time_text};
 
@@ -22,7 +23,10 @@ const RIGHT: f64 = WIDTH - 24.0;
 /// Top of the first row.
 const TOP: f64 = 84.0;
 const BAR: f64 = 30.0;
+/// Between the bars of a row and the tools of the next one, room for the marks of meetings.
 const GAP: f64 = 26.0;
+/// Height of the tools above the bars.
+const STRIP: f64 = 16.0;
 const INK: &str = "#1f2933";
 const SOFT: &str = "#66727f";
 const RED: &str = "#d62839";
@@ -42,11 +46,11 @@ fn style(kind: Work) -> (&'static str, &'static str) {
 
 /// Top of the bar of a row.
 fn row_top(index: usize) -> f64 {
-    TOP + index as f64 * (BAR + GAP)
+    TOP + STRIP + index as f64 * (BAR + GAP + STRIP)
 }
 
 pub(super) fn draw(timeline: &Timeline) -> String {
-    let bottom = row_top(timeline.channels.len()) - GAP + 12.0;
+    let bottom = row_top(timeline.channels.len()) - GAP - STRIP + 12.0;
     let mut out = String::with_capacity(64 * 1024);
     open(&mut out, WIDTH, bottom + 44.0);
     out.push_str(concat!(
@@ -66,6 +70,7 @@ pub(super) fn draw(timeline: &Timeline) -> String {
     scale.draw(&mut out, TOP - 10.0, bottom);
     for (index, channel) in timeline.channels.iter().enumerate() {
         rows::draw(&mut out, timeline, channel, row_top(index), &scale);
+        tools::draw(&mut out, channel, row_top(index) - STRIP, &scale);
     }
     meetings::draw(&mut out, timeline, &scale);
     out.push_str("</svg>\n");
@@ -76,18 +81,17 @@ fn title(out: &mut String, timeline: &Timeline) {
     let mut programs: Vec<&str> =
         timeline.channels.iter().map(|c| c.program.as_str()).filter(|p| !p.is_empty()).collect();
     programs.dedup();
-    let mut line: String = programs.join(" + ");
-    if line.chars().count() > 70 {
-        line = line.chars().take(69).chain(['…']).collect();
-    }
-    let _ = write!(line, "{}{}", if line.is_empty() { "" } else { " on " }, timeline.machine);
-    text(out, (16.0, 27.0), 17, "start", INK, &line);
     let mut makespan = format!("makespan {}", time_text(timeline.makespan_ns, 1_000_000));
     let meetings = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
     if meetings > 0 {
         let _ = write!(makespan, ", {meetings} meeting{}", if meetings == 1 { "" } else { "s" });
     }
-    text(out, (WIDTH - 24.0, 27.0), 15, "end", INK, &makespan);
+    let machine = format!("{}{}", if programs.is_empty() { "" } else { " on " }, timeline.machine);
+    let machine = fit(&machine, 17, 360.0);
+    let room = RIGHT - 16.0 - width(&makespan, 15) - 24.0 - width(&machine, 17);
+    let line = format!("{}{machine}", fit(&programs.join(" + "), 17, room));
+    text(out, (16.0, 27.0), 17, "start", INK, &line);
+    text(out, (RIGHT, 27.0), 15, "end", INK, &makespan);
 }
 
 fn legend(out: &mut String, open_ended: bool) {

@@ -2,42 +2,55 @@
 
 use serde::ser::{Serialize, SerializeSeq, SerializeStruct, Serializer};
 
-use super::store::{Curve, Move, Path, Stroke};
+use super::store::{Curve, Move, Stroke};
 use super::{Channel, View};
 
 impl Serialize for Channel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut out = serializer.serialize_struct("Channel", 4)?;
+        let mut out = serializer.serialize_struct("Channel", 6)?;
         out.serialize_field("channel", &self.channel)?;
         out.serialize_field("name", &self.name)?;
+        out.serialize_field("side", if self.lower { "lower" } else { "upper" })?;
+        let tool = |(tool, name): &(u32, String)| Tool { tool: *tool, name: name.clone() };
+        out.serialize_field("tools", &self.tools.iter().map(tool).collect::<Vec<_>>())?;
         out.serialize_field("truncated", &self.path.truncated)?;
-        out.serialize_field("segments", &Segments(&self.path, self.view))?;
+        out.serialize_field("segments", &Segments(self))?;
         out.end()
     }
 }
 
-struct Segments<'a>(&'a Path, View);
+#[derive(serde::Serialize)]
+struct Tool {
+    tool: u32,
+    name: String,
+}
+
+struct Segments<'a>(&'a Channel);
 
 impl Serialize for Segments<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let path = self.0;
+        let (path, view) = (&self.0.path, self.0.view);
         let mut out = serializer.serialize_seq(None)?;
-        let mut rest = path.moves.as_slice();
         let mut from = [0.0; 3];
-        while let [first, tail @ ..] = rest {
-            if first.stroke() == Stroke::Start {
-                (from, rest) = (first.to(), tail);
-                continue;
+        for (mark, moves) in path.sections() {
+            let file = self.0.info.file_name(mark.file);
+            let mut rest = moves;
+            while let [first, tail @ ..] = rest {
+                if first.stroke() == Stroke::Start {
+                    (from, rest) = (first.to(), tail);
+                    continue;
+                }
+                let straight = |m: &Move| m.stroke() == first.stroke() && path.curve(m).is_none();
+                let count = match path.curve(first) {
+                    Some(_) => 1,
+                    None => rest.iter().position(|m| !straight(m)).unwrap_or(rest.len()),
+                };
+                let (run, tail) = rest.split_at(count);
+                let tool = mark.tool;
+                out.serialize_element(&Segment { from, run, curve: path.curve(first), view, tool, file })?;
+                from = run.last().map_or(from, Move::to);
+                rest = tail;
             }
-            let straight = |m: &Move| m.stroke() == first.stroke() && path.curve(m).is_none();
-            let count = match path.curve(first) {
-                Some(_) => 1,
-                None => rest.iter().position(|m| !straight(m)).unwrap_or(rest.len()),
-            };
-            let (run, tail) = rest.split_at(count);
-            out.serialize_element(&Segment { from, run, curve: path.curve(first), view: self.1 })?;
-            from = run.last().map_or(from, Move::to);
-            rest = tail;
         }
         out.end()
     }
@@ -48,11 +61,13 @@ struct Segment<'a> {
     run: &'a [Move],
     curve: Option<&'a Curve>,
     view: View,
+    tool: u32,
+    file: &'a str,
 }
 
 impl Serialize for Segment<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut out = serializer.serialize_struct("Segment", 5)?;
+        let mut out = serializer.serialize_struct("Segment", 8)?;
         let kind = match (self.curve, self.run.first().map(Move::stroke)) {
             (Some(curve), _) if curve.angle < 0.0 => "arc_cw",
             (Some(_), _) => "arc_ccw",
@@ -68,7 +83,19 @@ impl Serialize for Segment<'_> {
             out.serialize_field("center", &curve.center.map(rounded))?;
             out.serialize_field("turns", &curve.turns)?;
         }
+        out.serialize_field("tool", &self.tool)?;
+        out.serialize_field("file", self.file)?;
+        out.serialize_field("lines", &Lines(self.run))?;
         out.end()
+    }
+}
+
+/// The line of each move.
+struct Lines<'a>(&'a [Move]);
+
+impl Serialize for Lines<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(|step| step.line))
     }
 }
 

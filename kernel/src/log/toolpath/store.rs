@@ -3,6 +3,8 @@
 //! Invariant: at most [`MOST`] moves. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
 //! up to a five-hundredth of the path's extent, become one; what then still does not fit is left out.
 
+use crate::log::event::FileId;
+
 /// Moves a channel has at most.
 pub const MOST: usize = 500_000;
 /// The tolerance grows up to this part of the extent.
@@ -22,13 +24,26 @@ pub enum Stroke {
     Thread,
 }
 
-/// A move to a point, in four words: paths are long.
+/// A move to a point, in five words: paths are long.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Move {
     /// Stroke in the upper two bits; below, the index into [`Path::curves`] or [`STRAIGHT`].
     tag: u32,
     /// End point in units of [`GRAIN`].
     to: [i32; 3],
+    /// Line of its block.
+    pub line: u32,
+}
+
+/// From this move on a tool works, and lines are those of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mark {
+    /// Index of the move.
+    pub from: u32,
+    /// Tool as programmed, 0 = none has been loaded.
+    pub tool: u32,
+    /// File of the lines.
+    pub file: FileId,
 }
 
 /// Coordinates are kept in whole ten-thousandths (of a mm or an inch).
@@ -61,8 +76,8 @@ fn grains(value: f64) -> i32 {
 
 impl Move {
     #[inline]
-    pub(super) fn new(stroke: Stroke, to: [f64; 3]) -> Self {
-        Self { tag: (stroke as u32) << 30 | STRAIGHT, to: to.map(grains) }
+    pub(super) fn new(stroke: Stroke, to: [f64; 3], line: u32) -> Self {
+        Self { tag: (stroke as u32) << 30 | STRAIGHT, to: to.map(grains), line }
     }
 
     /// How it is drawn.
@@ -117,6 +132,8 @@ pub struct Path {
     pub moves: Vec<Move>,
     /// Arcs that moves refer to.
     pub curves: Vec<Curve>,
+    /// Tools and files, ascending by move.
+    pub marks: Vec<Mark>,
     /// The end of the path is missing.
     pub truncated: bool,
     tolerance: f64,
@@ -135,11 +152,30 @@ impl Path {
     }
 
     /// The next move starts here, wherever the last one ended.
-    pub(super) fn begin(&mut self, from: [f64; 3]) {
-        let start = Move::new(Stroke::Start, from);
+    pub(super) fn begin(&mut self, from: [f64; 3], line: u32) {
+        let start = Move::new(Stroke::Start, from, line);
         if !self.truncated && self.moves.last().is_none_or(|last| last.to != start.to) {
             self.moves.push(start);
         }
+    }
+
+    /// The moves that follow are those of this tool, their lines of this file.
+    #[inline]
+    pub(super) fn mark(&mut self, tool: u32, file: FileId) {
+        if self.marks.last().is_none_or(|last| (last.tool, last.file) != (tool, file)) && !self.truncated {
+            let from = self.moves.len() as u32;
+            self.marks.pop_if(|last| last.from == from);
+            self.marks.push(Mark { from, tool, file });
+        }
+    }
+
+    /// Moves with one tool and lines of one file, in order.
+    pub(super) fn sections(&self) -> impl Iterator<Item = (Mark, &[Move])> {
+        let ends = self.marks.iter().skip(1).map(|mark| mark.from as usize).chain([self.moves.len()]);
+        self.marks
+            .iter()
+            .zip(ends)
+            .map(|(mark, end)| (*mark, self.moves.get(mark.from as usize..end).unwrap_or_default()))
     }
 
     #[inline]
@@ -182,11 +218,15 @@ impl Path {
     fn coarsen(&mut self) {
         let mut moves: Vec<Move> = Vec::with_capacity(self.moves.len());
         let mut curves = Vec::new();
+        let mut marks = Vec::with_capacity(self.marks.len());
+        let mut marked = self.marks.iter().peekable();
         let mut from = [0.0; 3];
         // The start of the last kept move.
         let mut anchor = from;
-        for step in &self.moves {
+        for (index, step) in self.moves.iter().enumerate() {
             let mut step = *step;
+            let mark = marked.next_if(|mark| mark.from as usize == index);
+            marks.extend(mark.map(|mark| Mark { from: moves.len() as u32, ..*mark }));
             if let Some(curve) = self.curve(&step) {
                 let kept = curve.radius * curve.angle.abs() > self.tolerance;
                 step.set_curve(kept.then_some(curves.len()));
@@ -194,7 +234,8 @@ impl Path {
             }
             match moves.last_mut() {
                 Some(last)
-                    if last.tag == step.tag
+                    if mark.is_none()
+                        && last.tag == step.tag
                         && step.curve().is_none()
                         && step.stroke() != Stroke::Start
                         && far(&anchor, &step.to()) < self.tolerance =>
@@ -208,7 +249,7 @@ impl Path {
             }
             from = step.to();
         }
-        (self.moves, self.curves) = (moves, curves);
+        (self.moves, self.curves, self.marks) = (moves, curves, marks);
     }
 }
 

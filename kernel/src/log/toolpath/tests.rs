@@ -3,13 +3,20 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, ToolAction};
 use crate::log::fold::Folds;
 use crate::log::testing::*;
 
 fn of(info: &Arc<Info>, motions: impl Iterator<Item = Motion>) -> Toolpath {
     let mut folds = Folds::new(info);
-    motions.for_each(|m| folds.event(&at(1, 1, 0, 1, Kind::Motion(m))));
+    (1..).zip(motions).for_each(|(line, m)| folds.event(&at(1, line, 0, 1, Kind::Motion(m))));
+    folds.finish(&outcome(1)).toolpath
+}
+
+/// All motions in one block.
+fn block(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
+    let mut folds = Folds::new(info);
+    motions.iter().for_each(|m| folds.event(&at(1, 1, 0, 1, Kind::Motion(*m))));
     folds.finish(&outcome(1)).toolpath
 }
 
@@ -37,12 +44,14 @@ fn a_lathe_is_seen_by_z_and_radius() {
     assert_eq!(
         serde_json::to_string(&path).unwrap(),
         concat!(
-            r#"{"unit":"mm","view":"zx","channels":[{"channel":1,"name":"UPPER","truncated":false,"segments":["#,
-            r#"{"kind":"rapid","points":[50.0,50.0,2.0,10.0]},"#,
-            r#"{"kind":"feed","points":[2.0,10.0,0.0,10.0,-10.0,10.0]},"#,
-            r#"{"kind":"arc_cw","points":[-10.0,10.0,-15.0,15.0],"plane":"zx","center":[-10.0,15.0],"turns":0},"#,
-            r#"{"kind":"thread","points":[-15.0,15.0,-20.0,15.0]},"#,
-            r#"{"kind":"rapid","points":[0.0,20.0,0.0,25.0]}]}]}"#
+            r#"{"unit":"mm","view":"zx","channels":[{"channel":1,"name":"UPPER","side":"upper","#,
+            r#""tools":[{"tool":0,"name":""}],"truncated":false,"segments":["#,
+            r#"{"kind":"rapid","points":[50.0,50.0,2.0,10.0],"tool":0,"file":"jobs/p1.nc","lines":[1]},"#,
+            r#"{"kind":"feed","points":[2.0,10.0,0.0,10.0,-10.0,10.0],"tool":0,"file":"jobs/p1.nc","lines":[2,3]},"#,
+            r#"{"kind":"arc_cw","points":[-10.0,10.0,-15.0,15.0],"plane":"zx","center":[-10.0,15.0],"turns":0,"#,
+            r#""tool":0,"file":"jobs/p1.nc","lines":[4]},"#,
+            r#"{"kind":"thread","points":[-15.0,15.0,-20.0,15.0],"tool":0,"file":"jobs/p1.nc","lines":[5]},"#,
+            r#"{"kind":"rapid","points":[0.0,20.0,0.0,25.0],"tool":0,"file":"jobs/p1.nc","lines":[6]}]}]}"#
         )
     );
 }
@@ -90,7 +99,7 @@ fn a_circle_in_space_is_chords_with_its_extremes() {
 
 /// The `d` of the paths drawn in the first view.
 fn drawn(svg: &str) -> Vec<&str> {
-    let group = svg.split("<g ").nth(1).and_then(|g| g.split("</g>").next()).expect("a view");
+    let group = svg.split("url(#view0)").nth(1).and_then(|g| g.split("<text").next()).expect("a view");
     group.split(" d=\"").skip(1).filter_map(|d| d.split('"').next()).collect()
 }
 
@@ -116,7 +125,7 @@ fn points_on_a_line_are_not_drawn_but_corners_are() {
         .collect();
     motions.push(motion(MotionKind::Linear, &[100.0, 0.0], &[100.0, 50.0]));
     motions.push(motion(MotionKind::Linear, &[100.0, 50.0], &[100.0, 20.0]));
-    let svg = toolpath(&mill("x"), &motions).svg();
+    let svg = block(&mill("x"), &motions).svg();
     let d = drawn(&svg)[0];
     let numbers = d.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter(|n| !n.is_empty()).count();
     assert_eq!(numbers, 8, "{d}");
@@ -147,4 +156,103 @@ fn nothing_to_draw_is_still_a_picture() {
     assert!(toolpath(&mill("x"), &[]).svg().ends_with("</svg>\n"));
     let svg = toolpath(&lathe(&["x"]), &[motion(MotionKind::Rapid, &[1.0], &[1.0])]).svg();
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
+}
+
+#[test]
+fn a_cut_that_goes_in_and_out_on_one_line_is_drawn() {
+    let groove = [
+        motion(MotionKind::Linear, &[44.0, -38.0], &[34.0, -38.0]),
+        motion(MotionKind::Linear, &[34.0, -38.0], &[44.0, -38.0]),
+        motion(MotionKind::Linear, &[44.0, -38.0], &[44.0, -42.0]),
+        motion(MotionKind::Linear, &[44.0, -42.0], &[36.0, -42.0]),
+        motion(MotionKind::Linear, &[36.0, -42.0], &[44.0, -42.0]),
+    ];
+    let depth = |d: &str| {
+        let numbers = d.split(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-'))).filter(|n| !n.is_empty());
+        numbers.filter_map(|n| n.rsplit('-').next()?.parse::<f64>().ok()).fold(0.0, f64::max)
+    };
+    for svg in [block(&lathe(&["x"]), &groove).svg(), toolpath(&lathe(&["x"]), &groove).svg()] {
+        // The view is five times as wide as a groove is deep.
+        let deep: f64 = drawn(&svg).iter().map(|d| depth(d.split('l').nth(1).unwrap_or_default())).fold(0.0, f64::max);
+        assert!(deep > 300.0, "{deep} {:?}", drawn(&svg));
+    }
+    let hole = [
+        motion(MotionKind::Linear, &[0.0, 0.0, 5.0], &[0.0, 0.0, -20.0]),
+        motion(MotionKind::Linear, &[0.0, 0.0, -20.0], &[0.0, 0.0, 5.0]),
+    ];
+    let svg = block(&mill("x"), &hole).svg();
+    let side = svg.split("url(#view1)").nth(1).unwrap();
+    assert!(side.contains(" d=\"M"), "the hole is seen from the front: {side}");
+}
+
+/// Two channels, the second one below the axis, each with a tool.
+fn turrets() -> Toolpath {
+    let info = lathe(&["O1\nT0101 (OD ROUGH)\nG1 X20.\nG1 Z-10.\n", "O2\nT0202\nG1 Z-10.\n"]);
+    let mut folds = Folds::new(&info);
+    let load = |channel: u16, tool| at(channel, 2, 0, 0, Kind::Tool { action: ToolAction::Load, tool, offset: tool });
+    let cut = |channel: u16, line, from: &[f64], to: &[f64]| {
+        at(channel, line, 0, 1, Kind::Motion(motion(MotionKind::Linear, from, to)))
+    };
+    for event in [
+        load(1, 1),
+        cut(1, 3, &[30.0, 0.0], &[20.0, 0.0]),
+        cut(1, 4, &[20.0, 0.0], &[20.0, -10.0]),
+        load(2, 2),
+        cut(2, 3, &[40.0, 0.0], &[40.0, -10.0]),
+    ] {
+        folds.event(&event);
+    }
+    folds.finish(&outcome(5)).toolpath
+}
+
+#[test]
+fn tools_have_colours_names_and_lines() {
+    let toolpath = turrets();
+    let json = serde_json::to_value(&toolpath).unwrap();
+    let [upper, lower] = [0, 1].map(|index| &json["channels"][index]);
+    assert_eq!((&upper["side"], &lower["side"]), (&"upper".into(), &"lower".into()));
+    assert_eq!(upper["tools"], serde_json::json!([{"tool": 1, "name": "OD ROUGH"}]));
+    assert_eq!(upper["segments"][0]["lines"], serde_json::json!([3, 4]));
+    assert_eq!((&lower["segments"][0]["tool"], &lower["segments"][0]["points"][1]), (&2.into(), &20.0.into()));
+    let svg = toolpath.svg();
+    assert!(svg.contains(">1 UPPER T1 OD ROUGH</text>") && svg.contains(">2 LOWER T2</text>"), "{svg}");
+    assert!(svg.contains("<title>UPPER T1, jobs/p1.nc line 4: G1 Z-10.</title>"), "{svg}");
+    let colors: Vec<&str> = svg.split("<g stroke=\"").skip(1).filter_map(|g| g.split('"').next()).collect();
+    assert!(colors.len() == 2 && colors[0] != colors[1], "{colors:?}");
+}
+
+#[test]
+fn the_lower_turret_is_below_the_axis_and_scales_show_diameters() {
+    let svg = turrets().svg();
+    let axis: f64 = svg.split("stroke-dasharray=\"14 3 3 3\" d=\"").nth(1).unwrap().split('M').nth(2).unwrap()[..]
+        .split([' ', 'H'])
+        .nth(1)
+        .unwrap()
+        .parse()
+        .unwrap();
+    let top = |d: &str| d.split(|c: char| matches!(c, 'M' | ' ' | 'l' | '-')).nth(2).unwrap().parse::<f64>().unwrap();
+    let paths = drawn(&svg);
+    assert!(top(paths[0]) < axis && top(paths[2]) > axis, "{axis} {paths:?}");
+    assert!(svg.contains(">X (diameter) / mm, lower turret below the axis</text>"), "{svg}");
+    let labels = svg.matches("text-anchor=\"end\" fill=\"#66727f\">40</text>").count();
+    let negative = svg.contains("text-anchor=\"end\" fill=\"#66727f\">-");
+    assert!(labels >= 1 && !negative, "diameters count in both directions: {svg}");
+}
+
+#[test]
+fn a_long_path_has_a_bounded_number_of_pieces() {
+    // Rapid and feed in turn, a tool change every ten blocks.
+    let mut folds = Folds::new(&mill("x"));
+    for n in 0..100_000_u32 {
+        if n % 10 == 0 {
+            folds.event(&at(1, n, 0, 0, Kind::Tool { action: ToolAction::Load, tool: n / 10 + 1, offset: 0 }));
+        }
+        let kind = if n % 2 == 0 { MotionKind::Rapid } else { MotionKind::Linear };
+        let place = |n: u32| [f64::from(n % 317), f64::from(n / 317), f64::from(n % 7)];
+        folds.event(&at(1, n + 1, 0, 1, Kind::Motion(motion(kind, &place(n), &place(n + 1)))));
+    }
+    let svg = folds.finish(&outcome(1)).toolpath.svg();
+    assert!(svg.matches("<title>").count() < 20_000, "{}", svg.matches("<title>").count());
+    assert!(svg.len() < 6_000_000, "{}", svg.len());
+    assert!(svg.contains(" more tools</text>"));
 }

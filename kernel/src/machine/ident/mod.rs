@@ -5,6 +5,7 @@
 
 pub mod codes;
 pub mod data;
+pub mod takes;
 
 /// A code identifier: what fires an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

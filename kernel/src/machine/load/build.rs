@@ -38,7 +38,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let arcs = paths::arcs(&mut top, head.unit);
     let threads = paths::threads(&mut top);
     let pump = pump::read(&mut top);
-    let habits = habits::read(&mut top);
+    let habits = habits::read(&mut top, head.preprocessor);
     let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
     let compensation = compensation::read(&mut top);
     overlap::check_codes(&codes, &names.registers, check);

@@ -44,9 +44,10 @@ fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &
         number
     });
     let polar = polar_axes(row, axes, &own, check);
+    let lower = row.choice("side", &[("upper", false), ("lower", true)]).unwrap_or(false);
     let number = number?;
     let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
-    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling, polar })
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling, polar, lower })
 }
 
 /// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.

@@ -4,14 +4,15 @@
 //! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
 
 use crate::machine::habits::{Habits, Home, Rotations};
+use crate::machine::model::Preprocessor;
 use crate::machine::toml::section::Section;
 
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
 const ROOM: [usize; 3] = [10, 100, 50];
 
-/// Reads `[control]`.
-pub(super) fn read(top: &mut Section<'_>) -> Habits {
-    let mut habits = Habits::default();
+/// Reads `[control]` of a control with this pre-processor.
+pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits {
+    let mut habits = Habits { frame_increments: preprocessor == Preprocessor::Siemens, ..Habits::default() };
     let Some(mut section) = top.table("control", "[control]") else { return habits };
     habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
     let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];
@@ -19,6 +20,8 @@ pub(super) fn read(top: &mut Section<'_>) -> Habits {
     let orders = Rotations::ALL.map(|order| (order.name, order));
     habits.rotations = section.choice("rotations", &orders).unwrap_or(habits.rotations);
     habits.least_feed = section.above_zero("least_feed");
+    let increments = [("stay", false), ("travel", true)];
+    habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
     let files = [("numbers", false), ("heads", true)];
     habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
     if let Some(mut answers) = section.table("answers", "[control.answers]") {

@@ -123,6 +123,8 @@ impl Compiler<'_, '_> {
         let found = self.add(file, place, kind)?;
         match found.as_slice() {
             [one] => Some(*one),
+            // Functions are declared by being there.
+            [] if kind == Kind::Declaration => None,
             [] => {
                 self.names.check.error(place, format!("{} holds no macro", file.escape_debug()));
                 None

@@ -170,6 +170,7 @@ fn channel(machine: &Machine, channel: &Channel) -> Value {
         "spindle": channel.spindle,
         "rear": channel.rear,
         "milling": channel.milling,
+        "side": if channel.lower { "lower" } else { "upper" },
     })
 }
 

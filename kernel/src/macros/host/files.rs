@@ -29,6 +29,10 @@ impl Kernel<'_> {
         self.with_files(|folder, shelf| folder.openable(shelf, state, path))
     }
 
+    pub(super) fn file_writable(&mut self, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.writable(shelf, path))
+    }
+
     pub(super) fn file_text(&mut self, path: &str) -> Option<String> {
         self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
     }

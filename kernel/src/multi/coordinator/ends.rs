@@ -5,7 +5,8 @@
 
 use std::sync::atomic::Ordering::SeqCst;
 
-use super::{Coordinator, DONE, Inner, STANDS, Status, Wake, index};
+use super::switch::Switch;
+use super::{Coordinator, DONE, Inner, STANDS, Status, Wake};
 use crate::multi::merge::Message;
 use crate::multi::tag::Tag;
 
@@ -36,14 +37,14 @@ impl Coordinator {
             slot.need.store(i64::MAX, SeqCst);
         }
         if let Some(tag) = tag
-            && inner.told.get(index(rank)).copied().unwrap_or(false)
+            && inner.told.get(self.ranks.index(rank)).copied().unwrap_or(false)
         {
             inner.tell(Message::Resumed(rank, tag));
         }
-        if let Some(told) = inner.told.get_mut(index(rank)) {
+        if let Some(told) = inner.told.get_mut(self.ranks.index(rank)) {
             *told = false;
         }
-        if let Some(slot) = inner.wakes.get_mut(index(rank)) {
+        if let Some(slot) = inner.wakes.get_mut(self.ranks.index(rank)) {
             *slot = Some(wake);
         }
         inner.set(rank, Status::Running);
@@ -51,11 +52,11 @@ impl Coordinator {
     }
 
     /// Waits until another kernel resumes this one. The kernel's events up to its arrival must have been sent.
-    pub(crate) fn wait(&self, rank: u16) -> Wake {
+    pub(super) fn wait(&self, rank: u16, switch: Switch<'_>) -> Wake {
         let mut inner = self.lock();
         if inner.status(rank) == Status::Blocked {
             inner.tell(Message::Blocked(rank));
-            if let Some(told) = inner.told.get_mut(index(rank)) {
+            if let Some(told) = inner.told.get_mut(self.ranks.index(rank)) {
                 *told = true;
             }
         }
@@ -72,7 +73,7 @@ impl Coordinator {
                 gave_permit = true;
                 self.release_permit(&mut inner);
             }
-            inner = self.sleep(rank, inner);
+            inner = self.sleep(rank, inner, switch);
         }
     }
 
@@ -115,7 +116,7 @@ impl Coordinator {
     }
 
     fn wake_all(&self, inner: &mut Inner) {
-        for rank in (1..).take(self.kernels()) {
+        for &rank in self.ranks.numbers() {
             match inner.status(rank) {
                 Status::Blocked => self.resume(inner, rank, Wake::Stopped),
                 Status::Parked(_) | Status::Running => self.signal(rank),
@@ -128,7 +129,7 @@ impl Coordinator {
     /// more.
     fn settle(&self, inner: &mut Inner) {
         if inner.quiet() {
-            for rank in (1..).take(self.kernels()) {
+            for &rank in self.ranks.numbers() {
                 if inner.status(rank) == Status::Blocked {
                     self.resume(inner, rank, Wake::Over);
                 }

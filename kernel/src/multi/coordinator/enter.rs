@@ -5,6 +5,7 @@
 
 use std::sync::atomic::Ordering::SeqCst;
 
+use super::switch::Switch;
 use super::{Coordinator, Guard, Status, Stopped};
 use crate::multi::tag::Tag;
 
@@ -48,7 +49,7 @@ impl Coordinator {
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub(crate) fn enter(&self, tag: Tag) -> Result<Guard<'_>, Stopped> {
+    pub(super) fn enter(&self, tag: Tag, switch: Switch<'_>) -> Result<Guard<'_>, Stopped> {
         let rank = tag.rank;
         let mut inner = self.lock();
         inner.set(rank, Status::Parked(tag));
@@ -58,17 +59,19 @@ impl Coordinator {
                 inner.set(rank, Status::Running);
                 break;
             }
+            // Arrivals that are next in order come first: carrying them out may be what this kernel waited for, and the
+            // signal it gives itself by that would be lost.
+            self.wake_parked(&mut inner);
             self.ask(&inner, tag);
             if self.eligible(&inner, tag) {
                 inner.set(rank, Status::Running);
                 break;
             }
-            self.wake_parked(&mut inner);
             if self.limited && !gave_permit {
                 gave_permit = true;
                 self.release_permit(&mut inner);
             }
-            inner = self.sleep(rank, inner);
+            inner = self.sleep(rank, inner, switch);
         }
         if let Some(slot) = self.slot(rank) {
             slot.bound.fetch_max(tag.t, SeqCst);

@@ -6,7 +6,8 @@
 
 use std::sync::atomic::Ordering::SeqCst;
 
-use super::{Coordinator, Inner, Status, Wake, index};
+use super::switch::Switch;
+use super::{Coordinator, Inner, Status, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Arrival, Set, Waiting};
 
@@ -57,6 +58,46 @@ impl Coordinator {
         Met::Not
     }
 
+    /// Arrives, and lets the thread run other kernels until the meeting takes place. `stand` is called first: it sends the
+    /// events so far.
+    pub(super) fn meet_on_one_thread(&self, waiting: &Waiting, switch: Switch<'_>, stand: impl FnOnce()) -> Met {
+        let tag = waiting.tag;
+        let rank = tag.rank;
+        {
+            let mut inner = self.lock();
+            if inner.stop.is_some() {
+                return Met::Not;
+            }
+            inner.set(rank, Status::Parked(tag));
+            inner.put_arriving(Some(waiting.clone()), rank);
+            if let Some(slot) = self.slot(rank) {
+                slot.bound.fetch_max(tag.t, SeqCst);
+            }
+            self.wake_parked(&mut inner);
+            if let Some(wake) = inner.take_wake(rank) {
+                return Met::Woken(wake);
+            }
+        }
+        stand();
+        let mut inner = self.lock();
+        loop {
+            if let Some(wake) = inner.take_wake(rank) {
+                return Met::Woken(wake);
+            }
+            // With a log the merger has to hear that this stream stands.
+            let arrived = inner.arriving(rank).is_none();
+            if arrived && inner.messages.is_some() {
+                return Met::Stands;
+            }
+            if !arrived && (inner.stop.is_some() || self.eligible(&inner, tag)) {
+                inner.put_arriving(None, rank);
+                inner.set(rank, Status::Running);
+                return Met::Not;
+            }
+            inner = self.sleep(rank, inner, switch);
+        }
+    }
+
     /// Meetings so far.
     pub(crate) fn meetings(&self) -> u64 {
         self.meetings.load(SeqCst).max(self.pair_meetings())
@@ -84,7 +125,11 @@ impl Coordinator {
             return false;
         }
         self.stand_still(inner, tag.rank, Status::Blocked);
-        if let Arrival::Released { channels, t, micro } = inner.waits.arrive(waiting) {
+        let arrival = inner.waits.arrive(waiting);
+        if self.one_thread && arrival == Arrival::Blocked && inner.messages.is_some() {
+            self.signal(tag.rank);
+        }
+        if let Arrival::Released { channels, t, micro } = arrival {
             let meeting = self.count_meeting(inner, channels);
             for channel in channels.iter() {
                 self.resume(inner, channel, Wake::Released { tag: Tag { t, micro, rank: channel }, meeting });
@@ -95,7 +140,11 @@ impl Coordinator {
 }
 
 impl Inner {
+    fn arriving(&self, rank: u16) -> Option<&Waiting> {
+        self.arriving.get(self.ranks.index(rank)).and_then(Option::as_ref)
+    }
+
     fn put_arriving(&mut self, waiting: Option<Waiting>, rank: u16) -> Option<Waiting> {
-        self.arriving.get_mut(index(rank)).and_then(|slot| std::mem::replace(slot, waiting))
+        self.arriving.get_mut(self.ranks.index(rank)).and_then(|slot| std::mem::replace(slot, waiting))
     }
 }

@@ -12,7 +12,7 @@ use std::sync::atomic::{
     Ordering::{Acquire, Relaxed, Release, SeqCst},
 };
 
-use super::sleep::{LOOK_EVERY, YIELDS};
+use super::sleep::LOOK_EVERY;
 use super::{Coordinator, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Set, Waiting, after};
@@ -28,8 +28,8 @@ const NEVER: u64 = u64::MAX;
 /// The place where two kernels meet.
 #[derive(Debug, Default)]
 pub(super) struct Pair {
-    /// The only two kernels; empty: there are more, or fewer.
-    parts: AtomicU64,
+    /// The only two kernels, 16 bits each; 0: there are more, or fewer.
+    parts: AtomicU32,
     /// The lock is needed at the next meeting: it orders commands to a shared spindle.
     orders: AtomicBool,
     cells: [Cell; 2],
@@ -64,13 +64,14 @@ impl Coordinator {
     /// Only these two kernels are going to run.
     pub(crate) fn set_pair(&self, a: u16, b: u16) {
         if self.spin > 0 {
-            self.pair.parts.store(Set::default().with(a).with(b).0, Relaxed);
+            self.pair.parts.store(u32::from(a) << 16 | u32::from(b), Relaxed);
         }
     }
 
     /// These are the only kernels that run.
     pub(crate) fn is_pair(&self, parts: Set) -> bool {
-        parts.0 == self.pair.parts.load(Relaxed)
+        let pair = self.pair.parts.load(Relaxed);
+        pair != 0 && parts == Set::default().with((pair >> 16) as u16).with(pair as u16)
     }
 
     /// The next meeting has to order commands to spindles.
@@ -129,17 +130,15 @@ impl Coordinator {
         let seen = slot.signal.load(Acquire);
         let standing = || own.state.load(Relaxed) == ticket;
         let disturbed = || slot.need.load(Relaxed) != i64::MAX || slot.signal.load(Relaxed) != seen;
-        for turn in 0..self.spin + YIELDS {
+        for turn in 0..self.spin {
             while standing() && work(turn % LOOK_EVERY == LOOK_EVERY - 1) {}
             if !standing() || disturbed() {
                 return;
             }
-            if turn < self.spin {
-                std::hint::spin_loop();
-            } else {
-                std::thread::yield_now();
-            }
+            std::hint::spin_loop();
         }
+        while standing() && work(true) {}
+        self.give_way(|| !standing() || disturbed());
     }
 }
 
@@ -151,6 +150,11 @@ enum Partner {
     Absent,
     /// At another one, or at one that is not simple, or it has just withdrawn.
     Elsewhere,
+}
+
+/// Which of the two kernels, which are all that can take part, the list of a wait names.
+fn named(waiting: &Waiting) -> u64 {
+    waiting.spec.parts.iter().enumerate().fold(0, |bits, (at, c)| bits | u64::from(waiting.spec.named.has(c)) << at)
 }
 
 /// The last arrival, for the kernel whose ticket was taken.
@@ -173,7 +177,7 @@ impl Cell {
         self.t.store(waiting.tag.t, Relaxed);
         self.micro.store(waiting.tag.micro, Relaxed);
         self.code.store(waiting.spec.code(), Relaxed);
-        self.named.store(waiting.spec.named.0, Relaxed);
+        self.named.store(named(waiting), Relaxed);
         self.meetings.store(meetings, Relaxed);
         self.state.store(ticket, SeqCst);
     }
@@ -188,7 +192,7 @@ impl Cell {
         let its = (self.t.load(Relaxed), self.micro.load(Relaxed));
         let last = (waiting.tag.t, waiting.tag.micro).max(its);
         let same = self.code.load(Relaxed) == waiting.spec.code()
-            && self.named.load(Relaxed) == waiting.spec.named.0
+            && self.named.load(Relaxed) == named(waiting)
             && self.meetings.load(Relaxed) == meetings;
         match taking(its.0, last).filter(|_| same) {
             Some(word) if self.state.compare_exchange(ticket, word, SeqCst, Relaxed).is_ok() => {

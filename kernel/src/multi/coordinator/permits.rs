@@ -4,6 +4,7 @@
 
 use std::sync::atomic::Ordering::SeqCst;
 
+use super::switch::Switch;
 use super::{Coordinator, Guard, Inner};
 
 impl Coordinator {
@@ -43,7 +44,7 @@ impl Coordinator {
         inner.queue.push(own);
         self.waiting_permits.fetch_add(1, SeqCst);
         while inner.permits == 0 || inner.queue.iter().min() != Some(&own) {
-            inner = self.sleep(rank, inner);
+            inner = self.sleep(rank, inner, Switch::Thread);
         }
         inner.permits -= 1;
         inner.queue.retain(|entry| *entry != own);

@@ -53,6 +53,10 @@ impl Shelf for Disk<'_> {
         }
     }
 
+    fn creatable(&mut self, path: &str) -> bool {
+        self.outside(path).is_none_or(|outside| outside.creatable(path))
+    }
+
     fn remove(&mut self, path: &str) {
         match self.outside(path) {
             Some(outside) => outside.remove(path),

@@ -6,9 +6,10 @@
 use std::fmt::Write as _;
 
 use super::scale::{Scale, time_text};
-use super::{BAR, INK, KINDS, RED, SOFT, WIDTH, style};
+use super::tools;
+use super::{BAR, INK, KINDS, LEFT, RED, SOFT, WIDTH, style};
 use crate::log::summary::ChannelState;
-use crate::log::svg::{escape, hundredths, px, text};
+use crate::log::svg::{escape, fit, hundredths, px, text};
 use crate::log::timeline::bars::Bar;
 use crate::log::timeline::{Channel, Timeline};
 use crate::log::work::Work;
@@ -16,18 +17,21 @@ use crate::log::work::Work;
 /// Bars of a row that still get a hint each.
 const FEW: usize = 300;
 
+/// Tools named in a hint.
+const TOOLS: usize = 4;
+
 pub(super) fn draw(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, scale: &Scale) {
     let name = format!("{} {}", channel.channel, channel.name);
-    text(out, (16.0, top + 14.0), 14, "start", INK, &name);
+    text(out, (16.0, top + 14.0), 14, "start", INK, &fit(&name, 14, LEFT - 24.0));
     let waits = channel.wait_ns as f64 / channel.end_ns.max(1) as f64 * 100.0;
     let note = match channel.state {
         ChannelState::NotStarted => "no program".to_owned(),
         _ => format!("{}, waits {waits:.0} %", time_text(channel.end_ns, 100_000_000)),
     };
-    text(out, (16.0, top + 28.0), 11, "start", SOFT, &note);
+    text(out, (16.0, top + 28.0), 11, "start", SOFT, &fit(&note, 11, LEFT - 13.0));
     let runs = runs(&channel.bars, scale);
     if runs.len() <= FEW {
-        runs.iter().for_each(|run| single(out, run, top, scale));
+        runs.iter().for_each(|run| single(out, run, channel, top, scale));
     } else {
         many(out, &runs, top, scale);
     }
@@ -92,7 +96,7 @@ fn add(runs: &mut Vec<Run>, next: Run) {
     }
 }
 
-fn single(out: &mut String, run: &Run, top: f64, scale: &Scale) {
+fn single(out: &mut String, run: &Run, channel: &Channel, top: f64, scale: &Scale) {
     let (name, color) = style(run.kind);
     let (x, width) = (scale.x(run.t_ns), (scale.x(run.end_ns) - scale.x(run.t_ns)).max(0.5));
     let mut hint = name.to_owned();
@@ -104,6 +108,11 @@ fn single(out: &mut String, run: &Run, top: f64, scale: &Scale) {
         (first, last) if first == last => write!(hint, "line {first}"),
         (first, last) => write!(hint, "lines {first} to {last}"),
     };
+    let first = channel.tools.partition_point(|span| span.end_ns <= run.t_ns);
+    let during = channel.tools.iter().skip(first).take_while(|span| span.t_ns < run.end_ns);
+    for span in during.take(TOOLS) {
+        let _ = write!(hint, ", {}", tools::name(span));
+    }
     let _ = writeln!(
         out,
         r#"<rect x="{x:.2}" y="{top:.0}" width="{width:.2}" height="{BAR:.0}" fill="{color}"><title>{}</title></rect>"#,
@@ -154,7 +163,8 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
                 top + BAR / 2.0,
                 tip - 10.0
             );
-            text(out, (x + 6.0, middle), 12, "start", "#ffffff", &short(&format!("waits at {key}"), tip - 16.0 - x));
+            let label = fit(&format!("waits at {key}"), 12, tip - 16.0 - x);
+            text(out, (x + 6.0, middle), 12, "start", "#ffffff", &label);
         }
         ChannelState::Alarmed => {
             let _ = writeln!(out, r#"<rect x="{x:.1}" y="{top:.0}" width="3" height="{BAR:.0}" fill="{RED}"/>"#);
@@ -163,10 +173,4 @@ fn ending(out: &mut String, timeline: &Timeline, channel: &Channel, top: f64, sc
         ChannelState::Stopped => text(out, (x + 6.0, middle), 12, "start", SOFT, "stopped"),
         ChannelState::Ended | ChannelState::NotStarted => {}
     }
-}
-
-/// Text cut to a width in pixels at 12 px letters.
-fn short(text: &str, width: f64) -> String {
-    let most = (width / 7.0).max(1.0) as usize;
-    if text.chars().count() <= most { text.to_owned() } else { text.chars().take(most).collect() }
 }

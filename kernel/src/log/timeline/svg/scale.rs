@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{SOFT, WIDTH};
-use crate::log::svg::{round_step, text};
+use crate::log::svg::{round_step, text, width};
 
 const S: i64 = 1_000_000_000;
 
@@ -40,7 +40,10 @@ impl Scale {
             WIDTH - 24.0
         );
         for n in 0..=self.span_ns / step {
-            text(out, (self.x(n * step), bottom + 20.0), 12, "middle", SOFT, &form(n * step, step, self.span_ns));
+            let label = form(n * step, step, self.span_ns);
+            let half = width(&label, 12) / 2.0;
+            let x = self.x(n * step).min(WIDTH - 4.0 - half);
+            text(out, (x, bottom + 20.0), 12, "middle", SOFT, &label);
         }
     }
 }

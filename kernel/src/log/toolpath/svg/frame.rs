@@ -15,22 +15,24 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Extent of the cutting moves, or of all moves when nothing cuts, with a margin.
-    pub(super) fn of<'a>(paths: impl Iterator<Item = &'a Path> + Clone) -> Self {
+    /// Extent of the cutting moves, or of all moves when nothing cuts, with a margin; each path with whether it is seen
+    /// below the turning axis.
+    pub(super) fn of<'a>(paths: impl Iterator<Item = (&'a Path, bool)> + Clone) -> Self {
         let none = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         let (mut cutting, mut all) = (none, Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] });
-        for path in paths {
+        for (path, mirrored) in paths {
             let mut from = [0.0; 3];
             for step in &path.moves {
-                all.add(&step.to());
+                let to = seen(step.to(), mirrored);
+                all.add(&to);
                 if matches!(step.stroke(), Stroke::Feed | Stroke::Thread) {
                     cutting.add(&from);
-                    cutting.add(&step.to());
+                    cutting.add(&to);
                     if let Some(curve) = path.curve(step) {
-                        cutting.add_curve(curve);
+                        cutting.add_curve(curve, mirrored);
                     }
                 }
-                from = step.to();
+                from = to;
             }
         }
         let mut bounds = if cutting.low[0] <= cutting.high[0] { cutting } else { all };
@@ -51,7 +53,7 @@ impl Bounds {
     }
 
     /// Quarter points that the arc passes.
-    fn add_curve(&mut self, curve: &Curve) {
+    fn add_curve(&mut self, curve: &Curve, mirrored: bool) {
         let (low, high) = if curve.angle < 0.0 {
             (curve.start + curve.angle, curve.start)
         } else {
@@ -64,8 +66,9 @@ impl Bounds {
             let offset = if quarter.rem_euclid(4.0) < 2.0 { curve.radius } else { -curve.radius };
             let (Some(axis), Some(center)) = (curve.plane.get(side), curve.center.get(side)) else { continue };
             let axis = usize::from(*axis);
+            let value = if mirrored && axis == 1 { -center - offset } else { center + offset };
             if let (Some(low), Some(high)) = (self.low.get_mut(axis), self.high.get_mut(axis)) {
-                (*low, *high) = (low.min(center + offset), high.max(center + offset));
+                (*low, *high) = (low.min(value), high.max(value));
             }
         }
     }
@@ -80,12 +83,19 @@ impl Bounds {
     }
 }
 
+/// A point as it is seen: of a channel below the turning axis the radius counts downwards.
+fn seen(point: [f64; 3], mirrored: bool) -> [f64; 3] {
+    if mirrored { [point[0], -point[1], point[2]] } else { point }
+}
+
 /// A view in the picture.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Frame {
     pub(super) sight: Sight,
     /// Pixels per unit.
     pub(super) scale: f64,
+    /// Points are those of a channel below the turning axis.
+    pub(super) mirrored: bool,
     low: [f64; 2],
     high: [f64; 2],
     left: f64,
@@ -101,11 +111,17 @@ impl Frame {
         let spare = ((RIGHT - LEFT) / scale - (high - low)).max(0.0) / 2.0;
         let bottom = top + (over - under) * scale;
         let (low, high) = ([low - spare, under], [high + spare, over]);
-        Self { sight, scale, low, high, left: LEFT, right: RIGHT, top, bottom }
+        Self { sight, scale, mirrored: false, low, high, left: LEFT, right: RIGHT, top, bottom }
+    }
+
+    /// The view of a channel, which may be below the turning axis.
+    pub(super) fn of(&self, mirrored: bool) -> Self {
+        Self { mirrored, ..self.clone() }
     }
 
     /// Pixel of a point.
     pub(super) fn pixel(&self, point: &[f64; 3]) -> [f64; 2] {
+        let point = seen(*point, self.mirrored);
         let [right, up] = self.sight.axes.map(|axis| point.get(axis).copied().unwrap_or(0.0));
         [self.x(right), self.y(up)]
     }
@@ -124,8 +140,9 @@ impl Frame {
         let (width, height) = (right - left, bottom - top);
         let border = format!(r#"<rect x="{left:.1}" y="{top:.1}" width="{width:.1}" height="{height:.1}""#);
         let _ = writeln!(out, r#"<clipPath id="view{index}">{border}/></clipPath>"#);
+        let places = |step: f64| (-step.log10().floor()).clamp(0.0, 6.0) as usize;
         let step = round_step(64.0 / self.scale, 1.0);
-        let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+        let decimals = places(step);
         let mut grid = String::new();
         let mut labels = String::new();
         for value in ticks(self.low[0], self.high[0], step) {
@@ -133,8 +150,12 @@ impl Frame {
             let _ = write!(grid, "M{x:.1} {top:.1}V{:.1}", bottom + 4.0);
             text(&mut labels, (x, bottom + 18.0), 11, "middle", SOFT, &format!("{value:.decimals$}"));
         }
-        for value in ticks(self.low[1], self.high[1], step) {
-            let y = self.y(value);
+        let up = self.sight.upwards;
+        let step = round_step(28.0 / self.scale * up.factor, 1.0);
+        let decimals = places(step);
+        for value in ticks(self.low[1] * up.factor, self.high[1] * up.factor, step) {
+            let y = self.y(value / up.factor);
+            let value = if up.both_ways { value.abs() } else { value };
             let _ = write!(grid, "M{:.1} {y:.1}H{right:.1}", left - 4.0);
             text(&mut labels, (left - 7.0, y + 4.0), 11, "end", SOFT, &format!("{value:.decimals$}"));
         }
@@ -145,9 +166,8 @@ impl Frame {
         out.push_str(paths);
         out.push_str("</g>\n");
         out.push_str(&labels);
-        let [across, up] = self.sight.names;
-        text(out, (right, bottom + 34.0), 12, "end", INK, &format!("{across} / {unit}"));
-        text(out, (left, top - 6.0), 12, "start", INK, &format!("{up} / {unit}"));
+        text(out, (right, bottom + 34.0), 12, "end", INK, &format!("{} / {unit}", self.sight.across));
+        text(out, (left, top - 6.0), 12, "start", INK, &format!("{} / {unit}{}", up.name, up.note()));
     }
 
     /// The axes through zero, as far as they are in view.

@@ -29,6 +29,8 @@ pub(super) struct Pen {
     lining: bool,
     /// What is painted, for long paths.
     canvas: Option<Canvas>,
+    /// Way drawn since the last cut, px.
+    way: f64,
 }
 
 impl Pen {
@@ -43,6 +45,7 @@ impl Pen {
             off: 0.0,
             lining: false,
             canvas: long.then(Canvas::new),
+            way: 0.0,
         }
     }
 
@@ -56,6 +59,7 @@ impl Pen {
     }
 
     pub(super) fn line(&mut self, to: [f64; 2]) {
+        self.way += distance(self.pending.unwrap_or(self.anchor), to);
         let Some(pending) = self.pending else {
             self.pending = Some(to);
             return;
@@ -86,13 +90,14 @@ impl Pen {
             return self.line(frame.pixel(to));
         }
         self.flush();
+        self.way += radius * curve.angle.abs();
         if self.painted(curve, from, to, frame) {
             self.anchor = frame.pixel(to);
             return;
         }
         self.move_to_anchor();
         // Seen with the plane's axes to the right and up, clockwise is clockwise on the screen.
-        let sweep = (curve.angle < 0.0) == (plane == axes);
+        let sweep = ((curve.angle < 0.0) == (plane == axes)) != frame.mirrored;
         let whole = curve.angle.abs();
         let mut shares = Vec::with_capacity(5);
         if whole > TAU + 1e-9 {
@@ -171,9 +176,16 @@ impl Pen {
         self.off = 0.0;
     }
 
-    pub(super) fn finish(mut self) -> String {
+    /// Way since the last cut, px.
+    pub(super) fn way(&self) -> f64 {
+        self.way
+    }
+
+    /// Gives what was drawn so far; moves go on after [`begin`](Self::begin).
+    pub(super) fn cut(&mut self) -> String {
         self.flush();
-        self.d
+        (self.written, self.lining, self.way) = (None, false, 0.0);
+        std::mem::take(&mut self.d)
     }
 }
 
@@ -182,13 +194,13 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (way[0] * way[0] + way[1] * way[1]).sqrt()
 }
 
-/// How far a point is from the way from `a` to `b`; infinite when the way turns back at it.
+/// How far a point is from the way from `a` to `b`; infinite when the way turns back at it, also to where it came from.
 fn off_line(a: [f64; 2], point: [f64; 2], b: [f64; 2]) -> f64 {
     let (way, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let length = (way[0] * way[0] + way[1] * way[1]).sqrt();
     let along = way[0] * to[0] + way[1] * to[1];
-    if along < 0.0 || along > length * length {
+    if length == 0.0 || along < 0.0 || along > length * length {
         return f64::INFINITY;
     }
-    if length == 0.0 { 0.0 } else { (way[0] * to[1] - way[1] * to[0]).abs() / length }
+    (way[0] * to[1] - way[1] * to[0]).abs() / length
 }

@@ -7,7 +7,7 @@ fn family() -> Memory {
     let mut files = Memory::default();
     let rows = r#"
 [macros]
-declaration = "own.mac"
+declaration = "declare.mac"
 functions = ["sub/functions.mac"]
 motion = "own.mac"
 [[macros.code]]
@@ -24,6 +24,7 @@ match = ["REG_AXIS_X"]
 file = "own.mac"
 "#;
     files.insert("family/machine.toml", format!("{BASE}{rows}"));
+    files.insert("family/declare.mac", "DECLAR/OBJECT,REAL,TOP=TWICE(2)");
     files.insert("family/own.mac", "%G01=TWICE(2)");
     files.insert("family/sub/functions.mac", "MACRO/TWICE(N)\nTWICE=N*2\nENDMAC");
     files
@@ -75,7 +76,7 @@ fn mistakes_of_a_family_stand_where_they_are() {
     files.insert("family/sub/functions.mac", "MACRO/TWICE(N)\nTWICE=N*$XYZ\nENDMAC");
     let found: Vec<String> = load(&files, "family").findings.iter().map(ToString::to_string).collect();
     // The declaration comes before the functions.
-    assert!(found[0].starts_with("family/own.mac:1:6: error: 02910021"), "{found:?}");
+    assert!(found[0].starts_with("family/declare.mac:1:24: error: 02910021"), "{found:?}");
     assert!(found[1].starts_with("family/sub/functions.mac:2:9: error: 02910020"), "{found:?}");
     assert_eq!(found.len(), 2, "{found:?}");
 }

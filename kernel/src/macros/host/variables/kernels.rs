@@ -126,7 +126,7 @@ impl Kernel<'_> {
 
     /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; else blank.
     pub(crate) fn kernel_name(&self) -> String {
-        let at = (i64::from(self.rank), 0);
+        let at = (i64::from(self.kernel_number()), 0);
         let set = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_name, at));
         let set = set.and_then(Value::as_text).unwrap_or("").trim();
         let own = self.info.channel(self.rank).map_or("MASTER", |channel| channel.name.as_str());
@@ -157,8 +157,9 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$VMCHN" => (
             |k, _| {
                 let set = k.macros.as_deref().and_then(|r| r.store.element(names().model_channel, (0, 0)));
-                set.cloned()
-                    .unwrap_or_else(|| if k.rank == 0 { number(0) } else { Value::Real(channel_of(k, k.rank.into())) })
+                set.cloned().unwrap_or_else(|| {
+                    if k.rank == 0 { number(0) } else { Value::Real(channel_of(k, k.kernel_number().into())) }
+                })
             },
             Some(|k, _, value| {
                 let wanted = whole(value, "channel")?;

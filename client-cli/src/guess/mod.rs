@@ -1,0 +1,238 @@
+//! Which shipped machine a job without `--machine` is meant for, by what its programs show.
+//!
+//! Every sign has a weight and a place, and the answer names them: a guess is only as good as its reason. Invariant:
+//! no machine is taken by default. Programs that show nothing, both kinds of machine alike, or a control that no
+//! shipped machine has are refused.
+
+mod signs;
+
+use std::fs;
+use std::io::Read as _;
+
+use crate::error::Error;
+use crate::pack;
+use signs::{Kind, Sign};
+
+/// Bytes of a program that are looked at.
+const LOOKED_AT: u64 = 4 << 20;
+/// Weight from which signs are enough.
+const ENOUGH: u32 = 2;
+/// Signs named in the answer.
+const NAMED: usize = 3;
+
+/// A machine and why.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Guess {
+    /// Name of a shipped machine.
+    pub(crate) machine: &'static str,
+    /// The signs with their places.
+    pub(crate) why: String,
+}
+
+/// The machine for programs as they stand on the command line.
+pub(crate) fn machine(programs: &[String]) -> Result<Guess, Error> {
+    let mut signs = Vec::new();
+    for program in programs {
+        let (path, number) = pack::program(program)?;
+        let mut bytes = Vec::new();
+        let file = fs::File::open(&path).map_err(Error::file(&path))?;
+        file.take(LOOKED_AT).read_to_end(&mut bytes).map_err(Error::file(&path))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let text = decode(&bytes);
+        if let Some(number) = number.filter(|number| !signs::has_program(&text, *number)) {
+            return Err(Error::Usage(format!("'{}' has no program O{number}", path.display())));
+        }
+        signs.extend(signs::of(&name, &text, number).into_iter().map(|sign| (name.clone(), sign)));
+    }
+    let evidence = Evidence { signs, several: programs.len() > 1 };
+    evidence.judge(pack::channels(programs), programs)
+}
+
+/// Text of a program: UTF-8, UTF-16 with a byte order mark, or bytes of which only ASCII matters.
+fn decode(bytes: &[u8]) -> String {
+    let wide = |unit: fn([u8; 2]) -> u16| {
+        let pairs = bytes.chunks_exact(2).skip(1).filter_map(|pair| pair.first_chunk().copied());
+        let units: Vec<u16> = pairs.map(unit).collect();
+        String::from_utf16_lossy(&units)
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest).into_owned(),
+        _ => String::from_utf8_lossy(bytes).into_owned(),
+    }
+}
+
+/// Signs, each with the name of its file.
+struct Evidence {
+    signs: Vec<(String, Sign)>,
+    several: bool,
+}
+
+impl Evidence {
+    fn weight(&self, kind: Kind) -> u32 {
+        self.of(kind).map(|(_, sign)| sign.weight).sum()
+    }
+
+    fn of(&self, kind: Kind) -> impl Iterator<Item = &(String, Sign)> {
+        // A sign that several programs show counts once.
+        let first = move |at: usize, sign: &Sign| self.signs.iter().take(at).all(|(_, other)| other.text != sign.text);
+        self.signs
+            .iter()
+            .enumerate()
+            .filter(move |(at, (_, sign))| sign.kind == kind && first(*at, sign))
+            .map(|(_, s)| s)
+    }
+
+    /// The heaviest signs of a kind with their places.
+    fn named(&self, kind: Kind) -> String {
+        let mut signs: Vec<_> = self.of(kind).collect();
+        signs.sort_by_key(|(_, sign)| std::cmp::Reverse(sign.weight));
+        let one = |(file, sign): &(String, Sign)| {
+            let of = if self.several { format!("{file} ") } else { String::new() };
+            match sign.line {
+                0 => format!("{} ({file})", sign.text),
+                line => format!("{} ({of}line {line})", sign.text),
+            }
+        };
+        signs.into_iter().take(NAMED).map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    fn judge(&self, channels: usize, programs: &[String]) -> Result<Guess, Error> {
+        let foreign = [Kind::Siemens, Kind::Heidenhain, Kind::Okuma, Kind::Sections];
+        if let Some((kind, control)) =
+            foreign.iter().find_map(|kind| Some((*kind, kind.control().filter(|_| self.weight(*kind) > 0)?)))
+        {
+            return Err(Error::Usage(format!(
+                "no machine was given, and this is a program for {control}, by {}: no machine of this kind is shipped; \
+                 describe yours (docs/tutorial-control.md) and give it with --machine DIR",
+                self.named(kind)
+            )));
+        }
+        let (mill, lathe) = (self.weight(Kind::Mill), self.weight(Kind::Lathe));
+        // On a milling machine M198 and the like are no waiting codes, and the O-programs of a file its subprograms.
+        let channels = if !self.several && mill > lathe { 1 } else { channels };
+        let waits = if self.several {
+            format!("{channels} programs")
+        } else {
+            format!("{channels} programs with waiting codes in one file")
+        };
+        match channels {
+            1 if mill.max(lathe) < ENOUGH => Err(Error::Usage(format!(
+                "no machine was given, and nothing in {} shows which one it is for; {ASK}",
+                programs.join(" ")
+            ))),
+            1 if mill == lathe => Err(Error::Usage(format!(
+                "no machine was given, and the program shows milling ({}) as well as turning ({}); {ASK}",
+                self.named(Kind::Mill),
+                self.named(Kind::Lathe)
+            ))),
+            1 if mill > lathe => Ok(Guess { machine: "fanuc-mill", why: self.named(Kind::Mill) }),
+            1 if self.weight(Kind::Haas) > 0 => {
+                let why = format!("{}, {}", self.named(Kind::Lathe), self.named(Kind::Haas));
+                Ok(Guess { machine: "haas-mill-turn", why })
+            }
+            1 => {
+                let why = format!("{}; the program runs on its channel 1", self.named(Kind::Lathe));
+                Ok(Guess { machine: "fanuc-2path-lathe", why })
+            }
+            2 | 3 if mill > lathe => Err(Error::Usage(format!(
+                "no machine was given, and {waits} show milling ({}): no milling machine with {channels} channels is \
+                 shipped; run the programs one by one, or give a machine of your own with --machine DIR",
+                self.named(Kind::Mill)
+            ))),
+            2 | 3 => {
+                let machine = if channels == 2 { "fanuc-2path-lathe" } else { "fanuc-3path-lathe" };
+                let shown = self.named(Kind::Lathe);
+                let why = if shown.is_empty() { waits } else { format!("{waits}, {shown}") };
+                Ok(Guess { machine, why })
+            }
+            n => Err(Error::Usage(format!(
+                "no machine was given, and no shipped machine has {n} channels: give one of your own with --machine DIR"
+            ))),
+        }
+    }
+}
+
+/// What to do when nothing can be guessed.
+const ASK: &str = "give --machine NAME (`counterpoint machine list` shows the names) or --machine DIR";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn guess(files: &[(&str, &str)]) -> Result<Guess, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |(name, text): &(&str, &str)| {
+            let path = folder.path().join(name);
+            fs::write(&path, text).unwrap();
+            path.display().to_string()
+        };
+        let programs: Vec<_> = files.iter().map(path).collect();
+        machine(&programs).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn programs_show_what_they_are_for() {
+        let of = |text: &str| guess(&[("p.nc", text)]).map(|g| g.machine);
+        for (text, machine) in [
+            ("%\nO1\nT1 M6\nG90 G54 G0 X1. Y2.\nG43 H1 Z5.\nM30\n", "fanuc-mill"),
+            ("G90 G0 X10. Y5.\nG1 X20. F100.\nM30\n", "fanuc-mill"),
+            ("G90 G94 G1 X2. F100\nM30\n", "fanuc-mill"),
+            ("O1\nG50 S2500\nG96 S200 M3\nT0101\nG0 X52. Z2.\nM30\n", "fanuc-2path-lathe"),
+            ("O1\nT0101\nG0 X52. Z2.\nG1 W-20. F0.2\nU4.\nM30\n", "fanuc-2path-lathe"),
+            ("O1\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.1 F0.2\nM30\n", "fanuc-2path-lathe"),
+            ("G92 S2000\nG96 S180\n(T1 M6 G43 H1 Y5.)\nM30\n", "fanuc-2path-lathe"),
+            ("T101;\nG97 S1000 M3;\nG0 X50. Y0;\nM155;\nM30;\n", "haas-mill-turn"),
+            ("O1\nT0101\nM130\nM99\nO2\nT0202\nM130\nM99\n", "fanuc-2path-lathe"),
+        ] {
+            assert_eq!(of(text), Ok(machine), "{text}");
+        }
+        let two = guess(&[("a.nc", "O1\nM101\nM30\n"), ("b.nc", "O2\nT0202\nM101\nM30\n")]).unwrap();
+        assert_eq!((two.machine, two.why.as_str()), ("fanuc-2path-lathe", "2 programs, T0202 (b.nc line 2)"));
+        let one = guess(&[("p.nc", "O1\r\nT1 M6\r\nN10 G43 H1\r\nM30\r\n")]).unwrap();
+        assert_eq!(one.why, "T1 M6 (line 2), G43 H1 (line 3)");
+    }
+
+    #[test]
+    fn what_cannot_be_guessed_is_refused() {
+        let refused = |files: &[(&str, &str)], with: &str| {
+            let error = guess(files).unwrap_err();
+            assert!(error.contains(with), "{error}");
+            assert!(error.contains("--machine"), "{error}");
+        };
+        refused(&[("p.nc", "O1\nG0 X1.\nM30\n")], "nothing in ");
+        refused(&[("p.nc", "T1 M6\nG43 H1\nG50 S1000\nG96 S100\n")], "as well as turning (G50 S1000 (line 3)");
+        refused(&[("p.nc", "%_N_PART_MPF\nG0 X1\n")], "a program for a Siemens control, by %_N_ (line 1)");
+        refused(&[("p.MPF", "G0 X1 Y2\nM30\n")], ".MPF (p.MPF)");
+        refused(&[("p.nc", "N1 WAITM(1,1,2)\nG96 S200\n")], "Siemens");
+        refused(&[("p.nc", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n")], "BEGIN PGM (line 1)");
+        refused(&[("p.MIN", "G50 S2500\n")], "Okuma");
+        refused(&[("p.nc", "$PART.MIN%\nG50 S2500\n")], "Okuma");
+        refused(&[("p.nc", "$1\nG50 S2500\nM30\n$2\nM30\n")], "$1 (line 1)");
+        refused(&[("a.nc", "T1 M6\nG43 H1\n"), ("b.nc", "T2 M6\n")], "2 programs show milling");
+        refused(&[("a", "M30"), ("b", "M30"), ("c", "M30"), ("d", "M30")], "4 channels");
+    }
+
+    #[test]
+    fn a_program_of_a_file_is_judged_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("both.nc");
+        fs::write(&path, "O1\nT1 M6\nG43 H1\nM30\nO2\nG50 S2000\nT0101\nM30\n").unwrap();
+        let of = |number: &str| machine(&[format!("{}#{number}", path.display())]).unwrap().machine;
+        assert_eq!((of("1"), of("O2")), ("fanuc-mill", "fanuc-2path-lathe"));
+        let error = machine(&[format!("{}#3", path.display())]).unwrap_err().to_string();
+        assert!(error.ends_with("both.nc' has no program O3"), "{error}");
+    }
+
+    #[test]
+    fn other_encodings_are_read() {
+        let text: Vec<u8> = std::iter::once(0xfeff_u16)
+            .chain("T1 M6\r\nG43 H1\r\n".encode_utf16())
+            .flat_map(u16::to_le_bytes)
+            .collect();
+        assert_eq!(decode(&text), "T1 M6\r\nG43 H1\r\n");
+        assert_eq!(decode(b"\xef\xbb\xbfG0"), "G0");
+        assert_eq!(decode(b"(\xe4)\nG0"), "(\u{fffd})\nG0");
+    }
+}

@@ -1,0 +1,209 @@
+//! What went wrong, for the report: causes before consequences, each once, with place, block and remedy.
+//!
+//! Diagnostics of severity 8 and more stand in the order in which they came up, so that what followed from another one
+//! comes after it; the verdict is the last of them. Warnings and notes follow. Invariant: a diagnostic that says what
+//! the verdict says is shown as the verdict alone.
+
+use std::fmt::Write as _;
+
+use crate::macros::remedy;
+use crate::report::{Diagnostic, Member, Summary, Verdict, more};
+use crate::say::{BAD, DIM, WARN, styled};
+
+/// Lowest severity of an error.
+const ERROR: u8 = 8;
+/// Lowest severity of a warning.
+const WARNING: u8 = 4;
+
+/// `2 errors, 1 warning`, empty without any.
+pub(crate) fn counts(summary: &Summary) -> String {
+    let count = |of: &dyn Fn(u8) -> bool| own(summary).filter(|d| of(d.severity)).count();
+    let errors = count(&|severity| severity >= ERROR) + usize::from(summary.verdict.is_some());
+    let warnings = count(&|severity| (WARNING..ERROR).contains(&severity));
+    let some = |count: usize, word: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {word}")),
+        count => Some(format!("{count} {word}s")),
+    };
+    let parts: Vec<_> = [some(errors, "error"), some(warnings, "warning")].into_iter().flatten().collect();
+    parts.join(", ")
+}
+
+/// Diagnostics that are not the verdict.
+fn own(summary: &Summary) -> impl Iterator<Item = &Diagnostic> {
+    summary.diagnostics.iter().filter(|d| summary.verdict.as_ref().is_none_or(|verdict| !says(d, verdict)))
+}
+
+/// A diagnostic says what the verdict says.
+fn says(diagnostic: &Diagnostic, verdict: &Verdict) -> bool {
+    diagnostic.severity >= ERROR && !diagnostic.text.is_empty() && verdict.text.contains(&diagnostic.text)
+}
+
+/// All of them as text, `most` kinds at most.
+pub(crate) fn problems(summary: &Summary, most: usize) -> String {
+    let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
+    for diagnostic in own(summary) {
+        let same = |g: &&mut (&Diagnostic, usize)| {
+            let what = |d: &'_ Diagnostic| (d.number, d.channel, d.origin.as_ref().map(|o| (o.file.clone(), o.line)));
+            what(g.0) == what(diagnostic) && g.0.text == diagnostic.text
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.1 += 1,
+            None => groups.push((diagnostic, 1)),
+        }
+    }
+    groups.sort_by_key(|(diagnostic, _)| std::cmp::Reverse(class(diagnostic.severity)));
+    let errors = groups.iter().filter(|(d, _)| d.severity >= ERROR).count();
+    let (errors, others) = groups.split_at(errors);
+    let several = summary.channels.iter().filter(|c| !c.program.is_empty()).count() > 1;
+    let mut out = String::new();
+    let mut told = Vec::new();
+    for (diagnostic, count) in errors.iter().take(most) {
+        out.push_str(&one(diagnostic, *count, several, &mut told));
+    }
+    if let Some(verdict) = &summary.verdict {
+        out.push_str(&judged(summary, verdict, several));
+    }
+    for (diagnostic, count) in others.iter().take(most.saturating_sub(errors.len())) {
+        out.push_str(&one(diagnostic, *count, several, &mut told));
+    }
+    more(&mut out, groups.len(), most, "kinds of diagnostics");
+    if out.is_empty() {
+        return out;
+    }
+    let hint = "`counterpoint macro explain NUMBER` says more about a diagnostic";
+    format!("{out}\n  {}\n\n", styled(DIM, hint))
+}
+
+/// Errors, warnings, notes.
+fn class(severity: u8) -> u8 {
+    match severity {
+        0..WARNING => 0,
+        WARNING..ERROR => 1,
+        _ => 2,
+    }
+}
+
+fn one(d: &Diagnostic, count: usize, several: bool, told: &mut Vec<u32>) -> String {
+    let (word, style) = match d.severity {
+        0..WARNING => ("note", DIM),
+        WARNING..ERROR => ("warning", WARN),
+        ERROR..16 => ("error", BAD),
+        _ => ("fatal", BAD),
+    };
+    let channel = if several && d.channel > 0 { format!("channel {} ", d.channel) } else { String::new() };
+    let place = if d.line == 0 { String::new() } else { format!("{}:{}: ", d.file, d.line) };
+    let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
+    let head = styled(style, format_args!("{word} {}", d.number));
+    let origin = d.origin.as_ref().map(|o| format!(" ({}:{})", o.file, o.line)).unwrap_or_default();
+    let mut out = format!("  {head} {channel}{place}{}{origin}{times}\n", d.text);
+    // Many texts quote their block.
+    if !d.block.is_empty() && !d.text.contains(&d.block) {
+        let _ = writeln!(out, "      {}", styled(DIM, &d.block));
+    }
+    if d.severity >= WARNING && !told.contains(&d.number) {
+        told.push(d.number);
+        advise(&mut out, d.number);
+    }
+    out
+}
+
+fn advise(out: &mut String, number: u32) {
+    if let Some(remedy) = remedy(number) {
+        let _ = writeln!(out, "      {}", styled(DIM, format_args!("remedy: {remedy}")));
+    }
+}
+
+/// The verdict with the blocks where its channels stand.
+fn judged(summary: &Summary, verdict: &Verdict, several: bool) -> String {
+    let number = summary.diagnostics.iter().find(|d| says(d, verdict)).map(|d| d.number);
+    let head = match number {
+        Some(number) => format!("{} {number}", verdict.kind),
+        None => verdict.kind.clone(),
+    };
+    let mut out = format!("  {} {}\n", styled(BAD, head), verdict.text);
+    let quoted = |m: &&Member| m.line > 0 && !m.block.is_empty() && !verdict.text.contains(&format!("'{}'", m.block));
+    for member in verdict.members.iter().filter(quoted) {
+        let channel = if several { format!("channel {} ", member.channel) } else { String::new() };
+        let block = format_args!("{channel}{}:{}: {}", member.file, member.line, member.block);
+        let _ = writeln!(out, "      {}", styled(DIM, block));
+    }
+    if let Some(number) = number {
+        advise(&mut out, number);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn summary(text: &str) -> Summary {
+        serde_json::from_str(text).unwrap()
+    }
+
+    fn plain(text: &str) -> String {
+        anstream::adapter::strip_str(text).to_string()
+    }
+
+    #[test]
+    fn the_cause_comes_first_and_the_verdict_once() {
+        let summary = summary(
+            r#"{"state":"FAILED","channels":[{"channel":1,"program":"a"},{"channel":2,"program":"b"}],
+            "verdict":{"kind":"PARTNER_ALARMED","text":"channel 2 waits for channel 1",
+                "members":[{"channel":2,"file":"b","line":3,"block":"M101 P12"}]},
+            "diagnostics":[
+                {"number":2001005,"severity":4,"channel":1,"file":"a","line":2,"block":"X5 Q","text":"Q not recognised"},
+                {"number":2900061,"severity":12,"channel":1,"file":"a","line":5,"block":"\#1=1/0",
+                    "text":"division by zero in '\#1=1/0'"},
+                {"number":2900071,"severity":16,"channel":0,"file":"a","line":5,"text":"channel 2 waits for channel 1"}]}"#
+                .replace("\\#", "#")
+                .as_str(),
+        );
+        assert_eq!(counts(&summary), "2 errors, 1 warning");
+        let text = plain(&problems(&summary, 20));
+        let lines: Vec<&str> = text.lines().filter(|line| !line.contains("remedy: ")).collect();
+        assert_eq!(
+            lines,
+            [
+                "  error 2900061 channel 1 a:5: division by zero in '#1=1/0'",
+                "  PARTNER_ALARMED 2900071 channel 2 waits for channel 1",
+                "      channel 2 b:3: M101 P12",
+                "  warning 2001005 channel 1 a:2: Q not recognised",
+                "      X5 Q",
+                "",
+                "  `counterpoint macro explain NUMBER` says more about a diagnostic",
+                "",
+            ],
+            "{text}"
+        );
+        assert_eq!(text.matches("remedy: ").count(), 3, "{text}");
+        assert!(!text.contains("channel 0"), "{text}");
+    }
+
+    #[test]
+    fn an_alarm_of_all_channels_is_one_error() {
+        let summary = summary(
+            r#"{"channels":[{"channel":1,"program":"a"},{"channel":2,"program":"b"}],
+            "verdict":{"kind":"MISMATCH","text":"codes do not match","members":[]},
+            "diagnostics":[{"number":2900050,"severity":12,"channel":2,"text":"codes do not match"},
+                {"number":2900050,"severity":12,"channel":1,"text":"codes do not match"}]}"#,
+        );
+        assert_eq!(counts(&summary), "1 error");
+        assert_eq!(problems(&summary, 20).matches("codes do not match").count(), 1);
+    }
+
+    #[test]
+    fn the_remedy_of_a_number_is_given_once() {
+        let summary = summary(
+            r#"{"channels":[{"channel":1,"program":"a"}],"diagnostics":[
+            {"number":2001005,"severity":4,"channel":1,"file":"a","line":2,"text":"Q not recognised"},
+            {"number":2001005,"severity":4,"channel":1,"file":"a","line":3,"text":"R not recognised"},
+            {"number":2001005,"severity":4,"channel":1,"file":"a","line":4,"text":"R not recognised"}]}"#,
+        );
+        let text = plain(&problems(&summary, 20));
+        assert_eq!((text.matches("remedy: ").count(), text.matches("(2 times)").count()), (1, 1), "{text}");
+        assert!(text.contains("  warning 2001005 a:2: Q not recognised\n"), "one channel is not named: {text}");
+        assert!(plain(&problems(&summary, 1)).contains("and 1 more kinds of diagnostics"));
+    }
+}

@@ -1,0 +1,82 @@
+//! What a file gives to all macros: functions and shared variables.
+
+use super::arms::Arms;
+use super::{FunctionSymbol, Options, Place, Program, SharedSymbol, Strong};
+use crate::ast::{Macro, Scope, StatementKind};
+use crate::bytecode::{Code, Shared};
+use crate::diag::{Diagnostic, Number};
+use crate::source::Source;
+use std::sync::Arc;
+
+/// Gives a macro its index, and its name if it is a function.
+pub(super) fn register(
+    program: &mut Program,
+    source: &Arc<Source>,
+    one: &Macro,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> u16 {
+    let index = u16::try_from(program.macros.len()).unwrap_or(u16::MAX);
+    if index == u16::MAX {
+        diagnostics.push(Diagnostic::new(source, one.span, Number::TOO_LARGE, "there are too many macros"));
+        return index;
+    }
+    program.macros.push(Arc::new(Code::empty(source)));
+    if let Some(header) = &one.header {
+        let parameters = header.parameters.iter().map(|(_, kind)| *kind).collect();
+        let symbol = FunctionSymbol { index, parameters, result: header.result };
+        if program.functions.insert(header.name.clone(), symbol).is_some() {
+            let message = format!("the function {} is defined twice", header.name);
+            diagnostics.push(Diagnostic::new(source, header.span, Number::DUPLICATE_FUNCTION, message));
+        }
+    }
+    index
+}
+
+/// Tells whether shared variables and files of functions may not be named here.
+pub(super) fn restricted(options: Options) -> bool {
+    options.strong != Strong::Off && !matches!(options.place, Place::Declaration | Place::Library)
+}
+
+/// Makes the shared variables that a macro declares.
+pub(super) fn share(
+    program: &mut Program,
+    source: &Source,
+    one: &Macro,
+    options: Options,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
+    let mut arms = Arms::default();
+    for statement in &one.statements {
+        arms.pass(statement);
+        let StatementKind::Declare { scope, kind, channel, names } = &statement.kind else { continue };
+        if *scope == Scope::Local {
+            continue;
+        }
+        if restricted(options) {
+            let message = "under strong declaration GLOBAL and OBJECT variables are declared in the declaration macro";
+            diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
+        }
+        for declared in names {
+            let said = (*scope, *kind, declared.sizes.len(), *channel);
+            let again = arms.again(&declared.name, said);
+            arms.declared(&declared.name, said);
+            if again {
+                continue;
+            }
+            let shared = if *scope == Scope::Global {
+                program.globals.push(declared.name.clone());
+                Shared::Global(u32::try_from(program.globals.len() - 1).unwrap_or(u32::MAX))
+            } else {
+                program.objects += 1;
+                Shared::Object(program.objects - 1)
+            };
+            let symbol = SharedSymbol { shared, kind: *kind, indices: declared.sizes.len(), channel: *channel };
+            if program.shared.contains_key(&declared.name) || program.functions.contains_key(&declared.name) {
+                let message = format!("{} is declared already", declared.name);
+                diagnostics.push(Diagnostic::new(source, declared.span, Number::REDECLARED, message));
+            } else {
+                program.shared.insert(declared.name.clone(), symbol);
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Watches a job that runs in a test: a job that stands still fails the test instead of hanging it.
+//!
+//! Invariant: a job that makes progress, or works without making any that can be seen, is left alone. A job stands still
+//! when for two seconds no channel changed its place, its time or its state, and the process used next to no processor
+//! time. A job that stands still cannot be asked to stop, so the process ends with the state of every kernel.
+
+use std::fmt::Write as _;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use counterpoint_kernel::control::Control;
+
+/// Time between two looks.
+const LOOK: Duration = Duration::from_millis(100);
+/// Looks without a change after which a job counts as standing still.
+const PATIENCE: u32 = 20;
+/// Processor time within these looks that is still nothing, in clock ticks of the system (100 a second).
+const IDLE_TICKS: u64 = 10;
+
+/// Runs `job` under watch.
+///
+/// # Panics
+/// When the job panics. A job that stands still ends the process.
+pub fn watched<R>(control: &Control, job: impl FnOnce() -> R) -> R {
+    let (done, ended) = channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let (mut last, mut quiet) = (places(control), 0);
+            let mut since = ticks();
+            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(LOOK) {
+                let now = places(control);
+                let used = ticks();
+                if now != last || used.is_none_or(|used| used > since.unwrap_or(used) + IDLE_TICKS) {
+                    (last, quiet, since) = (now, 0, used);
+                    continue;
+                }
+                quiet += 1;
+                if quiet >= PATIENCE {
+                    stands_still(&last);
+                }
+            }
+        });
+        let result = job();
+        drop(done);
+        result
+    })
+}
+
+/// State, block count, line and time of every channel.
+fn places(control: &Control) -> Vec<(String, u64, u32, i64)> {
+    let place = |p: &counterpoint_kernel::control::Progress| {
+        let state = match p.waiting_for() {
+            Some(wait) => format!("waits at {}", wait.key),
+            None => format!("{:?}", p.state()),
+        };
+        (state, p.blocks.load(Relaxed), p.line.load(Relaxed), p.t_ns.load(Relaxed))
+    };
+    control.progress().iter().map(place).collect()
+}
+
+/// Processor time of this process in clock ticks; `None` where the system does not say.
+fn ticks() -> Option<u64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+    Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
+}
+
+fn stands_still(places: &[(String, u64, u32, i64)]) -> ! {
+    let mut text = String::from("the job stands still: no event and no processor time for 2 s\n");
+    for (index, (state, blocks, line, t)) in places.iter().enumerate() {
+        let _ = writeln!(text, "  kernel {}: {state}, {blocks} blocks, line {line}, {t} ns", index + 1);
+    }
+    // Past the capture of the test harness, which shows nothing of a process that ends.
+    let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
+    std::process::exit(101)
+}
