@@ -8,6 +8,7 @@ mod calls;
 pub(crate) mod commands;
 mod data;
 mod fast;
+mod homes;
 mod light;
 mod memory;
 mod run;

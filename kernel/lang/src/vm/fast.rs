@@ -5,7 +5,7 @@
 //! in their own place whenever another macro or the host may look at them.
 
 use super::calls::{self, Frame};
-use super::{State, light};
+use super::{State, homes, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
 use crate::compile::Program;
@@ -133,6 +133,11 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     let more = number!(a);
                     match window.get_mut(usize::from(to)) {
                         Some(Value::Real(number)) => *number = exists!(*number + more),
+                        Some(Value::Sequence(sequence)) => {
+                            if !light::push(state, sequence, more) {
+                                break;
+                            }
+                        }
                         _ => break,
                     }
                     at += 1;
@@ -195,7 +200,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     at += 3;
                 }
                 Fast::Call { to, callee, list } => {
-                    light::take_back(code, state, host, window);
+                    homes::take_back(code, state, host, window);
                     state.ticks = ticks;
                     let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
                         break 'run;
@@ -206,7 +211,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     window = registers;
                 }
                 Fast::Return => {
-                    light::take_back(code, state, host, window);
+                    homes::take_back(code, state, host, window);
                     let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break 'run };
                     (code, at) = (caller, call + 1);
                     forms = code.fast.as_slice();
@@ -276,8 +281,8 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
         let (next, left) = light::step(code, state, window, at, ticks);
         if next != at {
             (at, ticks) = (next, left);
-        } else if !light::bring(code, at, state, host, window) {
-            light::take_back(code, state, host, window);
+        } else if !homes::bring(code, at, state, host, window) {
+            homes::take_back(code, state, host, window);
             break;
         }
     }

@@ -7,10 +7,8 @@
 use super::fast::{Window, passed, position};
 use super::{State, memory};
 use crate::bytecode::fast::{Fast, Near};
-use crate::bytecode::{Code, Op, Shared};
-use crate::bytecode::{Relation, Slot};
+use crate::bytecode::{Code, Relation, Slot};
 use crate::func::{Function, Way};
-use crate::host::Host;
 use crate::value::{Array, Kind, Value};
 use std::sync::Arc;
 
@@ -387,6 +385,19 @@ fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<(
     Some(())
 }
 
+/// Appends a number to a sequence that nobody else has; false if it cannot grow like this.
+#[inline(never)]
+pub(super) fn push(state: &mut State, elements: &mut Arc<Vec<Value>>, number: f64) -> bool {
+    let room = elements.len() < state.limits.elements;
+    match Arc::get_mut(elements) {
+        Some(elements) if room && state.grows(memory::ELEMENT) => {
+            elements.push(Value::Real(number));
+            true
+        }
+        _ => false,
+    }
+}
+
 /// Makes a sequence of single values; the answer is the ticks that are left.
 #[inline(never)]
 fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
@@ -433,69 +444,5 @@ pub(super) fn pair(functions: &[&'static Function], function: u16, a: f64, b: f6
     match functions.get(usize::from(function))?.way {
         Way::Pair(compute, _) => compute(a, b),
         _ => None,
-    }
-}
-
-/// Place of a shared variable while nobody else runs.
-fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared) -> Option<&'a mut Value> {
-    match shared {
-        Shared::Object(index) => state.object(index),
-        Shared::Global(index) => host.own_global(index),
-    }
-}
-
-impl State {
-    /// A shared variable lies in its home.
-    #[inline(always)]
-    pub(super) fn is_at_home(&self, shared: u8) -> bool {
-        self.at_home >> (shared & 63) & 1 != 0
-    }
-}
-
-/// Brings the shared variable of an instruction home; false if it is there or cannot be.
-#[inline(never)]
-pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Host, window: &mut Window) -> bool {
-    if code.homes.is_empty() || code.fast.get(at).is_none_or(|form| *form == Fast::None) {
-        return false;
-    }
-    let shared = match code.ops.get(at) {
-        Some(
-            Op::ReadShared { shared, .. }
-            | Op::WriteShared { shared, .. }
-            | Op::SharedElements { shared, .. }
-            | Op::SetSharedElements { shared, .. },
-        ) => usize::from(*shared),
-        _ => return false,
-    };
-    if shared >= 64 || state.at_home >> shared & 1 != 0 {
-        return false;
-    }
-    let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
-    let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
-    let (Some(home), Some(place)) = (home, place) else { return false };
-    std::mem::swap(home, place);
-    state.at_home |= 1 << shared;
-    true
-}
-
-/// Takes all shared variables back from their homes.
-#[inline(always)]
-pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
-    if state.at_home != 0 {
-        take_all_back(code, state, host, window);
-    }
-}
-
-#[inline(never)]
-fn take_all_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
-    let mut at_home = std::mem::take(&mut state.at_home);
-    while at_home != 0 {
-        let shared = at_home.trailing_zeros() as usize;
-        at_home &= at_home - 1;
-        let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
-        let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
-        if let (Some(home), Some(place)) = (home, place) {
-            std::mem::swap(home, place);
-        }
     }
 }
