@@ -356,8 +356,6 @@ pub struct Code {
     pub arguments: Vec<(u8, Slot)>,
     /// Registers and types of the parameters of a function.
     pub parameters: Vec<(Slot, Option<Kind>)>,
-    /// No parameter has another type than REAL.
-    pub numeric: bool,
     /// Register and type of the result of a function.
     pub result: Option<(Slot, Option<Kind>)>,
     /// Register lists.
@@ -366,6 +364,8 @@ pub struct Code {
     pub declarations: Vec<Declaration>,
     /// Shared variables used.
     pub shared: Vec<(Shared, Option<Kind>)>,
+    /// Home of each of them: the register that holds it while short forms run.
+    pub homes: Vec<Slot>,
     /// Functions used.
     pub functions: Vec<&'static Function>,
     /// Statements in standard style, for the trace.

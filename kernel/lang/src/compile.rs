@@ -274,11 +274,11 @@ impl Code {
             locals: Vec::new(),
             arguments: Vec::new(),
             parameters: Vec::new(),
-            numeric: false,
             result: None,
             lists: Vec::new(),
             declarations: Vec::new(),
             shared: Vec::new(),
+            homes: Vec::new(),
             functions: Vec::new(),
             statements: Vec::new(),
             is_function: false,
@@ -388,7 +388,6 @@ impl<'a> MacroCompiler<'a> {
             local.written = true;
         }
         self.code.result = Some((slot, header.result));
-        self.code.numeric = header.parameters.iter().all(|(_, kind)| kind.is_none_or(|kind| kind == Kind::Real));
         // Parameters and the result are set at every entry.
         self.code.locals.truncate(cleared);
     }
@@ -468,6 +467,8 @@ impl<'a> MacroCompiler<'a> {
         let known = self.code.shared.iter().position(|(other, _)| *other == shared);
         let position = known.unwrap_or_else(|| {
             self.code.shared.push((shared, kind));
+            let home = self.slot();
+            self.code.homes.push(home);
             self.code.shared.len() - 1
         });
         u16::try_from(position).unwrap_or(u16::MAX)

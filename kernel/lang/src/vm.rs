@@ -8,6 +8,8 @@ mod calls;
 pub(crate) mod commands;
 mod data;
 mod fast;
+mod homes;
+mod light;
 mod memory;
 mod run;
 mod step;
@@ -78,6 +80,8 @@ pub struct State {
     patterns: FxHashMap<String, Arc<Pattern>>,
     names: Vec<String>,
     buffer: Vec<Value>,
+    /// Shared variables that lie in registers of the running macro, a bit each.
+    at_home: u64,
     notes: Vec<Fault>,
     /// Ticks when a stop of the run was looked at last.
     looked: u64,
@@ -119,6 +123,7 @@ impl State {
             patterns: FxHashMap::default(),
             names: Vec::new(),
             buffer: Vec::new(),
+            at_home: 0,
             notes: Vec::new(),
             looked: limits.ticks,
             remembered: [0; 2],

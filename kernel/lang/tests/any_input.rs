@@ -144,19 +144,27 @@ fn program() -> impl Strategy<Value = String> {
             "A/B",
             "G(B)",
             "$FVADD(C,C)",
+            "O",
+            "M(1,2)",
+            "M(B,1)",
+            "%G01",
+            "D(1)",
+            "A//'x'//O",
+            ".NOT.(A.EQ.M(1,1))",
         ][..],
     );
-    let name = prop::sample::select(&["A", "B", "C", "D(1)", "D(B)", "%G01"][..]);
+    let name = prop::sample::select(&["A", "B", "C", "D(1)", "D(B)", "%G01", "O", "M(1,2)", "M(2,B)", "C(1)"][..]);
     let statement = prop_oneof![
         6 => (name, value.clone()).prop_map(|(name, value)| format!("{name}={value}")),
         2 => value.clone().prop_map(|value| format!("C+={value}")),
         1 => value.clone().prop_map(|value| format!("IF/{value}\nA=1\nELSE\nB=2\nENDOF/IF")),
         1 => value.clone().prop_map(|value| format!("DO/I=1,{value}\nC+=I\nENDOF/DO")),
         1 => value.clone().prop_map(|value| format!("CASE/{value}\nWHEN/1,THRU,5\nA=3\nWHEN/OTHERS\nB='y'\nENDOF/CASE")),
+        2 => value.clone().prop_map(|value| format!("IF/M(1,2).EQ.{value}\nA=A//'x'\nELSEIF/O.NE.{value}\nM(2,1)={value}\nENDOF/IF")),
         1 => value.prop_map(|value| format!("WHILE/{value}\nA=A+'x'\nENDOF/WHILE")),
     ];
     prop::collection::vec(statement, 0..12).prop_map(|lines| {
-        let mut text = String::from("MACRO/G(X)\nG=X\nX=1/X\nENDMAC\nDECLAR/D(3)\n");
+        let mut text = String::from("MACRO/G(X)\nG=X\nX=1/X\nENDMAC\nDECLAR/D(3)\nDECLAR/M(2,2)\nDECLAR/OBJECT,O\n");
         text.push_str(&lines.join("\n"));
         text
     })
@@ -164,9 +172,17 @@ fn program() -> impl Strategy<Value = String> {
 
 /// Loops over numbers, arrays and sequences, with values of other types in between.
 fn numbers() -> impl Strategy<Value = String> {
-    let name = prop::sample::select(&["A", "B", "C", "D(1)", "D(I)", "D(A)", "Q(I)", "R", "Q", "$P1"][..]);
+    let name = prop::sample::select(
+        &[
+            "A", "B", "C", "D(1)", "D(I)", "D(A)", "Q(I)", "R", "Q", "$P1", "E(I,2)", "E(A,I)", "%G01", "OS", "OA(I)",
+            "OM(2,I)", "GV",
+        ][..],
+    );
     let operand = prop::sample::select(
-        &["A", "B", "C", "I", "2", "0", "-.5", "H", "D(I)", "D(2)", "Q(1)", "R", "T", "G(I,A)"][..],
+        &[
+            "A", "B", "C", "I", "2", "0", "-.5", "H", "D(I)", "D(2)", "Q(1)", "R", "T", "G(I,A)", "E(I,2)", "E(2,I)",
+            "%G01", "OS", "OA(I)", "OM(1,I)", "GV", "A**2", "$FABS(B)",
+        ][..],
     );
     let sign = prop::sample::select(&["+", "-", "*", "/", "+", "-", "*"][..]);
     let value = (operand.clone(), sign.clone(), operand.clone(), sign, operand, any::<bool>());
@@ -178,7 +194,7 @@ fn numbers() -> impl Strategy<Value = String> {
     let assign = prop::sample::select(&["=", "+=", "-=", "*=", "/=", "=", "="][..]);
     let statement = prop_oneof![
         12 => (name, assign, value.clone()).prop_map(|(name, assign, value)| format!("{name}{assign}{value}")),
-        1 => prop::sample::select(&["B='x'", "C=$NULL", "A=ON", "Q={}", "B=5"][..]).prop_map(str::to_owned),
+        1 => prop::sample::select(&["B='x'", "C=$NULL", "A=ON", "Q={}", "B=5", "%G01='y'", "OA(2)=B", "Q={A,'z',I}"][..]).prop_map(str::to_owned),
         1 => value.clone().prop_map(|value| format!("Q+={value}")),
         1 => value.clone().prop_map(|value| format!("A=$FMOD({value},B)")),
         1 => value.prop_map(|value| format!("IF/{value}.LT.A.OR.A.NE.3\nEXIT\nENDOF/IF")),
@@ -186,8 +202,10 @@ fn numbers() -> impl Strategy<Value = String> {
     prop::collection::vec(statement, 1..6).prop_map(|lines| {
         let body = lines.join("\n");
         format!(
-            "MACRO/G(X,Y)\nG=X-Y*2\nENDMAC\nDECLAR/REAL,D(3)\nDECLAR/REAL,R\nQ={{1,2,3}}\nA=1\nB=2\nH=10**300\nDO/I=1,4\n{body}\nENDOF/DO\n\
-             PPRINT/'!(*) !(*) !(*) !(*) !(*) !(*)',A,B,C,R,Q,{{D(1),D(2),D(3)}}"
+            "MACRO/G(X,Y)\nG=X-Y*2\nENDMAC\nDECLAR/REAL,D(3)\nDECLAR/REAL,E(3,4)\nDECLAR/OBJECT,REAL,OS\nDECLAR/OBJECT,OA(3)\n\
+             DECLAR/OBJECT,REAL,OM(2,4)\nDECLAR/GLOBAL,REAL,GV\nDECLAR/REAL,R\nQ={{1,2,3}}\nA=1\nB=2\nH=10**300\nDO/I=1,4\n{body}\nENDOF/DO\n\
+             PPRINT/'!(*) !(*) !(*) !(*) !(*) !(*) !(*)',A,B,C,R,Q,{{D(1),D(2),D(3)}},\
+             {{E(1,2),E(3,2),%G01,OS,OA(1),OA(3),OM(1,2),OM(2,4),GV}}"
         )
     })
 }

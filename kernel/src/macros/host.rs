@@ -136,13 +136,21 @@ impl Host for Kernel<'_> {
             }
             return;
         }
+        if let Some(value) = self.own_global(index) {
+            access(value);
+        }
+    }
+
+    fn own_global(&mut self, index: u32) -> Option<&mut Value> {
+        let runtime = self.macros.as_deref_mut()?;
+        if runtime.shared_globals.is_some_and(|first| index >= first) {
+            return None;
+        }
         let index = index as usize;
         if runtime.globals.len() <= index {
             runtime.globals.resize(index + 1, Value::Unset);
         }
-        if let Some(value) = runtime.globals.get_mut(index) {
-            access(value);
-        }
+        runtime.globals.get_mut(index)
     }
 
     fn held(&self, scale: &mut Scale) {

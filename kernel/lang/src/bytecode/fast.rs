@@ -1,10 +1,12 @@
-//! The short forms of instructions, for numbers in the first registers.
+//! The short forms of instructions, for values in the first registers.
 //!
 //! Invariant: a short form stands at the position of the instruction it replaces and does exactly what that instruction
-//! does, or that instruction and the ones behind it, or nothing at all: where an operand is no number or a result does
-//! not exist, the machine takes the instruction itself. So a short form never has to fail.
+//! does, or that instruction and the ones after it, or nothing at all: where an operand is not what the form is for or a
+//! result does not exist, the machine takes the instruction itself. So a short form never has to fail. Forms take a
+//! shared variable from its home, a register that holds it while short forms run.
 
-use super::Target;
+use super::{Relation, Target};
+use crate::value::Kind;
 
 /// Registers that a short form can name.
 pub const WINDOW: usize = 256;
@@ -22,6 +24,42 @@ pub enum Fast {
     Move {
         to: Near,
         a: Near,
+    },
+    /// Moves a number.
+    MoveNumber {
+        to: Near,
+        a: Near,
+    },
+    /// Moves a value of a type.
+    MoveTyped {
+        to: Near,
+        a: Near,
+        kind: Kind,
+    },
+    /// Reads a shared variable.
+    Read {
+        to: Near,
+        home: Near,
+        shared: u8,
+    },
+    /// Writes a shared variable of any type.
+    Write {
+        home: Near,
+        shared: u8,
+        a: Near,
+    },
+    /// Writes a shared variable of numbers.
+    WriteNumber {
+        home: Near,
+        shared: u8,
+        a: Near,
+    },
+    /// Writes a shared variable of another type.
+    WriteTyped {
+        home: Near,
+        shared: u8,
+        a: Near,
+        kind: Kind,
     },
     Negate {
         to: Near,
@@ -47,7 +85,43 @@ pub enum Fast {
         a: Near,
         b: Near,
     },
-    /// Adds to a number or appends a number to a sequence.
+    Power {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    /// Joins two texts.
+    Join {
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    Not {
+        to: Near,
+        a: Near,
+    },
+    Truth {
+        to: Near,
+        a: Near,
+    },
+    Compare {
+        relation: Relation,
+        to: Near,
+        a: Near,
+        b: Near,
+    },
+    /// A function of one number.
+    Math {
+        to: Near,
+        a: Near,
+        function: u16,
+    },
+    /// Makes a sequence of single values.
+    Sequence {
+        to: Near,
+        list: u16,
+    },
+    /// Adds to a number or a text, or appends a single value to a sequence.
     AddTo {
         to: Near,
         a: Near,
@@ -113,6 +187,44 @@ pub enum Fast {
         index: Near,
         c: Near,
     },
+    /// Element of an array with two indices.
+    Cell {
+        to: Near,
+        array: Near,
+        row: Near,
+        column: Near,
+    },
+    SetCell {
+        array: Near,
+        row: Near,
+        column: Near,
+        a: Near,
+    },
+    /// [`Fast::Update`] with two indices.
+    UpdateCell {
+        then: Then,
+        array: Near,
+        row: Near,
+        column: Near,
+        c: Near,
+    },
+    /// Compares an element with `b` and jumps unless that holds.
+    UnlessElement {
+        relation: Relation,
+        array: Near,
+        index: Near,
+        b: Near,
+        target: Target,
+    },
+    /// [`Fast::UnlessElement`] with two indices.
+    UnlessCell {
+        relation: Relation,
+        array: Near,
+        row: Near,
+        column: Near,
+        b: Near,
+        target: Target,
+    },
     /// Calls a function.
     Call {
         to: Near,
@@ -160,6 +272,26 @@ pub enum Fast {
     UnlessGreaterEqual {
         a: Near,
         b: Near,
+        target: Target,
+    },
+    /// Jumps if the values are equal.
+    IfWhen {
+        a: Near,
+        b: Near,
+        target: Target,
+    },
+    /// Jumps if `a` lies between the registers `low` and `high`.
+    IfThru {
+        a: Near,
+        low: Near,
+        high: Near,
+        target: Target,
+    },
+    /// End in `end`, step in `step`.
+    DoStart {
+        variable: Near,
+        end: Near,
+        step: Near,
         target: Target,
     },
     /// End in `end`, step in `step`.

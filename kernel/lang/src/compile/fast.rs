@@ -1,6 +1,6 @@
 //! Finds the short forms of finished code.
 //!
-//! Invariant: a form that leaves out the store into a temporary register is only chosen when nothing behind it in the
+//! Invariant: a form that leaves out the store into a temporary register is only chosen when nothing after it in the
 //! statement reads that register; temporaries do not live longer than their statement.
 
 use crate::bytecode::fast::{Fast, Near, Then};
@@ -17,6 +17,16 @@ pub(super) fn forms(code: &Code, temporaries: &[Slot]) -> Vec<Fast> {
 struct Finder<'a> {
     code: &'a Code,
     temporaries: &'a [Slot],
+}
+
+/// Shared variables of a macro that have a home for short forms.
+const HOMES: u8 = 64;
+
+/// An element of an array: register and one or two indices.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Place {
+    array: Near,
+    indices: (Near, Option<Near>),
 }
 
 /// Two operands, the operation and the destination.
@@ -62,7 +72,8 @@ impl Finder<'_> {
     }
 
     fn form(&self, at: usize) -> Option<Fast> {
-        self.update(at).or_else(|| self.element_then(at)).or_else(|| self.two(at)).or_else(|| self.single(at))
+        let longer = self.update(at).or_else(|| self.element_then(at)).or_else(|| self.unless_element(at));
+        longer.or_else(|| self.two(at)).or_else(|| self.element(at)).or_else(|| self.single(at))
     }
 
     /// Tells whether `slot` is a temporary that the statement does not read from `from` on.
@@ -130,31 +141,83 @@ impl Finder<'_> {
         }
     }
 
+    /// Register and number of a shared variable in short forms.
+    fn home(&self, shared: u16) -> Option<(Near, u8)> {
+        let number = u8::try_from(shared).ok().filter(|number| *number < HOMES)?;
+        Some((near(*self.code.homes.get(usize::from(shared))?)?, number))
+    }
+
+    /// One or two indices of a list.
+    fn indices(&self, list: u16) -> Option<(Near, Option<Near>)> {
+        match self.code.lists.get(usize::from(list))?.as_slice() {
+            [index] => Some((near(*index)?, None)),
+            [row, column] => Some((near(*row)?, Some(near(*column)?))),
+            _ => None,
+        }
+    }
+
+    /// The element that an instruction reads, and where it goes.
+    fn element_read(&self, op: Op) -> Option<(Slot, Place)> {
+        let (to, array, indices) = match op {
+            Op::Element { to, a, index } => (to, near(a)?, (near(index)?, None)),
+            Op::Elements { to, a, list } => (to, near(a)?, self.indices(list)?),
+            Op::SharedElements { to, shared, list } => (to, self.home(shared)?.0, self.indices(list)?),
+            _ => return None,
+        };
+        Some((to, Place { array, indices }))
+    }
+
+    /// The element that an instruction writes, and the register of the value.
+    fn element_written(&self, op: Op) -> Option<(Place, Slot)> {
+        let (array, indices, a) = match op {
+            Op::SetElement { to, index, a } => (near(to)?, (near(index)?, None), a),
+            Op::SetElements { to, list, a } => (near(to)?, self.indices(list)?, a),
+            Op::SetSharedElements { shared, list, a } => (self.home(shared)?.0, self.indices(list)?, a),
+            _ => return None,
+        };
+        Some((Place { array, indices }, a))
+    }
+
     /// `A(I)=A(I)+C` and `A(I)+=C`.
     fn update(&self, at: usize) -> Option<Fast> {
-        let Op::Element { to, a: array, index } = self.op(at)? else { return None };
-        let Op::SetElement { to: target, index: place, a } = self.op(at + 2)? else { return None };
+        let (to, place) = self.element_read(self.op(at)?)?;
+        let (target, a) = self.element_written(self.op(at + 2)?)?;
         let step = arithmetic(self.op(at + 1)?)?;
         let (then, c) = step.with(to)?;
-        let same = array == target && index == place && step.to == a;
-        if !same || !self.dead(to, at + 3) || !self.dead(a, at + 3) || c == array {
+        let c = near(c)?;
+        if place != target || step.to != a || !self.dead(to, at + 3) || !self.dead(a, at + 3) || c == place.array {
             return None;
         }
-        let (array, index, c) = (near(array)?, near(index)?, near(c)?);
-        Some(match then {
-            Then::Add => Fast::UpdateAdd { array, index, c },
-            then => Fast::Update { then, array, index, c },
+        let array = place.array;
+        Some(match (place.indices, then) {
+            ((index, None), Then::Add) => Fast::UpdateAdd { array, index, c },
+            ((index, None), then) => Fast::Update { then, array, index, c },
+            ((row, Some(column)), then) => Fast::UpdateCell { then, array, row, column, c },
         })
     }
 
     fn element_then(&self, at: usize) -> Option<Fast> {
-        let Op::Element { to: value, a: array, index } = self.op(at)? else { return None };
+        let (value, Place { array, indices: (index, None) }) = self.element_read(self.op(at)?)? else { return None };
         let step = arithmetic(self.op(at + 1)?)?;
         let (then, c) = step.with(value)?;
         if step.to != value && !self.dead(value, at + 2) {
             return None;
         }
-        Some(Fast::ElementThen { then, to: near(step.to)?, array: near(array)?, index: near(index)?, c: near(c)? })
+        Some(Fast::ElementThen { then, to: near(step.to)?, array, index, c: near(c)? })
+    }
+
+    /// `IF/A(I).EQ.B`.
+    fn unless_element(&self, at: usize) -> Option<Fast> {
+        let (value, Place { array, indices }) = self.element_read(self.op(at)?)?;
+        let Op::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
+        if a != value || b == value || !self.dead(value, at + 2) {
+            return None;
+        }
+        let b = near(b)?;
+        Some(match indices {
+            (index, None) => Fast::UnlessElement { relation, array, index, b, target },
+            (row, Some(column)) => Fast::UnlessCell { relation, array, row, column, b, target },
+        })
     }
 
     fn two(&self, at: usize) -> Option<Fast> {
@@ -172,17 +235,61 @@ impl Finder<'_> {
         })
     }
 
+    /// One element read or written.
+    fn element(&self, at: usize) -> Option<Fast> {
+        let op = self.op(at)?;
+        if let Some((to, Place { array, indices })) = self.element_read(op) {
+            let to = near(to)?;
+            return Some(match indices {
+                (index, None) => Fast::Element { to, array, index },
+                (row, Some(column)) => Fast::Cell { to, array, row, column },
+            });
+        }
+        let (Place { array, indices }, a) = self.element_written(op)?;
+        let a = near(a)?;
+        Some(match indices {
+            (index, None) => Fast::SetElement { array, index, a },
+            (row, Some(column)) => Fast::SetCell { array, row, column, a },
+        })
+    }
+
     fn single(&self, at: usize) -> Option<Fast> {
         Some(match self.op(at)? {
-            Op::Move { to, a } | Op::Typed { to, a, kind: Kind::Real } => Fast::Move { to: near(to)?, a: near(a)? },
+            Op::Move { to, a } => Fast::Move { to: near(to)?, a: near(a)? },
+            Op::Typed { to, a, kind: Kind::Real } => Fast::MoveNumber { to: near(to)?, a: near(a)? },
+            Op::Typed { to, a, kind } => Fast::MoveTyped { to: near(to)?, a: near(a)?, kind },
+            Op::ReadShared { to, shared } => {
+                let (home, shared) = self.home(shared)?;
+                Fast::Read { to: near(to)?, home, shared }
+            }
+            Op::WriteShared { shared: place, a } => {
+                let ((home, shared), a) = (self.home(place)?, near(a)?);
+                match self.code.shared.get(usize::from(place))?.1 {
+                    Some(Kind::Real) => Fast::WriteNumber { home, shared, a },
+                    Some(kind) => Fast::WriteTyped { home, shared, a, kind },
+                    None => Fast::Write { home, shared, a },
+                }
+            }
+            Op::Power { to, a, b } => Fast::Power { to: near(to)?, a: near(a)?, b: near(b)? },
+            Op::Join { to, a, b } => Fast::Join { to: near(to)?, a: near(a)?, b: near(b)? },
+            Op::Not { to, a } => Fast::Not { to: near(to)?, a: near(a)? },
+            Op::Truth { to, a } => Fast::Truth { to: near(to)?, a: near(a)? },
+            Op::Compare { relation, to, a, b } => Fast::Compare { relation, to: near(to)?, a: near(a)?, b: near(b)? },
+            Op::Math { to, a, function } => Fast::Math { to: near(to)?, a: near(a)?, function },
+            Op::Sequence { to, list } => Fast::Sequence { to: near(to)?, list },
+            Op::JumpIfWhen { a, b, target } => Fast::IfWhen { a: near(a)?, b: near(b)?, target },
+            Op::JumpIfThru { a, low, target } => {
+                Fast::IfThru { a: near(a)?, low: near(low)?, high: near(low + 1)?, target }
+            }
+            Op::DoStart { variable, end, target } => {
+                Fast::DoStart { variable: near(variable)?, end: near(end)?, step: near(end + 1)?, target }
+            }
             Op::Negate { to, a } => Fast::Negate { to: near(to)?, a: near(a)? },
             Op::Add { to, a, b } => Fast::Add { to: near(to)?, a: near(a)?, b: near(b)? },
             Op::Subtract { to, a, b } => Fast::Subtract { to: near(to)?, a: near(a)?, b: near(b)? },
             Op::Multiply { to, a, b } => Fast::Multiply { to: near(to)?, a: near(a)?, b: near(b)? },
             Op::Divide { to, a, b } => Fast::Divide { to: near(to)?, a: near(a)?, b: near(b)? },
             Op::AddTo { to, a } => Fast::AddTo { to: near(to)?, a: near(a)? },
-            Op::Element { to, a, index } => Fast::Element { to: near(to)?, array: near(a)?, index: near(index)? },
-            Op::SetElement { to, index, a } => Fast::SetElement { array: near(to)?, index: near(index)?, a: near(a)? },
             Op::Call { to, function, list } => self.call(to, function, list)?,
             Op::CallMacro { to, callee, list } => Fast::Call { to: near(to)?, callee, list },
             Op::Return => Fast::Return,

@@ -348,13 +348,17 @@ impl Host for Test {
     }
 
     fn global(&mut self, index: u32, _: usize, access: &mut dyn FnMut(&mut Value)) {
+        if let Some(value) = self.own_global(index) {
+            access(value);
+        }
+    }
+
+    fn own_global(&mut self, index: u32) -> Option<&mut Value> {
         let index = index as usize;
         if self.globals.len() <= index {
             self.globals.resize(index + 1, Value::Unset);
         }
-        if let Some(value) = self.globals.get_mut(index) {
-            access(value);
-        }
+        self.globals.get_mut(index)
     }
 
     fn held(&self, scale: &mut Scale) {

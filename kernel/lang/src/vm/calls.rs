@@ -10,6 +10,7 @@ use crate::fault::Fault;
 use crate::host::{Host, Step};
 use crate::source::Span;
 use crate::value::{Kind, Value};
+use std::sync::Arc;
 
 /// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
 #[derive(Debug, Default)]
@@ -162,19 +163,15 @@ fn clear(code: &Code, registers: &mut [Value]) {
     for slot in &code.locals {
         match registers.get_mut(usize::from(*slot)) {
             Some(Value::Unset) | None => {}
-            Some(register) => *register = Value::Unset,
+            Some(register @ (Value::Real(_) | Value::Logical(_) | Value::Null)) => *register = Value::Unset,
+            Some(register) => run::replace(register, Value::Unset),
         }
     }
-    let result = code.result.and_then(|(result, _)| registers.get_mut(usize::from(result)));
-    match result {
+    match code.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
         Some(Value::Null) | None => {}
-        Some(register) => become_null(register),
+        Some(register @ (Value::Real(_) | Value::Logical(_))) => *register = Value::Null,
+        Some(register) => run::replace(register, Value::Null),
     }
-}
-
-#[inline(never)]
-fn become_null(register: &mut Value) {
-    *register = Value::Null;
 }
 
 /// The registers of a macro that has not run yet in this state, or did with other code.
@@ -206,9 +203,8 @@ fn fresh(
     Ok(Box::new(Frame { registers, index, ..Frame::default() }))
 }
 
-/// Calls a function if nothing stands against it, all arguments are numbers and nobody wants a trace: `frame` becomes
-/// that of the function. `call` is the place of the call, the register of the result, the function, and the list of the
-/// arguments.
+/// Calls a function if nothing stands against it and nobody wants a trace: `frame` becomes that of the function. `call`
+/// is the place of the call, the register of the result, the function, and the list of the arguments.
 #[inline(never)]
 pub(super) fn quick_call<'p>(
     program: &'p Program,
@@ -219,26 +215,43 @@ pub(super) fn quick_call<'p>(
 ) -> Option<&'p Code> {
     let function = program.macros.get(usize::from(callee))?.as_ref();
     let given = code.lists.get(usize::from(list))?;
-    let number = |slot: &Slot| run::number(&frame.registers, *slot);
-    if !function.statements.is_empty() || !function.numeric || state.depth >= state.limits.depth {
+    let place = state.frames.get_mut(usize::from(callee))?;
+    if !function.statements.is_empty() || state.depth >= state.limits.depth || state.ticks < 5 {
         return None;
     }
-    let ticks = state.ticks.checked_sub(5)?;
-    let place = state.frames.get_mut(usize::from(callee))?;
-    let called = place.as_mut().filter(|called| called.registers.len() == function.registers + WINDOW)?;
-    for ((parameter, _), from) in function.parameters.iter().zip(given) {
-        run::put(called.registers.get_mut(usize::from(*parameter))?, number(from)?);
+    let called = place.as_mut()?;
+    if called.registers.len() != function.registers + WINDOW {
+        return None;
     }
-    let mut called = place.take()?;
+    for ((parameter, kind), from) in function.parameters.iter().zip(given) {
+        let (value, parameter) = (frame.registers.get(usize::from(*from))?, usize::from(*parameter));
+        let parameter = called.registers.get_mut(parameter)?;
+        match (value, parameter) {
+            (Value::Real(number), parameter) if kind.is_none_or(|kind| kind == Kind::Real) => {
+                run::put(parameter, *number)
+            }
+            (value, parameter) if kind.is_none_or(|kind| value.kind() == Some(kind)) => give_value(parameter, value),
+            _ => return None,
+        }
+    }
     clear(function, &mut called.registers);
+    let called = place.take()?;
     let waiting = std::mem::replace(frame, called);
     frame.wait(waiting, at, Slot::from(to));
-    (state.ticks, state.depth) = (ticks, state.depth + 1);
+    (state.ticks, state.depth) = (state.ticks - 5, state.depth + 1);
     Some(function)
 }
 
-/// Ends a function that was called by another macro, if its result is a number and nobody wants a trace: `frame` becomes
-/// that of the caller. The answer is the caller and the place of the call.
+#[inline(never)]
+fn give_value(register: &mut Value, value: &Value) {
+    match (&*register, value) {
+        (Value::Text(old), Value::Text(new)) if Arc::ptr_eq(old, new) => {}
+        _ => *register = value.clone(),
+    }
+}
+
+/// Ends a function that was called by another macro, if nobody wants a trace and its result is of its type: `frame`
+/// becomes that of the caller. The answer is the caller and the place of the call.
 #[inline(never)]
 pub(super) fn quick_return<'p>(
     program: &'p Program,
@@ -247,15 +260,23 @@ pub(super) fn quick_return<'p>(
     frame: &mut Box<Frame>,
 ) -> Option<(&'p Code, usize)> {
     let (result, kind) = code.result?;
-    let number = run::number(&frame.registers, result)?;
-    if !code.statements.is_empty() || kind.is_some_and(|kind| kind != Kind::Real) {
+    let value = frame.registers.get(usize::from(result))?;
+    let fits = match value {
+        Value::Null => true,
+        value => kind.is_none_or(|kind| value.kind() == Some(kind)),
+    };
+    if !fits || !code.statements.is_empty() {
         return None;
     }
     let caller = program.macros.get(usize::from(frame.caller.as_ref()?.index))?.as_ref();
     let place = state.frames.get_mut(usize::from(frame.index))?;
     let waiting = frame.caller.take()?;
     let ended = std::mem::replace(frame, waiting);
-    run::set_number(&mut frame.registers, ended.to, number);
+    match (run::number(&ended.registers, result), frame.registers.get_mut(usize::from(ended.to))) {
+        (Some(number), Some(register)) => run::put(register, number),
+        (None, Some(register)) => give_value(register, run::get(&ended.registers, result)),
+        (_, None) => {}
+    }
     let at = ended.at;
     if let Some(other) = place.replace(ended) {
         drop(other);

@@ -1,15 +1,15 @@
 //! The loop over short forms.
 //!
 //! Invariant: it stops in front of the first instruction that has no short form or whose operands do not fit, having
-//! changed nothing of it; numbers that it stores exist. It allocates only to let a sequence grow.
+//! changed nothing of it; numbers that it stores exist. Shared variables that it uses lie in their homes meanwhile, and
+//! in their own place whenever another macro or the host may look at them.
 
-use super::State;
 use super::calls::{self, Frame};
-use super::memory::ELEMENT;
+use super::{State, homes, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
 use crate::compile::Program;
-use crate::func::{Function, Way};
+use crate::host::Host;
 use crate::value::Value;
 use std::sync::Arc;
 
@@ -27,9 +27,12 @@ pub(super) struct Place<'a, 'p> {
 }
 
 /// Runs on from `place` and leaves there where it stopped.
-#[allow(clippy::too_many_lines, reason = "one arm per form; kept together so that operands stay in machine registers")]
+#[allow(
+    clippy::too_many_lines,
+    reason = "one arm per form; kept together, and kept small, so that operands stay in machine registers"
+)]
 #[inline(never)]
-pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place<'_, 'p>) {
+pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Host, place: &mut Place<'_, 'p>) {
     // The rest of the ticks waits, so that a long run comes back to where a stop of the run is looked at.
     let rest = state.ticks.saturating_sub(SLICE);
     let (mut at, mut ticks) = (place.at, state.ticks - rest);
@@ -61,6 +64,14 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place
             at += $forms;
         }};
     }
+    macro_rules! truth {
+        ($register:expr) => {
+            match window.get(usize::from($register)) {
+                Some(Value::Logical(truth)) => *truth,
+                _ => break,
+            }
+        };
+    }
     macro_rules! jump {
         ($target:expr) => {
             match passed(at, $target, ticks) {
@@ -78,130 +89,201 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, place: &mut Place
             }
         };
     }
-    while let Some(form) = forms.get(at) {
-        match *form {
-            Fast::None => break,
-            Fast::Move { to, a } => {
-                let value = number!(a);
-                put(window, to, value);
-                at += 1;
-            }
-            Fast::Negate { to, a } => {
-                let value = number!(a);
-                put(window, to, -value);
-                at += 1;
-            }
-            Fast::Add { to, a, b } => store!(to, number!(a) + number!(b), 1),
-            Fast::Subtract { to, a, b } => store!(to, number!(a) - number!(b), 1),
-            Fast::Multiply { to, a, b } => store!(to, number!(a) * number!(b), 1),
-            Fast::Divide { to, a, b } => store!(to, number!(a) / number!(b), 1),
-            // A sum or quotient that does not exist makes no sum or difference that does, so one check is enough.
-            Fast::MultiplyAdd { to, a, b, c } => store!(to, number!(c) + number!(a) * number!(b), 2),
-            Fast::DivideFrom { to, a, b, c } => store!(to, number!(c) - number!(a) / number!(b), 2),
-            Fast::Two { first, then, to, a, b, c } => {
-                let value = exists!(first.of(number!(a), number!(b)));
-                store!(to, then.of(value, number!(c)), 2);
-            }
-            Fast::AddTo { to, a } => {
-                let more = number!(a);
-                match window.get_mut(usize::from(to)) {
-                    Some(Value::Real(number)) => *number = exists!(*number + more),
-                    Some(Value::Sequence(sequence)) if sequence.len() < state.limits.elements => {
-                        if !push(state, sequence, more) {
-                            break;
-                        }
-                    }
-                    _ => break,
-                }
-                at += 1;
-            }
-            Fast::Pair { to, a, b, function } => {
-                let (a, b) = (number!(a), number!(b));
-                let (Some(result), Some(left)) = (pair(&code.functions, function, a, b), ticks.checked_sub(3)) else {
-                    break;
-                };
-                ticks = left;
-                store!(to, result, 1);
-            }
-            Fast::Element { to, array, index } => {
-                let index = number!(index);
-                let Some(found) = element(window, array, index) else { break };
-                put(window, to, found);
-                at += 1;
-            }
-            Fast::ElementThen { then, to, array, index, c } => {
-                let (index, c) = (number!(index), number!(c));
-                let Some(found) = element(window, array, index) else { break };
-                store!(to, then.of(found, c), 2);
-            }
-            Fast::SetElement { array, index, a } => {
-                let (index, value) = (number!(index), number!(a));
-                let Some(place) = element_place(window, array, index) else { break };
-                *place = value;
-                at += 1;
-            }
-            Fast::UpdateAdd { array, index, c } => {
-                let (index, c) = (number!(index), number!(c));
-                let Some(place) = element_place(window, array, index) else { break };
-                *place = exists!(*place + c);
-                at += 3;
-            }
-            Fast::Update { then, array, index, c } => {
-                let (index, c) = (number!(index), number!(c));
-                let Some(place) = element_place(window, array, index) else { break };
-                *place = exists!(then.of(*place, c));
-                at += 3;
-            }
-            Fast::Call { to, callee, list } => {
-                state.ticks = ticks;
-                let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
-                    break;
-                };
-                (code, at, ticks) = (callee, 0, state.ticks);
-                forms = code.fast.as_slice();
-                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
-                window = registers;
-            }
-            Fast::Return => {
-                let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break };
-                (code, at) = (caller, call + 1);
-                forms = code.fast.as_slice();
-                let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
-                window = registers;
-            }
-            Fast::Jump { target } => jump!(target),
-            Fast::JumpIf { a, target } => match window.get(usize::from(a)) {
-                Some(Value::Logical(true)) => jump!(target),
-                Some(Value::Logical(false)) => at += 1,
-                _ => break,
-            },
-            Fast::JumpUnless { a, target } => match window.get(usize::from(a)) {
-                Some(Value::Logical(false)) => jump!(target),
-                Some(Value::Logical(true)) => at += 1,
-                _ => break,
-            },
-            Fast::UnlessEqual { a, b, target } => unless!(number!(a) == number!(b), target),
-            Fast::UnlessNotEqual { a, b, target } => {
-                let (a, b) = (number!(a), number!(b));
-                #[allow(clippy::double_comparisons, reason = "false for what is no number, as in the full instruction")]
-                let differ = a < b || a > b;
-                unless!(differ, target);
-            }
-            Fast::UnlessLess { a, b, target } => unless!(number!(a) < number!(b), target),
-            Fast::UnlessLessEqual { a, b, target } => unless!(number!(a) <= number!(b), target),
-            Fast::UnlessGreater { a, b, target } => unless!(number!(a) > number!(b), target),
-            Fast::UnlessGreaterEqual { a, b, target } => unless!(number!(a) >= number!(b), target),
-            Fast::DoNext { variable, end, step, target } => {
-                let (last, step) = (number!(end), number!(step));
-                let value = exists!(number!(variable) + step);
-                let Some(left) = passed(at, target, ticks) else { break };
-                put(window, variable, value);
-                if super::run::past(value, last, step) {
+    'run: loop {
+        while let Some(form) = forms.get(at) {
+            match *form {
+                Fast::Move { to, a } | Fast::MoveNumber { to, a } => {
+                    let value = number!(a);
+                    put(window, to, value);
                     at += 1;
-                } else {
-                    (at, ticks) = (usize::from(target), left);
                 }
+                Fast::Read { to, home, shared } => {
+                    if !state.is_at_home(shared) {
+                        break;
+                    }
+                    let value = number!(home);
+                    put(window, to, value);
+                    at += 1;
+                }
+                Fast::Write { home, shared, a } | Fast::WriteNumber { home, shared, a } => {
+                    if !state.is_at_home(shared) {
+                        break;
+                    }
+                    let value = number!(a);
+                    put(window, home, value);
+                    at += 1;
+                }
+                Fast::Negate { to, a } => {
+                    let value = number!(a);
+                    put(window, to, -value);
+                    at += 1;
+                }
+                Fast::Add { to, a, b } => store!(to, number!(a) + number!(b), 1),
+                Fast::Subtract { to, a, b } => store!(to, number!(a) - number!(b), 1),
+                Fast::Multiply { to, a, b } => store!(to, number!(a) * number!(b), 1),
+                Fast::Divide { to, a, b } => store!(to, number!(a) / number!(b), 1),
+                // A sum or quotient that does not exist makes no sum or difference that does, so one check is enough.
+                Fast::MultiplyAdd { to, a, b, c } => store!(to, number!(c) + number!(a) * number!(b), 2),
+                Fast::DivideFrom { to, a, b, c } => store!(to, number!(c) - number!(a) / number!(b), 2),
+                Fast::Two { first, then, to, a, b, c } => {
+                    let value = exists!(first.of(number!(a), number!(b)));
+                    store!(to, then.of(value, number!(c)), 2);
+                }
+                Fast::AddTo { to, a } => {
+                    let more = number!(a);
+                    match window.get_mut(usize::from(to)) {
+                        Some(Value::Real(number)) => *number = exists!(*number + more),
+                        Some(Value::Sequence(sequence)) => {
+                            if !light::push(state, sequence, more) {
+                                break;
+                            }
+                        }
+                        _ => break,
+                    }
+                    at += 1;
+                }
+                Fast::Pair { to, a, b, function } => {
+                    let (a, b) = (number!(a), number!(b));
+                    let (Some(result), Some(left)) =
+                        (light::pair(&code.functions, function, a, b), ticks.checked_sub(3))
+                    else {
+                        break;
+                    };
+                    ticks = left;
+                    store!(to, result, 1);
+                }
+                Fast::Element { to, array, index } => {
+                    let index = number!(index);
+                    let Some(found) = element(window, array, index) else { break };
+                    put(window, to, found);
+                    at += 1;
+                }
+                Fast::ElementThen { then, to, array, index, c } => {
+                    let (index, c) = (number!(index), number!(c));
+                    let Some(found) = element(window, array, index) else { break };
+                    store!(to, then.of(found, c), 2);
+                }
+                Fast::Cell { to, array, row, column } => {
+                    let (row, column) = (number!(row), number!(column));
+                    let Some(found) = cell(window, array, row, column) else { break };
+                    put(window, to, found);
+                    at += 1;
+                }
+                Fast::SetElement { array, index, a } => {
+                    let (index, value) = (number!(index), number!(a));
+                    let Some(place) = element_place(window, array, index) else { break };
+                    *place = value;
+                    at += 1;
+                }
+                Fast::SetCell { array, row, column, a } => {
+                    let (row, column, value) = (number!(row), number!(column), number!(a));
+                    let Some(place) = cell_place(window, array, row, column) else { break };
+                    *place = value;
+                    at += 1;
+                }
+                Fast::UpdateAdd { array, index, c } => {
+                    let (index, c) = (number!(index), number!(c));
+                    let Some(place) = element_place(window, array, index) else { break };
+                    *place = exists!(*place + c);
+                    at += 3;
+                }
+                Fast::Update { then, array, index, c } => {
+                    let (index, c) = (number!(index), number!(c));
+                    let Some(place) = element_place(window, array, index) else { break };
+                    *place = exists!(then.of(*place, c));
+                    at += 3;
+                }
+                Fast::UpdateCell { then, array, row, column, c } => {
+                    let (row, column, c) = (number!(row), number!(column), number!(c));
+                    let Some(place) = cell_place(window, array, row, column) else { break };
+                    *place = exists!(then.of(*place, c));
+                    at += 3;
+                }
+                Fast::Call { to, callee, list } => {
+                    homes::take_back(code, state, host, window);
+                    state.ticks = ticks;
+                    let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else {
+                        break 'run;
+                    };
+                    (code, at, ticks) = (callee, 0, state.ticks);
+                    forms = code.fast.as_slice();
+                    let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break 'run };
+                    window = registers;
+                }
+                Fast::Return => {
+                    homes::take_back(code, state, host, window);
+                    let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break 'run };
+                    (code, at) = (caller, call + 1);
+                    forms = code.fast.as_slice();
+                    let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break 'run };
+                    window = registers;
+                }
+                Fast::Jump { target } => jump!(target),
+                Fast::JumpIf { a, target } => {
+                    if truth!(a) {
+                        jump!(target);
+                    } else {
+                        at += 1;
+                    }
+                }
+                Fast::JumpUnless { a, target } => unless!(truth!(a), target),
+                Fast::UnlessEqual { a, b, target } => unless!(number!(a) == number!(b), target),
+                Fast::UnlessNotEqual { a, b, target } => {
+                    let (a, b) = (number!(a), number!(b));
+                    #[allow(clippy::double_comparisons, reason = "false for what is no number, as in the instruction")]
+                    let differ = a < b || a > b;
+                    unless!(differ, target);
+                }
+                Fast::UnlessLess { a, b, target } => unless!(number!(a) < number!(b), target),
+                Fast::UnlessLessEqual { a, b, target } => unless!(number!(a) <= number!(b), target),
+                Fast::UnlessGreater { a, b, target } => unless!(number!(a) > number!(b), target),
+                Fast::UnlessGreaterEqual { a, b, target } => unless!(number!(a) >= number!(b), target),
+                Fast::IfWhen { a, b, target } => {
+                    let (a, b) = (number!(a), number!(b));
+                    #[allow(clippy::double_comparisons, reason = "as above")]
+                    let differ = a < b || a > b;
+                    unless!(differ, target);
+                }
+                Fast::IfThru { a, low, high, target } => {
+                    let (value, low, high) = (number!(a), number!(low), number!(high));
+                    unless!(value < low || value > high, target);
+                }
+                Fast::DoNext { variable, end, step, target } => {
+                    let (last, step) = (number!(end), number!(step));
+                    let value = exists!(number!(variable) + step);
+                    let Some(left) = passed(at, target, ticks) else { break };
+                    put(window, variable, value);
+                    if super::run::past(value, last, step) {
+                        // Seldom: the next instruction must not wait for the comparison.
+                        std::hint::cold_path();
+                        at += 1;
+                    } else {
+                        (at, ticks) = (usize::from(target), left);
+                    }
+                }
+                // All that is left is named, so that the choice needs no check of its own.
+                Fast::None
+                | Fast::MoveTyped { .. }
+                | Fast::WriteTyped { .. }
+                | Fast::Power { .. }
+                | Fast::Join { .. }
+                | Fast::Not { .. }
+                | Fast::Truth { .. }
+                | Fast::Compare { .. }
+                | Fast::Math { .. }
+                | Fast::Sequence { .. }
+                | Fast::UnlessElement { .. }
+                | Fast::UnlessCell { .. }
+                | Fast::DoStart { .. } => break,
             }
+        }
+        // One form on values that are no numbers; or a shared variable comes home, and the form is tried once more.
+        let (next, left) = light::step(code, state, window, at, ticks);
+        if next != at {
+            (at, ticks) = (next, left);
+        } else if !homes::bring(code, at, state, host, window) {
+            homes::take_back(code, state, host, window);
+            break;
         }
     }
     (place.code, place.at, state.ticks) = (code, at, ticks + rest);
@@ -221,22 +303,9 @@ fn put(window: &mut Window, to: Near, number: f64) {
     }
 }
 
-/// Appends to a sequence that nobody else has; the copy that another one needs is paid for by the full instruction.
-#[inline(never)]
-fn push(state: &mut State, elements: &mut Arc<Vec<Value>>, number: f64) -> bool {
-    match Arc::get_mut(elements) {
-        Some(elements) if state.has_room() => {
-            elements.push(Value::Real(number));
-            state.grow(ELEMENT);
-            true
-        }
-        _ => false,
-    }
-}
-
-/// Position of a 1-based index; what is below 1 or too large lies behind every end.
+/// Position of a 1-based index; what is below 1 or too large lies after every end.
 #[inline(always)]
-fn position(index: f64) -> usize {
+pub(super) fn position(index: f64) -> usize {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let whole = index as u32;
     whole.wrapping_sub(1) as usize
@@ -256,7 +325,7 @@ fn element(window: &Window, array: Near, index: f64) -> Option<f64> {
     }
 }
 
-/// Where a one-dimensional array holds a number.
+/// Where a one-dimensional array, or a sequence that nobody else has, holds a number.
 #[inline(always)]
 fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f64> {
     match window.get_mut(usize::from(array)) {
@@ -264,14 +333,42 @@ fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f6
             Some(Value::Real(number)) => Some(number),
             _ => None,
         },
+        Some(Value::Sequence(elements)) => own_place(elements, index),
         _ => None,
     }
 }
 
 #[inline(never)]
-fn pair(functions: &[&'static Function], function: u16, a: f64, b: f64) -> Option<f64> {
-    match functions.get(usize::from(function))?.way {
-        Way::Pair(compute, _) => compute(a, b),
+fn own_place(elements: &mut Arc<Vec<Value>>, index: f64) -> Option<&mut f64> {
+    match Arc::get_mut(elements)?.get_mut(position(index)) {
+        Some(Value::Real(number)) => Some(number),
+        _ => None,
+    }
+}
+
+/// Element of an array with two indices that is a number.
+#[inline(always)]
+fn cell(window: &Window, array: Near, row: f64, column: f64) -> Option<f64> {
+    match window.get(usize::from(array)) {
+        Some(Value::Array(array)) => match array.elements.get(light::cell(array, row, column)?) {
+            Some(Value::Real(number)) => Some(*number),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Where an array with two indices holds a number.
+#[inline(always)]
+fn cell_place(window: &mut Window, array: Near, row: f64, column: f64) -> Option<&mut f64> {
+    match window.get_mut(usize::from(array)) {
+        Some(Value::Array(array)) => {
+            let at = light::cell(array, row, column)?;
+            match array.elements.get_mut(at) {
+                Some(Value::Real(number)) => Some(number),
+                _ => None,
+            }
+        }
         _ => None,
     }
 }

@@ -129,10 +129,15 @@ impl State {
         self.memory.fresh += bytes as u64;
     }
 
-    /// One more element can be made without weighing.
+    /// Counts bytes that are made if there is room for them without weighing.
     #[inline]
-    pub(super) fn has_room(&self) -> bool {
-        self.memory.fresh + ELEMENT as u64 <= self.memory.room
+    pub(super) fn grows(&mut self, bytes: usize) -> bool {
+        let fresh = self.memory.fresh + bytes as u64;
+        let room = fresh <= self.memory.room;
+        if room {
+            self.memory.fresh = fresh;
+        }
+        room
     }
 
     /// More was made than can be without weighing.

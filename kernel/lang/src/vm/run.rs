@@ -60,9 +60,16 @@ pub(super) fn put(register: &mut Value, number: f64) {
     }
 }
 
+#[cold]
 #[inline(never)]
 fn become_number(register: &mut Value) {
     *register = Value::Real(0.0);
+}
+
+/// Replaces a value that may have to give memory back.
+#[inline(never)]
+pub(super) fn replace(register: &mut Value, value: Value) {
+    *register = value;
 }
 
 /// What comes after an instruction.
@@ -135,7 +142,7 @@ fn execute<'p>(
     place: &mut Place<'_, 'p>,
 ) -> Result<Pause, Box<Stop>> {
     loop {
-        fast::run(program, state, place);
+        fast::run(program, state, host, place);
         if state.looked.abs_diff(state.ticks) >= LOOK_EVERY {
             state.looked = state.ticks;
             if host.stopped() {

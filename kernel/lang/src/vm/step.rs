@@ -331,7 +331,7 @@ fn element_slow(state: &mut State, frame: &mut [Value], to: Slot, a: Slot, index
 }
 
 #[inline(never)]
-fn power(a: f64, b: f64) -> f64 {
+pub(super) fn power(a: f64, b: f64) -> f64 {
     if b == 2.0 { a * a } else { libm::pow(a, b) }
 }
 

@@ -1,0 +1,75 @@
+//! Homes of shared variables: registers that hold them while short forms run.
+//!
+//! Invariant: a variable changes places with its home when a short form first needs it, and is back in its own place
+//! before anything but short forms of the same macro can look at it.
+
+use super::State;
+use super::fast::Window;
+use crate::bytecode::fast::Fast;
+use crate::bytecode::{Code, Op, Shared};
+use crate::host::Host;
+use crate::value::Value;
+
+/// Place of a shared variable while nobody else runs.
+fn shared_place<'a>(state: &'a mut State, host: &'a mut dyn Host, shared: Shared) -> Option<&'a mut Value> {
+    match shared {
+        Shared::Object(index) => state.object(index),
+        Shared::Global(index) => host.own_global(index),
+    }
+}
+
+impl State {
+    /// A shared variable lies in its home.
+    #[inline(always)]
+    pub(super) fn is_at_home(&self, shared: u8) -> bool {
+        self.at_home >> (shared & 63) & 1 != 0
+    }
+}
+
+/// Brings the shared variable of an instruction home; false if it is there or cannot be.
+#[inline(never)]
+pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Host, window: &mut Window) -> bool {
+    if code.homes.is_empty() || code.fast.get(at).is_none_or(|form| *form == Fast::None) {
+        return false;
+    }
+    let shared = match code.ops.get(at) {
+        Some(
+            Op::ReadShared { shared, .. }
+            | Op::WriteShared { shared, .. }
+            | Op::SharedElements { shared, .. }
+            | Op::SetSharedElements { shared, .. },
+        ) => usize::from(*shared),
+        _ => return false,
+    };
+    if shared >= 64 || state.at_home >> shared & 1 != 0 {
+        return false;
+    }
+    let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
+    let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
+    let (Some(home), Some(place)) = (home, place) else { return false };
+    std::mem::swap(home, place);
+    state.at_home |= 1 << shared;
+    true
+}
+
+/// Takes all shared variables back from their homes.
+#[inline(always)]
+pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+    if state.at_home != 0 {
+        take_all_back(code, state, host, window);
+    }
+}
+
+#[inline(never)]
+fn take_all_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
+    let mut at_home = std::mem::take(&mut state.at_home);
+    while at_home != 0 {
+        let shared = at_home.trailing_zeros() as usize;
+        at_home &= at_home - 1;
+        let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
+        let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
+        if let (Some(home), Some(place)) = (home, place) {
+            std::mem::swap(home, place);
+        }
+    }
+}

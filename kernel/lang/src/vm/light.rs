@@ -1,0 +1,448 @@
+//! What short forms do with values that are no numbers.
+//!
+//! Invariant: everything here does what the full instruction does and costs the same steps, or does nothing and says so;
+//! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
+//! that nobody else has is used again.
+
+use super::fast::{Window, passed, position};
+use super::{State, memory};
+use crate::bytecode::fast::{Fast, Near};
+use crate::bytecode::{Code, Relation, Slot};
+use crate::func::{Function, Way};
+use crate::value::{Array, Kind, Value};
+use std::sync::Arc;
+
+/// Bytes of a text from which on looking at it or copying it costs steps.
+const LONG: usize = 64;
+
+/// Takes one short form on values that may be no numbers. The answer is the next instruction and the ticks that are
+/// left; nothing was done if it is the same instruction.
+#[allow(clippy::too_many_lines, reason = "one arm per form")]
+#[inline(never)]
+pub(super) fn step(code: &Code, state: &mut State, window: &mut Window, at: usize, ticks: u64) -> (usize, u64) {
+    let not_taken = (at, ticks);
+    let Some(form) = code.fast.get(at) else { return not_taken };
+    macro_rules! did {
+        ($outcome:expr) => {
+            if $outcome.is_some() { (at + 1, ticks) } else { not_taken }
+        };
+    }
+    macro_rules! paid {
+        ($left:expr) => {
+            match $left {
+                Some(left) => (at + 1, left),
+                None => not_taken,
+            }
+        };
+    }
+    macro_rules! unless {
+        ($holds:expr, $instructions:expr, $target:expr) => {
+            match $holds {
+                Some(true) => (at + $instructions, ticks),
+                Some(false) => match passed(at + $instructions - 1, $target, ticks) {
+                    Some(left) => (usize::from($target), left),
+                    None => not_taken,
+                },
+                None => not_taken,
+            }
+        };
+    }
+    macro_rules! number {
+        ($register:expr) => {
+            match window.get(usize::from($register)) {
+                Some(Value::Real(number)) => *number,
+                _ => return not_taken,
+            }
+        };
+    }
+    match *form {
+        Fast::Move { to, a } => did!(move_any(window, to, a)),
+        Fast::MoveTyped { to, a, kind } => did!(move_light(window, to, a, Some(kind))),
+        Fast::Read { to, home, shared } if state.is_at_home(shared) => did!(move_light(window, to, home, None)),
+        Fast::Write { home, shared, a } if state.is_at_home(shared) => did!(move_light(window, home, a, None)),
+        Fast::WriteTyped { home, shared, a, kind } if state.is_at_home(shared) => {
+            did!(move_light(window, home, a, Some(kind)))
+        }
+        Fast::Power { to, a, b } => {
+            let result = super::step::power(number!(a), number!(b));
+            did!(stored(window, to, result))
+        }
+        Fast::Math { to, a, function } => {
+            let result = math(&code.functions, function, number!(a));
+            did!(result.and_then(|result| stored(window, to, result)))
+        }
+        Fast::Add { to, a, b } | Fast::Join { to, a, b } => paid!(join(state, window, (to, a, b), ticks)),
+        Fast::AddTo { to, a } => did!(append(state, window, to, a)),
+        Fast::Sequence { to, list } => {
+            let slots = code.lists.get(usize::from(list)).map_or(&[][..], Vec::as_slice);
+            paid!(sequence(state, window, to, slots, ticks))
+        }
+        Fast::Not { to, a } => did!(truth(window, a).and_then(|truth| put_truth(window, to, !truth))),
+        Fast::Truth { to, a } => did!(truth(window, a).and_then(|truth| put_truth(window, to, truth))),
+        Fast::Compare { relation, to, a, b } => {
+            did!(compared(window, relation, a, b).and_then(|holds| put_truth(window, to, holds)))
+        }
+        Fast::Element { to, array, index } => did!(element(window, to, array, (number!(index), None))),
+        Fast::Cell { to, array, row, column } => {
+            did!(element(window, to, array, (number!(row), Some(number!(column)))))
+        }
+        Fast::SetElement { array, index, a } => did!(set_element(window, array, (number!(index), None), a)),
+        Fast::SetCell { array, row, column, a } => {
+            did!(set_element(window, array, (number!(row), Some(number!(column))), a))
+        }
+        // The jump is the second of the two instructions.
+        Fast::UnlessElement { relation, array, index, b, target } => {
+            let index = (number!(index), None);
+            unless!(element_related(window, relation, array, index, b), 2, target)
+        }
+        Fast::UnlessCell { relation, array, row, column, b, target } => {
+            let indices = (number!(row), Some(number!(column)));
+            unless!(element_related(window, relation, array, indices, b), 2, target)
+        }
+        Fast::UnlessEqual { a, b, target } => unless!(compared(window, Relation::Equal, a, b), 1, target),
+        Fast::UnlessNotEqual { a, b, target } => unless!(compared(window, Relation::NotEqual, a, b), 1, target),
+        Fast::UnlessLess { a, b, target } => unless!(compared(window, Relation::Less, a, b), 1, target),
+        Fast::UnlessLessEqual { a, b, target } => unless!(compared(window, Relation::LessEqual, a, b), 1, target),
+        Fast::UnlessGreater { a, b, target } => unless!(compared(window, Relation::Greater, a, b), 1, target),
+        Fast::UnlessGreaterEqual { a, b, target } => {
+            unless!(compared(window, Relation::GreaterEqual, a, b), 1, target)
+        }
+        Fast::IfWhen { a, b, target } => {
+            unless!(same(window, a, b).map(|equal| !equal), 1, target)
+        }
+        Fast::DoStart { variable, end, step, target } => {
+            let (value, last, step) = (number!(variable), number!(end), number!(step));
+            let passes = if step == 0.0 { None } else { Some(!super::run::past(value, last, step)) };
+            unless!(passes, 1, target)
+        }
+        _ => not_taken,
+    }
+}
+
+/// Stores a number if it exists.
+#[inline]
+fn stored(window: &mut Window, to: Near, number: f64) -> Option<()> {
+    let register = window.get_mut(usize::from(to)).filter(|_| number.is_finite())?;
+    super::run::put(register, number);
+    Some(())
+}
+
+#[inline]
+fn truth(window: &Window, a: Near) -> Option<bool> {
+    match window.get(usize::from(a))? {
+        Value::Logical(truth) => Some(*truth),
+        _ => None,
+    }
+}
+
+#[inline]
+fn put_truth(window: &mut Window, to: Near, truth: bool) -> Option<()> {
+    match window.get_mut(usize::from(to))? {
+        Value::Logical(old) => *old = truth,
+        other => *other = Value::Logical(truth),
+    }
+    Some(())
+}
+
+/// Compares two registers.
+#[inline]
+fn compared(window: &Window, relation: Relation, a: Near, b: Near) -> Option<bool> {
+    match (window.get(usize::from(a))?, window.get(usize::from(b))?) {
+        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (a, b) => related(relation, a, b),
+    }
+}
+
+/// Tells whether a value is a single one that can be copied and compared for nothing.
+#[inline]
+fn is_light(value: &Value) -> bool {
+    match value {
+        Value::Text(text) => text.len() < LONG,
+        Value::Sequence(_) | Value::Array(_) => false,
+        _ => true,
+    }
+}
+
+/// Replaces a value by a copy of another one.
+#[inline]
+fn overwrite(target: &mut Value, value: &Value) {
+    match (&*target, value) {
+        (Value::Text(old), Value::Text(new)) if Arc::ptr_eq(old, new) => {}
+        _ => *target = value.clone(),
+    }
+}
+
+/// Copies a register.
+#[inline]
+fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
+    if let (Some(Value::Text(old)), Some(Value::Text(new))) = (window.get(usize::from(to)), window.get(usize::from(a)))
+        && Arc::ptr_eq(old, new)
+    {
+        return Some(());
+    }
+    let value = window.get(usize::from(a))?.clone();
+    *window.get_mut(usize::from(to))? = value;
+    Some(())
+}
+
+/// Moves a value that is no array.
+#[inline]
+fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
+    match window.get(usize::from(a))? {
+        Value::Array(_) => None,
+        _ => copied(window, to, a),
+    }
+}
+
+/// Moves a light value, of one type if that is given.
+#[inline]
+fn move_light(window: &mut Window, to: Near, a: Near, kind: Option<Kind>) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if !is_light(value) || kind.is_some_and(|kind| value.kind() != Some(kind)) {
+        return None;
+    }
+    copied(window, to, a)
+}
+
+/// Element of a sequence or an array that is a light value.
+#[inline]
+fn element(window: &mut Window, to: Near, array: Near, (row, column): (f64, Option<f64>)) -> Option<()> {
+    let value = look(window, array, (row, column)).filter(|value| is_light(value))?;
+    if let (Value::Text(new), Some(Value::Text(old))) = (value, window.get(usize::from(to)))
+        && Arc::ptr_eq(old, new)
+    {
+        return Some(());
+    }
+    let value = value.clone();
+    *window.get_mut(usize::from(to))? = value;
+    Some(())
+}
+
+/// The element of a sequence or an array.
+#[inline]
+fn look(window: &Window, array: Near, (row, column): (f64, Option<f64>)) -> Option<&Value> {
+    match (window.get(usize::from(array))?, column) {
+        (Value::Array(array), Some(column)) => array.elements.get(cell(array, row, column)?),
+        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get(position(row)),
+        (Value::Sequence(elements), None) => elements.get(position(row)),
+        _ => None,
+    }
+}
+
+/// Position in an array with two indices.
+#[inline(always)]
+pub(super) fn cell(array: &Array, row: f64, column: f64) -> Option<usize> {
+    let [rows, columns] = *array.sizes.as_slice() else { return None };
+    let (row, column) = (position(row), position(column));
+    if row < rows as usize && column < columns as usize { Some(row * columns as usize + column) } else { None }
+}
+
+/// Stores a light value into an array, or into a sequence that nobody else has.
+#[inline(never)]
+fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a: Near) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if !is_light(value) || !takes(window.get(usize::from(array))?, value) {
+        return None;
+    }
+    let value = value.clone();
+    let (row, column) = indices;
+    let element = match (window.get_mut(usize::from(array))?, column) {
+        (Value::Array(array), Some(column)) => {
+            let at = cell(array, row, column)?;
+            array.elements.get_mut(at)?
+        }
+        (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get_mut(position(row))?,
+        (Value::Sequence(elements), None) => Arc::get_mut(elements)?.get_mut(position(row))?,
+        _ => return None,
+    };
+    *element = value;
+    Some(())
+}
+
+fn takes(target: &Value, value: &Value) -> bool {
+    match target {
+        Value::Array(array) => array.kind.is_none_or(|kind| value.kind() == Some(kind)),
+        Value::Sequence(_) => true,
+        _ => false,
+    }
+}
+
+/// Compares light values of one type.
+#[inline(never)]
+fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+    if let (Value::Text(x), Value::Text(y)) = (a, b)
+        && x.len() == y.len()
+        && x.len() < LONG
+        && matches!(relation, Relation::Equal | Relation::NotEqual)
+    {
+        return Some((x == y) == (relation == Relation::Equal));
+    }
+    if !is_light(a) || !is_light(b) {
+        return None;
+    }
+    if matches!(relation, Relation::Equal | Relation::NotEqual) {
+        return a.equals(b).map(|equal| equal == (relation == Relation::Equal));
+    }
+    let order = a.order(b)?;
+    Some(match relation {
+        Relation::Less => order.is_lt(),
+        Relation::LessEqual => order.is_le(),
+        Relation::Greater => order.is_gt(),
+        _ => order.is_ge(),
+    })
+}
+
+/// Compares an element with a register.
+#[inline(always)]
+fn element_related(
+    window: &Window,
+    relation: Relation,
+    array: Near,
+    indices: (f64, Option<f64>),
+    b: Near,
+) -> Option<bool> {
+    match (look(window, array, indices)?, window.get(usize::from(b))?) {
+        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
+        (a, b) => related(relation, a, b),
+    }
+}
+
+/// Equality of light values, for a CASE.
+#[inline]
+fn same(window: &Window, a: Near, b: Near) -> Option<bool> {
+    let (a, b) = (window.get(usize::from(a))?, window.get(usize::from(b))?);
+    if is_light(a) && is_light(b) { Some(a.equals(b) == Some(true)) } else { None }
+}
+
+/// Joins two texts; the answer is the ticks that are left.
+#[inline(never)]
+fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), ticks: u64) -> Option<u64> {
+    let (Value::Text(x), Value::Text(y)) = (window.get(usize::from(a))?, window.get(usize::from(b))?) else {
+        return None;
+    };
+    let length = x.len() + y.len();
+    let left = ticks.checked_sub(length as u64 / 64)?;
+    if length > state.limits.text || !state.grows(memory::text(length)) {
+        return None;
+    }
+    if to == b {
+        let text = [x.as_str(), y.as_str()].concat();
+        *window.get_mut(usize::from(to))? = Value::text(text);
+        return Some(left);
+    }
+    // The text that was there before gives its memory.
+    let mut text = match std::mem::take(window.get_mut(usize::from(to))?) {
+        Value::Text(text) => text,
+        _ => Arc::default(),
+    };
+    if to == a {
+        let y = window.get(usize::from(b)).and_then(Value::as_text).unwrap_or_default();
+        match Arc::get_mut(&mut text) {
+            Some(own) => own.push_str(y),
+            None => text = Arc::new([text.as_str(), y].concat()),
+        }
+    } else {
+        let part = |slot: Near| window.get(usize::from(slot)).and_then(Value::as_text).unwrap_or_default();
+        let (x, y) = (part(a), part(b));
+        match Arc::get_mut(&mut text) {
+            Some(own) if own.capacity() <= 4 * LONG + 2 * length => {
+                own.clear();
+                own.push_str(x);
+                own.push_str(y);
+            }
+            _ => text = Arc::new([x, y].concat()),
+        }
+    }
+    *window.get_mut(usize::from(to))? = Value::Text(text);
+    Some(left)
+}
+
+/// Appends to a text or a sequence that nobody else has.
+#[inline(never)]
+fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<()> {
+    let value = window.get(usize::from(a))?;
+    if to == a || !is_light(value) {
+        return None;
+    }
+    let (text, sequence) = (state.limits.text, state.limits.elements);
+    match (window.get(usize::from(to))?, value) {
+        (Value::Text(own), Value::Text(more)) if own.len() + more.len() <= text => {}
+        (Value::Sequence(own), _) if own.len() < sequence => {}
+        _ => return None,
+    }
+    let value = value.clone();
+    match (window.get_mut(usize::from(to))?, value) {
+        (Value::Text(own), Value::Text(more)) => {
+            let own = Arc::get_mut(own).filter(|_| state.grows(more.len()))?;
+            own.push_str(&more);
+        }
+        (Value::Sequence(own), value) => {
+            let own = Arc::get_mut(own).filter(|_| state.grows(memory::ELEMENT))?;
+            own.push(value);
+        }
+        _ => return None,
+    }
+    Some(())
+}
+
+/// Appends a number to a sequence that nobody else has; false if it cannot grow like this.
+#[inline(never)]
+pub(super) fn push(state: &mut State, elements: &mut Arc<Vec<Value>>, number: f64) -> bool {
+    let room = elements.len() < state.limits.elements;
+    match Arc::get_mut(elements) {
+        Some(elements) if room && state.grows(memory::ELEMENT) => {
+            elements.push(Value::Real(number));
+            true
+        }
+        _ => false,
+    }
+}
+
+/// Makes a sequence of single values; the answer is the ticks that are left.
+#[inline(never)]
+fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ticks: u64) -> Option<u64> {
+    let left = ticks.checked_sub(slots.len() as u64 / 4)?;
+    let single =
+        |slot: &Slot| !matches!(window.get(usize::from(*slot)), None | Some(Value::Sequence(_) | Value::Array(_)));
+    if slots.len() > state.limits.elements || !slots.iter().all(single) || !state.grows(memory::sequence(slots.len())) {
+        return None;
+    }
+    // A sequence of the same length that was there before gives its memory. It is none of the elements.
+    if let Some(Value::Sequence(old)) = window.get(usize::from(to))
+        && old.len() == slots.len()
+        && old.capacity() <= 2 * slots.len() + 8
+        && Arc::strong_count(old) == 1
+    {
+        let mut target = std::mem::take(window.get_mut(usize::from(to))?);
+        if let Value::Sequence(old) = &mut target
+            && let Some(elements) = Arc::get_mut(old)
+        {
+            for (element, slot) in elements.iter_mut().zip(slots) {
+                overwrite(element, window.get(usize::from(*slot)).unwrap_or(&Value::Unset));
+            }
+        }
+        *window.get_mut(usize::from(to))? = target;
+        return Some(left);
+    }
+    let elements = slots.iter().filter_map(|slot| window.get(usize::from(*slot)).cloned()).collect();
+    *window.get_mut(usize::from(to))? = Value::sequence(elements);
+    Some(left)
+}
+
+/// A function of one number.
+#[inline]
+fn math(functions: &[&'static Function], function: u16, value: f64) -> Option<f64> {
+    match functions.get(usize::from(function))?.way {
+        Way::Math(compute) => compute(value),
+        _ => None,
+    }
+}
+
+/// A function of two numbers.
+#[inline(never)]
+pub(super) fn pair(functions: &[&'static Function], function: u16, a: f64, b: f64) -> Option<f64> {
+    match functions.get(usize::from(function))?.way {
+        Way::Pair(compute, _) => compute(a, b),
+        _ => None,
+    }
+}
