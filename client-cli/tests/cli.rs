@@ -90,7 +90,9 @@ fn parameters_a_console_and_other_line_ends() {
     assert_eq!(read("console.txt"), console);
     let listing = read("part.lce");
     assert!(
-        listing.contains("Database:     told/machine.toml\r\n\r\nUPARAM:       -SHIFT=2 a\r\n\r\nWarning: "),
+        listing.contains(
+            "Database:     told/machine.toml\r\n\r\nUPARAM:       -SHIFT=2 a\r\n\r\ngot -SHIFT=2 a\r\nWarning: "
+        ),
         "{listing}"
     );
     assert_eq!(listing.matches('\n').count(), listing.matches("\r\n").count());

@@ -27,19 +27,25 @@ impl Kernel<'_> {
         self.check_stop()?;
         self.left_name();
         let name = self.block.name().filter(|_| self.calls_by_name());
-        let spans = self.block.unknown.iter().copied().filter(|span| Some(*span) != name);
-        // A macro behind the block may take text, but no word.
+        // A macro after the block may take text, but no word.
         let later = self.hook(Hook::BlockShutdown).is_some();
-        let texts = spans.map(|span| self.span_text(span));
-        let wanted: Vec<String> = texts.filter(|text| !later || self.is_code_word(text)).collect();
-        let Some(first) = wanted.first() else { return Ok(()) };
+        let (first, code) = {
+            let line = self.text_bytes();
+            let spans = self.block.unknown.iter().copied().filter(|span| Some(*span) != name);
+            let text = |span: (u32, u32)| {
+                let bytes = line.get(span.0 as usize..span.1 as usize).unwrap_or_default();
+                String::from_utf8_lossy(bytes).trim().to_owned()
+            };
+            let first = spans.clone().next().map(text).filter(|_| !later);
+            (first, spans.map(text).find(|text| self.is_code_word(text)))
+        };
         if self.machine.habits.unknown_alarms {
-            let code = wanted.iter().find(|text| self.is_code_word(text)).unwrap_or(first).clone();
-            let (facts, why) = self.not_known(&code);
+            let Some(what) = code.or(first) else { return Ok(()) };
+            let (facts, why) = self.not_known(&what);
             let text = format!("{why} in '{}'; nothing of the block is done", self.block_text());
             return Err(self.alarm(facts, text));
         }
-        if let Some(code) = wanted.iter().find(|text| self.is_code_word(text)).cloned() {
+        if let Some(code) = code {
             self.moves_all_the_same(&code);
         }
         Ok(())
