@@ -56,7 +56,7 @@ impl Kernel<'_> {
             return Err(self.too_long(text.len()));
         }
         let held;
-        let text = if self.plan.reshapes {
+        let text = if self.plan.reshapes && self.is_reshaped(source) {
             held = self.reshape(text, line)?;
             let text = held.text();
             if text.trim_ascii().is_empty() {

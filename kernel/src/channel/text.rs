@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::{Halt, Kernel};
 use crate::diag;
+use crate::mcd::source::Source;
 use crate::trace::Stage;
 
 /// The text of a block.
@@ -65,6 +66,19 @@ impl Kernel<'_> {
             Some(text) => Reshaped::Own(text),
             None => Reshaped::Line(block),
         })
+    }
+
+    /// Blocks of a file may be other than its lines: the tape editor changes them, or a character that ends blocks is
+    /// somewhere in the file.
+    #[inline(always)]
+    pub(super) fn is_reshaped(&mut self, source: &Source) -> bool {
+        if self.plan.tape.is_some() || self.plan.scanner.eob().is_some_and(|eob| source.has(eob)) {
+            return true;
+        }
+        if self.edited.is_some() {
+            self.edited = None;
+        }
+        false
     }
 
     /// The part of a line that is the next block, and whether it is the only one of the line.

@@ -21,6 +21,8 @@ pub struct Source {
     shape: Arc<Shape>,
     programs: OnceLock<Vec<Range>>,
     sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
+    /// Whether a byte comes up in the text: the one that was asked for first.
+    has: OnceLock<(u8, bool)>,
 }
 
 /// A text without its byte order mark, in UTF-8 if it is UTF-16. UTF-16 without a mark is told by zeros in every second
@@ -67,12 +69,23 @@ impl Source {
             starts.push(limit as u32);
         }
         starts.shrink_to_fit();
-        Self { name: name.into(), bytes, starts, shape, programs: OnceLock::new(), sequences: OnceLock::new() }
+        let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { name: name.into(), bytes, starts, shape, programs, sequences, has }
     }
 
     /// The whole text.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
+    #[inline]
+    pub(crate) fn has(&self, byte: u8) -> bool {
+        let find = || memchr::memchr(byte, &self.bytes).is_some();
+        match *self.has.get_or_init(|| (byte, find())) {
+            (known, has) if known == byte => has,
+            _ => find(),
+        }
     }
 
     /// Number of lines.

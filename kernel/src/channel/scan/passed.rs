@@ -85,6 +85,11 @@ impl Scanner {
         line.len()
     }
 
+    /// The character that ends blocks.
+    pub(in crate::channel) fn eob(&self) -> Option<u8> {
+        self.eob
+    }
+
     /// Place of the first character that ends a block, outside comments and messages.
     pub(in crate::channel) fn block_end(&self, line: &[u8]) -> Option<usize> {
         // Most lines have none.
