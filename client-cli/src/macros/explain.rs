@@ -49,13 +49,33 @@ fn alarm(what: &str) -> Option<String> {
     if pages.is_empty() { None } else { Some(pages.join("\n")) }
 }
 
-/// What to do about a diagnostic, in one sentence: the first of that part of its page.
-pub(crate) fn remedy(number: u32) -> Option<&'static str> {
+/// What to do about a diagnostic, in one sentence: the first of that part of its page, links as their text.
+pub(crate) fn remedy(number: u32) -> Option<String> {
     let page = PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()?;
     let (_, text) = page.split_once("**What to do.** ")?;
     let line = text.lines().next()?;
     let first = line.split_once(". ").map_or(line, |(first, _)| first).trim_end_matches('.');
-    (!first.starts_with("Nothing")).then_some(first)
+    (!first.starts_with("Nothing")).then(|| without_links(first))
+}
+
+/// Text of a page with `[text](address)` as `text`.
+fn without_links(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, link)) = rest.split_once('[') {
+        out.push_str(before);
+        match link.split_once("](").and_then(|(name, after)| Some((name, after.split_once(')')?.1))) {
+            Some((name, after)) if !name.contains(['[', '`']) => {
+                out.push_str(name);
+                rest = after;
+            }
+            _ => {
+                out.push('[');
+                rest = link;
+            }
+        }
+    }
+    out + rest
 }
 
 /// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
@@ -182,7 +202,9 @@ mod tests {
         for facts in counterpoint_kernel::diag::ALL {
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
             let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**What to do.** Nothing"));
-            assert!(remedy(facts.number).map_or(nothing, |text| text.len() > 5), "{}", facts.number);
+            let advice = remedy(facts.number);
+            assert!(advice.as_ref().map_or(nothing, |text| text.len() > 5), "{}", facts.number);
+            assert!(!advice.is_some_and(|text| text.contains("](")), "{}: a link in plain text", facts.number);
         }
         let functions = func::TABLE.iter().map(|function| function.name);
         let statements = counterpoint_lang::parse::COMMANDS.iter().copied();

@@ -42,8 +42,9 @@ impl Kernel<'_> {
         if self.machine.habits.unknown_alarms {
             let Some(what) = code.or(first) else { return Ok(()) };
             let (facts, why) = self.not_known(&what);
-            let text = format!("{why} in '{}'; nothing of the block is done", self.block_text());
-            return Err(self.alarm(facts, text));
+            let block = self.block_text();
+            let hint = letter_for_zero(&what, &block);
+            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; nothing of the block is done")));
         }
         if let Some(code) = code {
             self.moves_all_the_same(&code);
