@@ -187,12 +187,11 @@ fn a_family_stops_and_a_control_that_goes_on_comes_to_its_end() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_and_a_cancelled_job_do_not_succeed() {
+fn a_job_without_its_program_does_not_start() {
     let end = &ENDS[3];
     for soft in SOFTENED {
         let mut work = Work::texts(machine(end, soft, true), &["G0 X1.\nM30\n"], Options::default());
         work.programs = vec![Program { file: "p2.nc".to_owned(), number: None, channel: None }];
-        // A job without its program does not start at all.
         assert!(work.run(None).is_err(), "{soft}");
     }
 }

@@ -183,15 +183,7 @@ impl Merger {
             while let Ok(message) = self.messages.try_recv() {
                 self.take(message);
             }
-            if self.end == End::Complete {
-                self.end = self.emit(sink);
-                if self.end != End::Complete {
-                    on_stop();
-                }
-            }
-            if self.end != End::Complete {
-                self.discard();
-            }
+            self.hand_on(sink, &mut on_stop);
             if self.streams.iter().all(|s| matches!(s.state, State::Done) && s.chunks.is_empty()) {
                 break;
             }
@@ -205,9 +197,13 @@ impl Merger {
             self.take(message);
             any = true;
         }
-        if !any {
-            return;
+        if any {
+            self.hand_on(sink, on_stop);
         }
+    }
+
+    /// Hands on what can be ordered; once the sink has refused events, throws it away.
+    fn hand_on(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
         if self.end == End::Complete {
             self.end = self.emit(sink);
             if self.end != End::Complete {

@@ -72,7 +72,7 @@ fn next_turn(coordinator: &Coordinator, turns: &[Turn<'_>]) -> Option<usize> {
         turns.iter().enumerate().filter(|(_, turn)| ready(turn)).min_by_key(|(_, turn)| order(turn)).map(|(at, _)| at)
     };
     next(turns).or_else(|| {
-        // Nobody can be left asleep by everybody: if it happens all the same, the job stops instead of hanging.
+        // All remaining kernels sleep, which must not happen: stop the job instead of hanging.
         (!turns.is_empty()).then(|| coordinator.abort());
         next(turns)
     })
