@@ -138,8 +138,8 @@ impl Kernel<'_> {
         if errors > 0 || softened == 0 && halt != Halt::Alarm {
             return;
         }
-        let what = if halt == Halt::Alarm { "stands on an alarm" } else { "went on after an alarm" };
-        let text = format!("channel {} {what} that the machine tells as less than an error", self.rank);
+        let what = if halt == Halt::Alarm { "is stopped by an alarm" } else { "continued after an alarm" };
+        let text = format!("channel {} {what} that the machine reports as less than an error", self.rank);
         let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
         let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
