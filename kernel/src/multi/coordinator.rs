@@ -182,7 +182,7 @@ impl Coordinator {
             return t <= self.stop_t.load(Relaxed);
         }
         if let Some(slot) = self.slot(rank) {
-            // Whoever asks at this very moment may see the time before this one, and is answered one block later.
+            // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
             slot.bound.store(t, Release);
             if t > slot.need.load(Acquire) {
                 let mut inner = self.lock();
@@ -238,24 +238,14 @@ impl Coordinator {
 
     /// Lets the order take its next steps.
     fn settle(&self, inner: &mut Inner) {
-        loop {
-            inner.order.hear(self.bounds());
-            let waiting = inner.order.settle();
-            self.apply(inner);
-            let Some(tag) = waiting else { return };
-            for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
-                slot.need.fetch_min(tag.t, SeqCst);
-            }
-            // Whoever passed the tag before it could see the need does not report: look once more.
-            inner.order.hear(self.bounds());
-            if !inner.order.is_next(tag) {
-                return;
-            }
+        inner.order.hear(self.slots.iter().map(|slot| slot.bound.load(SeqCst)));
+        let waiting = inner.order.settle();
+        self.apply(inner);
+        let Some(tag) = waiting else { return };
+        // Whoever passes the tag at this very moment sees the need with its next block, or settles when it waits or ends.
+        for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
+            slot.need.fetch_min(tag.t, SeqCst);
         }
-    }
-
-    fn bounds(&self) -> impl Iterator<Item = i64> {
-        self.slots.iter().map(|slot| slot.bound.load(SeqCst))
     }
 
     /// Does what the order has decided.

@@ -209,7 +209,7 @@ impl Order {
     }
 
     /// No other kernel can act before this tag.
-    pub(crate) fn is_next(&self, tag: Tag) -> bool {
+    fn is_next(&self, tag: Tag) -> bool {
         self.seats.iter().zip(self.ranks.numbers()).all(|(seat, rank)| {
             *rank == tag.rank
                 || match seat.status {

@@ -60,7 +60,7 @@ struct Player {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Locked {
     /// Reads the bound of the kernel with this index.
-    Hear(usize, bool),
+    Hear(usize),
     /// Asks the kernel with this index, which acts before the tag.
     Ask(usize, Tag),
 }
@@ -69,9 +69,8 @@ enum Locked {
 struct World {
     order: Order,
     players: Vec<Player>,
-    /// Bounds as they were read so far, and the tag to look at again.
+    /// Bounds as they were read so far.
     heard: Vec<i64>,
-    asked: Option<Tag>,
     locked: Option<Locked>,
     /// Operations as they were carried out.
     log: Vec<(Tag, Op)>,
@@ -93,7 +92,6 @@ impl World {
             order: Order::new(ranks, Shared::default(), waits),
             players: scripts.iter().map(player).collect(),
             heard: vec![0; scripts.len()],
-            asked: None,
             locked: None,
             log: Vec::new(),
         }
@@ -139,23 +137,18 @@ impl World {
 
     fn settle(&mut self) {
         self.apply();
-        self.locked = Some(Locked::Hear(0, true));
+        self.locked = Some(Locked::Hear(0));
     }
 
     fn locked_step(&mut self, locked: Locked) {
         self.locked = None;
         match locked {
-            Locked::Hear(index, settle) if index < self.players.len() => {
+            Locked::Hear(index) if index < self.players.len() => {
                 self.heard[index] = self.players[index].bound;
-                self.locked = Some(Locked::Hear(index + 1, settle));
+                self.locked = Some(Locked::Hear(index + 1));
             }
-            Locked::Hear(_, settle) => {
+            Locked::Hear(_) => {
                 self.order.hear(self.heard.clone().into_iter());
-                if !settle {
-                    let tag = self.asked.take().unwrap();
-                    self.locked = self.order.is_next(tag).then_some(Locked::Hear(0, true));
-                    return;
-                }
                 let waiting = self.order.settle();
                 self.apply();
                 self.locked = waiting.map(|tag| Locked::Ask(0, tag));
@@ -167,10 +160,7 @@ impl World {
                 }
                 self.locked = Some(Locked::Ask(index + 1, tag));
             }
-            Locked::Ask(_, tag) => {
-                self.asked = Some(tag);
-                self.locked = Some(Locked::Hear(0, false));
-            }
+            Locked::Ask(..) => {}
         }
     }
 
