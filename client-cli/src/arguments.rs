@@ -107,7 +107,7 @@ pub(crate) struct Inputs {
     /// Give the macros of the machine these parameters ($UPARAM), one line
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
     pub(crate) param: String,
-    /// Answer the dialogs of the machine from this file, TOML: [[answers]] with dialog, button, values
+    /// Answer the dialogs of the machine from this file, TOML: `[[answers]]` with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
     /// Put dialogs without an answer to the operator: here by `run` (which does so on a terminal anyway), by
