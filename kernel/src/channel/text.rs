@@ -97,6 +97,40 @@ impl Kernel<'_> {
         (rest.get(..end).unwrap_or_default(), from == 0 && last)
     }
 
+    /// The blocks of a line that are not blank, each with the byte behind its end.
+    fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
+        let (mut from, mut found) = (0, Vec::new());
+        while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
+            let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());
+            let block = rest.get(..length).unwrap_or_default();
+            from += length + 1;
+            if !block.trim_ascii().is_empty() {
+                found.push((block, from));
+            }
+        }
+        found
+    }
+
+    /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
+    pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
+        let frame = self.flow.frames.last()?;
+        let source = self.info.source(frame.file)?;
+        let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
+        if behind {
+            let rest =
+                self.blocks_of(source.line(frame.next)).into_iter().find(|(_, end)| *end > frame.offset as usize);
+            let first = |line: u32| self.blocks_of(source.line(line)).first().map(|(block, _)| text(block));
+            return match rest.filter(|_| frame.next <= frame.range.last) {
+                Some((block, _)) => Some(text(block)),
+                None => (frame.next.saturating_add(1)..=frame.range.last).find_map(first),
+            };
+        }
+        let spot = self.spot();
+        let own = self.blocks_of(source.line(spot.line)).into_iter().rfind(|(_, end)| *end <= spot.offset as usize);
+        let last = |line: u32| self.blocks_of(source.line(line)).last().map(|(block, _)| text(block));
+        own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.line).rev().find_map(last))
+    }
+
     /// Where the block being processed begins. Only a block with a text of its own can begin within its line.
     pub(super) fn spot(&self) -> Spot {
         Spot { line: self.line, offset: if self.edited.is_some() { self.flow.offset } else { 0 } }
