@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
+use crate::mcd::spot::Spot;
 use crate::trace::Stage;
 
 /// The text of a block.
@@ -85,6 +86,7 @@ impl Kernel<'_> {
     fn part<'l>(&mut self, line: &'l [u8], number: u32) -> (&'l [u8], bool) {
         let Some(frame) = self.flow.frames.last_mut() else { return (line, true) };
         let from = std::mem::take(&mut frame.offset) as usize;
+        self.flow.offset = from as u32;
         let rest = line.get(from..).unwrap_or_default();
         let Some(end) = self.plan.scanner.block_end(rest) else { return (rest, from == 0) };
         let after = rest.get(end + 1..).unwrap_or_default();
@@ -93,6 +95,19 @@ impl Kernel<'_> {
             (frame.next, frame.offset) = (number, (from + end + 1) as u32);
         }
         (rest.get(..end).unwrap_or_default(), from == 0 && last)
+    }
+
+    /// Where the block being processed begins. Only a block with a text of its own can begin within its line.
+    pub(super) fn spot(&self) -> Spot {
+        Spot { line: self.line, offset: if self.edited.is_some() { self.flow.offset } else { 0 } }
+    }
+
+    /// Where the block after another one of the current program begins.
+    pub(super) fn after(&self, spot: Spot) -> Spot {
+        let file = self.flow.frames.last().map_or(self.file, |frame| frame.file);
+        let line = self.info.source(file).map_or(&[][..], |source| source.line(spot.line));
+        let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
+        next.map_or(Spot::line(spot.line + 1), |start| Spot { line: spot.line, offset: start as u32 })
     }
 
     /// The trace of block delete.

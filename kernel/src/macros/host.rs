@@ -122,9 +122,9 @@ impl Host for Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         if runtime.shared_globals.is_some_and(|first| index >= first) {
             let place = index as usize;
-            let done = self.shared(|inner, _| {
-                inner.shared.global(place, access);
-                growth > 0 && inner.shared.grown(growth, limit)
+            let done = self.shared(|order| {
+                order.shared.global(place, access);
+                growth > 0 && order.shared.grown(growth, limit)
             });
             match done {
                 Ok(false) => {}
