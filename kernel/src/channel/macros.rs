@@ -342,6 +342,13 @@ impl Kernel<'_> {
             };
             let value = match (register, word.written) {
                 (Some((register, _)), Some(number)) => self.read_by_register(register, number),
+                (Some((register, _)), None) => {
+                    let of = self.machine.registers.get(usize::from(register));
+                    let refused = self.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                    let wrong = refused && value < 0.0;
+                    self.block.odd |= u8::from(wrong) * odd::SIGN;
+                    value
+                }
                 _ => value,
             };
             match register {
@@ -378,8 +385,8 @@ impl Kernel<'_> {
     /// A number beside an expression is read as on a line without one.
     pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.secondary);
-        let (value, too_long) = reading.unwrap_or((number.value, false));
-        self.block.odd |= u8::from(too_long) * odd::DIGITS;
+        let (value, odd) = reading.unwrap_or((number.value, 0));
+        self.block.odd |= odd;
         value
     }
 

@@ -31,6 +31,7 @@ mod passes;
 pub(crate) mod plan;
 mod print;
 pub(crate) mod read;
+mod refusals;
 pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
