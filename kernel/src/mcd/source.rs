@@ -80,8 +80,17 @@ impl Source {
     }
 
     /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn has(&self, byte: u8) -> bool {
+        match self.has.get() {
+            Some((known, has)) if *known == byte => *has,
+            _ => self.find(byte),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find(&self, byte: u8) -> bool {
         let find = || memchr::memchr(byte, &self.bytes).is_some();
         match *self.has.get_or_init(|| (byte, find())) {
             (known, has) if known == byte => has,
