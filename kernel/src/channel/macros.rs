@@ -211,11 +211,9 @@ impl Kernel<'_> {
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
-        let control = self.control;
-        let source = info.source(file);
-        let lines = (range.first..=range.last).take_while(|line| !line.is_multiple_of(4096) || !control.cancelled());
-        let statements = lines.filter_map(|line| {
-            let text = source.map_or(&[][..], |source| source.line(line));
+        let Some(source) = info.source(file) else { return Arc::default() };
+        let statements = source.walk(range.first, range.last).filter_map(|line| {
+            let text = source.line(line);
             if !has_bracketing(text) {
                 return None;
             }
