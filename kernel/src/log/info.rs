@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
+use crate::channel::burden::Room;
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
 use crate::trace::Letters;
@@ -32,6 +33,8 @@ pub struct Info {
     pub unit: Unit,
     /// Letters of the trace that the job asks for.
     pub trace: Letters,
+    /// Memory that the results of a channel may take.
+    pub(crate) room: Room,
     /// Channels in ascending number, master not included.
     pub channels: Vec<Channel>,
     /// All files the job may read: programs first, in order, then the others by name.

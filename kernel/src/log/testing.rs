@@ -47,6 +47,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         parameters: String::new(),
         trace: crate::trace::Letters::default(),
         unit: Unit::Mm,
+        room: crate::channel::burden::Shares::of(&crate::options::Limits::default(), 1).room(),
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
         files: texts.iter().enumerate().map(file).collect(),
     })

@@ -12,6 +12,7 @@ use rustc_hash::FxHashSet;
 use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
+use crate::channel::burden::Shares;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
@@ -49,6 +50,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<Info
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
+        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
         channels,
         files: table,
     })

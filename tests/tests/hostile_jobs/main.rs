@@ -197,3 +197,40 @@ fn limits_beyond_the_most_count_as_the_most() {
     assert_eq!((capped.diagnostics, capped.block_length), (10_000, 1 << 20));
     assert_eq!(capped.memory, Limits::MOST.memory);
 }
+
+/// Bytes of memory, a program, and what the verdict names.
+#[test]
+fn results_count_as_memory() {
+    let moves = "F9999.\nN1 G91 G2 X.01 I.005\nG2 X-.01 I-.005\nGOTO1\n";
+    for (memory, named) in
+        [(100 << 10, "the toolpath"), (40 << 10, "the toolpath"), (64 << 20, "more than 20000 blocks")]
+    {
+        let limits = Limits { memory, ..small() };
+        let options = Options { limits, ..Options::default() };
+        let work = counterpoint_tests::Work::texts(counterpoint_tests::machine("fanuc-mill", ""), &[moves], options);
+        for threads in [0, 1] {
+            let mut work = work.clone();
+            work.options.threads = threads;
+            let logged = work.run(None).unwrap().summary;
+            let verdict = logged.verdict.clone().expect("a verdict");
+            assert_eq!(verdict.kind, VerdictKind::Limit);
+            assert!(verdict.text.contains(named), "{memory}: {}", verdict.text);
+            assert_eq!(work.results(None).unwrap().0.summary, logged);
+        }
+    }
+}
+
+/// A path takes no more than its part, however many arcs there are: it becomes coarser.
+#[test]
+fn a_path_has_no_more_than_its_part_of_the_memory() {
+    let arcs = "F9999.\nN1 G91 G2 X.01 I.005\nG1 Y.01\nG2 X-.01 I-.005\nG1 Y.01\nGOTO1\n";
+    let limits = Limits { memory: 4 << 20, ..small() };
+    let work = counterpoint_tests::Work::texts(
+        counterpoint_tests::machine("fanuc-mill", ""),
+        &[arcs],
+        Options { limits, ..Options::default() },
+    );
+    let path = &work.results(None).unwrap().0.toolpath.channels[0].path;
+    let bytes = size_of_val(path.moves.as_slice()) + size_of_val(path.curves.as_slice());
+    assert!(bytes > 100 << 10 && bytes <= 512 << 10, "{bytes}");
+}
