@@ -8,6 +8,7 @@ use counterpoint_lang::vm::Scale;
 
 use super::{Acted, Halt, Kernel};
 use crate::log::event::{Event, VerdictKind};
+use crate::log::info::Room;
 use crate::log::timeline::bars::Bar;
 use crate::log::toolpath::store::{Curve, Move};
 use crate::options::Limits;
@@ -41,17 +42,6 @@ pub(crate) struct Shares {
     pub(crate) macros: u64,
     /// Everything else of one kernel.
     pub(crate) rest: u64,
-}
-
-/// Bytes of the results and the events of one channel, at most.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Room {
-    /// The toolpath.
-    pub(crate) path: u64,
-    /// The bars of the timeline.
-    pub(crate) bars: u64,
-    /// Events that wait for other channels.
-    pub(crate) waiting: u64,
 }
 
 impl Shares {
