@@ -31,6 +31,7 @@ mod passes;
 pub(crate) mod plan;
 mod print;
 pub(crate) mod read;
+mod refusals;
 pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
@@ -168,7 +169,11 @@ impl Kernel<'_> {
     /// Adds an event of this block at the clock.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        let bytes = kind.text_bytes();
         self.emit_as(dur_ns, |slot| *slot = kind);
+        if bytes > 0 && self.emitter.carries(bytes) {
+            self.emitter.flush(self.tag());
+        }
     }
 
     /// Adds an event whose kind is written where it stays.

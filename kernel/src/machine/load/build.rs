@@ -6,7 +6,7 @@ use super::chain::Merged;
 use super::names::Names;
 use super::{
     axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, idle,
-    initial, kinematics, macros, output, overlap, paths, pump, registers,
+    initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -63,6 +63,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let diagnostics = diagnostics::read(&mut top, files);
+    let refusals = refusals::read(&mut top, &names, &codes);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -104,6 +105,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tape_editor,
         dialogs,
         diagnostics,
+        refusals,
         storage,
         tables,
     }

@@ -31,6 +31,7 @@ mod paths;
 mod pump;
 mod questionnaire;
 mod questions;
+mod refusals;
 mod registers;
 mod spindles;
 mod storage;

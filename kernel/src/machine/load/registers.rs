@@ -53,12 +53,14 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     let secondary = secondary_format(&mut row, format);
     let increment = row.above_zero("increment");
     let signed = row.flag("signed").unwrap_or(false);
+    let pointed = row.flag("pointed").unwrap_or(true);
     let names = row.flag("names").unwrap_or(false);
     if names && (after.is_empty() || before.as_deref().is_none_or(str::is_empty)) {
         row.error("names", "a register of names needs `before` and `after`, the texts around the name");
     }
     row.finish();
-    Some(Register { index, name: name?, second, before: before?, after, format, secondary, increment, signed, names })
+    let (name, before) = (name?, before?);
+    Some(Register { index, name, second, before, after, format, secondary, increment, signed, pointed, names })
 }
 
 /// Text around the number of a special register; the empty text is one.
