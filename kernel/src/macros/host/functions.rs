@@ -97,9 +97,9 @@ impl Kernel<'_> {
     /// The answer of a function that has nothing to work on, which is told once for each function.
     fn without(&mut self, state: &mut State, function: &'static Function, why: &str) -> Value {
         if let Some(runtime) = self.macros.as_deref_mut()
-            && !runtime.without.contains(&function.name)
+            && !runtime.asked.without.contains(&function.name)
         {
-            runtime.without.push(function.name);
+            runtime.asked.without.push(function.name);
             state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name)));
         }
         nothing(function)
