@@ -14,12 +14,11 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
-use super::host::operations::Operations;
-use super::host::sums::Sums;
-use super::host::travel::Travel;
 use super::host::variables::{Store, names};
+use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
+use super::without::Asked;
 use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
@@ -148,8 +147,8 @@ pub(crate) struct Runtime {
     pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
-    /// How often each dialog was shown, by name.
-    pub(crate) dialogs: FxHashMap<String, usize>,
+    /// What macros have asked the outside for.
+    pub(crate) asked: Asked,
     /// Operations of the program.
     pub(crate) operations: Operations,
     /// `$TLSUM`
@@ -216,8 +215,6 @@ pub(crate) struct Runtime {
     pub(crate) made: bool,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
-    /// Functions of which it has been told that there is nothing here for them.
-    pub(crate) without: Vec<&'static str>,
 }
 
 fn limits(memory: u64) -> Limits {
@@ -250,7 +247,7 @@ impl Runtime {
             left: None,
             saved: Vec::new(),
             data_codes: Vec::new(),
-            dialogs: FxHashMap::default(),
+            asked: Asked::default(),
             operations: Operations::default(),
             tool_sums: Sums::default(),
             operation_sums: Sums::default(),
@@ -284,7 +281,6 @@ impl Runtime {
             restart: None,
             made: false,
             closing: false,
-            without: Vec::new(),
         };
         runtime.measure();
         runtime
