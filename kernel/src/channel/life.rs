@@ -124,7 +124,21 @@ impl Kernel<'_> {
     }
 
     /// Limits of the job that one channel can reach.
+    #[inline(always)]
     pub(crate) fn check_limits(&mut self) -> Acted {
+        let limits = &self.options.limits;
+        // All at once, as a block is seldom beyond any of them.
+        let within = (self.clock <= limits.simulated_ns)
+            & (self.blocks + self.burden.blocks() <= limits.blocks)
+            & (self.emitter.count() <= limits.events)
+            & (self.idle_blocks <= limits.zero_time_blocks)
+            & (self.burden.steps <= limits.macro_steps);
+        if within && !self.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn check_each_limit(&mut self) -> Acted {
         let limits = &self.options.limits;
         let reason = if self.clock > limits.simulated_ns {
             format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)

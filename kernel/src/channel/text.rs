@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::tape::Within;
 use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
@@ -41,7 +42,10 @@ impl Kernel<'_> {
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
             let limit = self.options.limits.block_length;
-            let edited = tape.edit(block, on, limit, memory);
+            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.control.stop() }, memory);
+            if self.control.cancelled() {
+                return Err(Halt::Stopped);
+            }
             // A step of a search is work on a byte, which is much less than an element.
             self.work(edited.work / 16)?;
             if let Some((rule, length)) = edited.long {
@@ -95,6 +99,40 @@ impl Kernel<'_> {
             (frame.next, frame.offset) = (number, (from + end + 1) as u32);
         }
         (rest.get(..end).unwrap_or_default(), from == 0 && last)
+    }
+
+    /// The blocks of a line that are not blank, each with the byte behind its end.
+    fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
+        let (mut from, mut found) = (0, Vec::new());
+        while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
+            let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());
+            let block = rest.get(..length).unwrap_or_default();
+            from += length + 1;
+            if !block.trim_ascii().is_empty() {
+                found.push((block, from));
+            }
+        }
+        found
+    }
+
+    /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
+    pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
+        let frame = self.flow.frames.last()?;
+        let source = self.info.source(frame.file)?;
+        let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
+        if behind {
+            let rest =
+                self.blocks_of(source.line(frame.next)).into_iter().find(|(_, end)| *end > frame.offset as usize);
+            let first = |line: u32| self.blocks_of(source.line(line)).first().map(|(block, _)| text(block));
+            return match rest.filter(|_| frame.next <= frame.range.last) {
+                Some((block, _)) => Some(text(block)),
+                None => (frame.next.saturating_add(1)..=frame.range.last).find_map(first),
+            };
+        }
+        let spot = self.spot();
+        let own = self.blocks_of(source.line(spot.line)).into_iter().rfind(|(_, end)| *end <= spot.offset as usize);
+        let last = |line: u32| self.blocks_of(source.line(line)).last().map(|(block, _)| text(block));
+        own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.line).rev().find_map(last))
     }
 
     /// Where the block being processed begins. Only a block with a text of its own can begin within its line.

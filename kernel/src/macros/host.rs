@@ -255,6 +255,18 @@ impl Kernel<'_> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }
 
+    /// The innermost running macro is one of those for which no block has been split into codes and data yet.
+    fn before_block(&self) -> bool {
+        let hooks = [
+            Hook::Declaration,
+            Hook::MachineStartup,
+            Hook::ProgramStartup,
+            Hook::PreprocessorStartup,
+            Hook::BlockStartup,
+        ];
+        hooks.into_iter().any(|hook| self.inside(hook))
+    }
+
     /// The innermost running macro is the one of this hook.
     fn inside(&self, hook: Hook) -> bool {
         let code = self.machine.macros.as_deref().and_then(|macros| macros.hook(hook));

@@ -43,6 +43,11 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     }
     let before = special_text(&mut row, "before").or_else(|| name.as_deref().map(characters));
     let after = special_text(&mut row, "after").unwrap_or_default();
+    let same = |other: &&Register| Some(&other.before) == before.as_ref() && other.after == after;
+    if let Some(other) = known.iter().find(same).filter(|other| Some(&other.name) != name.as_ref()) {
+        let around = "the same texts around its number, so that nobody can tell them apart";
+        row.error("before", format!("register {} has {around}", other.name));
+    }
     let second = second.as_deref().map(characters);
     let format = number_format(&mut row);
     let secondary = secondary_format(&mut row, format);
