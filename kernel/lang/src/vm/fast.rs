@@ -11,8 +11,7 @@ use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
 use crate::compile::Program;
 use crate::host::Host;
-use crate::value::Value;
-use std::sync::Arc;
+use crate::value::{Elements, Value};
 
 /// Ticks that are used up at most before a stop of the run is looked at.
 const SLICE: u64 = 20_000;
@@ -426,9 +425,9 @@ fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f6
     }
 }
 
-#[inline(never)]
-fn own_place(elements: &mut Arc<Vec<Value>>, index: f64) -> Option<&mut f64> {
-    match Arc::get_mut(elements)?.get_mut(position(index)) {
+#[inline]
+fn own_place(elements: &mut Elements, index: f64) -> Option<&mut f64> {
+    match Elements::get_mut(elements)?.get_mut(position(index)) {
         Some(Value::Real(number)) => Some(number),
         _ => None,
     }
