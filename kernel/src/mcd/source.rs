@@ -9,6 +9,7 @@ use bytes::Bytes;
 use rustc_hash::FxHashMap;
 
 use super::program::{self, Range, Shape};
+use super::spot::Spot;
 
 /// A file of the job.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub struct Source {
     starts: Vec<u32>,
     shape: Arc<Shape>,
     programs: OnceLock<Vec<Range>>,
-    sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
 }
@@ -155,15 +156,19 @@ impl Source {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
-    /// Lines that begin with sequence number `number`, ascending.
+    /// Blocks that begin with sequence number `number`, ascending.
     #[must_use]
-    pub fn sequence_lines(&self, number: u32) -> &[u32] {
+    pub(crate) fn sequences(&self, number: u32) -> &[Spot] {
         self.sequences
             .get_or_init(|| {
-                let mut index: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+                let mut index: FxHashMap<u32, Vec<Spot>> = FxHashMap::default();
                 for line in 1..=self.lines() {
-                    if let Some(number) = program::leading_number(self.line(line), b'N') {
-                        index.entry(number).or_default().push(line);
+                    let text = self.line(line);
+                    for offset in self.shape.block_starts(text) {
+                        let block = text.get(offset..).unwrap_or_default();
+                        if let Some(number) = program::leading_number(block, b'N') {
+                            index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
+                        }
                     }
                 }
                 index
