@@ -74,9 +74,7 @@ pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outco
 pub(super) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
     match value {
         Value::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),
-        Value::Sequence(elements) if Elements::strong_count(elements) > 1 => {
-            state.grow(memory::sequence(elements.len()))
-        }
+        Value::Sequence(held) if Elements::strong_count(held) > 1 => state.grow(memory::sequence(held.len())),
         _ => return Ok(()),
     }
     pay(state, value)
