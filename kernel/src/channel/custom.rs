@@ -33,7 +33,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        let text = format!("{}{text}", trace::BLOCK).into();
+        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
         self.emit(0, Kind::Trace { letter: trace::LISTING, text });
     }
 

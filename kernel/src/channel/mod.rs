@@ -169,7 +169,11 @@ impl Kernel<'_> {
     /// Adds an event of this block at the clock.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        let bytes = kind.text_bytes();
         self.emit_as(dur_ns, |slot| *slot = kind);
+        if bytes > 0 && self.emitter.carries(bytes) {
+            self.emitter.flush(self.tag());
+        }
     }
 
     /// Adds an event whose kind is written where it stays.

@@ -157,7 +157,7 @@ impl Kernel<'_> {
             self.flow.opened = true;
             return Ok(());
         }
-        let rest = (line + 1..=source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
+        let rest = source.walk(line + 1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
         if rest {
             return self.text_ends();
         }
@@ -189,14 +189,20 @@ impl Kernel<'_> {
     pub(crate) fn load(&mut self, file: FileId) -> Acted {
         let info = self.info;
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
-        let mut failure = None;
-        entry.source.get_or_init(|| match self.files.read(&entry.name) {
-            Ok(bytes) => Some(Arc::new(Source::shaped(entry.name.clone(), bytes, Arc::new(Shape::of(self.machine))))),
-            Err(error) => {
-                failure = Some(error);
-                None
-            }
-        });
+        if entry.source.get().is_some() {
+            return Ok(());
+        }
+        let (name, shape, stop) = (entry.name.clone(), Arc::new(Shape::of(self.machine)), self.control.stop().clone());
+        let (source, failure) = match self.files.read(&name) {
+            Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
+            Err(error) => (None, Some(error)),
+        };
+        if self.control.cancelled() {
+            // The lines of the text may not all be known.
+            return Err(Halt::Stopped);
+        }
+        // Another kernel may have been faster.
+        let _ = entry.source.set(source);
         match failure {
             None => Ok(()),
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),

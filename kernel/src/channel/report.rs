@@ -28,6 +28,10 @@ impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        if facts.alarm && self.control.cancelled() {
+            // What was looked for may not have been looked for everywhere.
+            return;
+        }
         let stops = self.stops_at(facts);
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
@@ -97,13 +101,18 @@ impl Kernel<'_> {
     /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped }
+        self.halted(if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
+    }
+
+    /// What ends a block, unless the job is to end: then nothing is an alarm any more.
+    fn halted(&self, halt: Halt) -> Halt {
+        if self.control.cancelled() { Halt::Stopped } else { halt }
     }
 
     /// Logs an alarm that leaves nothing to go on with.
     pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        Halt::Alarm
+        self.halted(Halt::Alarm)
     }
 
     /// A diagnostic of this block has stopped the channel.

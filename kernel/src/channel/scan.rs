@@ -217,8 +217,9 @@ impl Scanner {
         }
         for (text, row) in &self.texts {
             if special::stands(text, line, at) {
-                block.texts.push(*row);
-                return at + text.len().max(1);
+                let end = at + text.len().max(1);
+                block.push_text(*row, (at as u32, end as u32));
+                return end;
             }
         }
         if byte == b':'
@@ -248,11 +249,7 @@ impl Scanner {
             }
             end += 1;
         }
-        let (start, stop) = (at as u32, end as u32);
-        match block.unknown.last_mut() {
-            Some(last) if last.1 == start => last.1 = stop,
-            _ => block.unknown.push((start, stop)),
-        }
+        block.push_unknown((at as u32, end as u32));
         end
     }
 
@@ -263,8 +260,9 @@ impl Scanner {
         }
         for (text, row) in &early.texts {
             if special::stands(text, line, at) {
-                block.texts.push(*row);
-                return Some(at + text.len());
+                let end = at + text.len();
+                block.push_text(*row, (at as u32, end as u32));
+                return Some(end);
             }
         }
         for special in &early.registers {

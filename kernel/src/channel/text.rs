@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::tape::Within;
 use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
@@ -41,7 +42,10 @@ impl Kernel<'_> {
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
             let limit = self.options.limits.block_length;
-            let edited = tape.edit(block, on, limit, memory);
+            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.control.stop() }, memory);
+            if self.control.cancelled() {
+                return Err(Halt::Stopped);
+            }
             // A step of a search is work on a byte, which is much less than an element.
             self.work(edited.work / 16)?;
             if let Some((rule, length)) = edited.long {

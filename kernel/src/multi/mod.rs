@@ -71,7 +71,8 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
             true
         };
         let starting = shop.begin(&mut now, &mut log);
-        let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
+        let mut feeds: Vec<Feed> =
+            folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane, job.info().room.waiting)).collect();
         let lived = shop.folded(starting, &mut feeds);
         let stop = coordinator.stop_tag();
         let (mut lanes, mut last) = (Vec::new(), now.at);
@@ -120,7 +121,8 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
     let mut written = WrittenFiles::new();
     let mut log = Log { sink, count: 0, refused: false };
     while let Some(mut now) = round.take() {
-        let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
+        let (mut merger, feeders, sender) =
+            Merger::new(machine.channels.iter().map(|c| c.number), job.info().room.waiting);
         let coordinator = now.coordinator(job, Some(sender));
         let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
         let starting = shop.begin(&mut now, &mut |event| log.note(event));

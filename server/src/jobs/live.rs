@@ -7,7 +7,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
@@ -32,6 +32,8 @@ pub(crate) struct Live {
     record: Mutex<Record>,
     state: watch::Sender<State>,
     cancel: AtomicBool,
+    /// The run is to end, for whatever reason.
+    stop: Stop,
     pub(crate) tail: Arc<Tail>,
     run: OnceLock<Run>,
     finished: OnceLock<Arc<Finished>>,
@@ -52,6 +54,7 @@ impl Live {
             id: record.id.clone(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
+            stop: Stop::default(),
             desk: Arc::new(Desk::new(&record.answers)),
             record: Mutex::new(record),
             tail: Arc::new(Tail::new()),
@@ -87,12 +90,15 @@ impl Live {
 
     /// Sets what a run has; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
-        let control = run.control.clone();
         let _ = self.run.set(run);
         if self.cancelled() {
-            control.cancel();
-            self.desk.close();
+            self.interrupt();
         }
+    }
+
+    /// What ends the run, from before it is prepared.
+    pub(crate) fn stop(&self) -> &Stop {
+        &self.stop
     }
 
     pub(crate) fn cancelled(&self) -> bool {
@@ -107,9 +113,7 @@ impl Live {
 
     /// Stops the run without a cancel on the record: the job will be run again.
     pub(crate) fn interrupt(&self) {
-        if let Some(run) = self.run.get() {
-            run.control.cancel();
-        }
+        self.stop.ask();
         self.desk.close();
     }
 

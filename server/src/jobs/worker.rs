@@ -6,10 +6,12 @@
 use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
@@ -26,6 +28,9 @@ use crate::log::writer::Writer;
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
+
+/// Time between two looks at whether a job is to end while its results are stored.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Starts the worker thread of a job.
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
@@ -69,6 +74,14 @@ fn refused(findings: Vec<Finding>) -> Change {
     })
 }
 
+/// The server is going down: the next one runs the job.
+fn again() -> Change {
+    Box::new(|record| {
+        record.state = State::Queued;
+        record.attempt -= 1;
+    })
+}
+
 fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
@@ -92,19 +105,21 @@ fn end(core: &Arc<Core>, live: &Live, change: Change) {
     core.free(live);
 }
 
-fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
+fn run(core: &Arc<Core>, live: &Live) -> Result<Change, Refusal> {
     // Durable, then visible: a run that takes the server down has been counted.
     let begun = core.ledger.begin_blocking(live.id.clone(), now_ms())?;
     let record = live.change(|record| {
         (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
     });
     let files = Sandbox::new(core.blobs.clone(), &record.files);
-    let prepared = match prepare(core, &record, &files)? {
+    let prepared = match prepare(core, &record, &files, live.stop())? {
         Ok(prepared) => prepared,
+        Err(_) if live.cancelled() => return Ok(Box::new(|record| record.state = State::Cancelled)),
+        Err(_) if live.stop().asked() => return Ok(again()),
         Err(findings) => return Ok(refused(findings)),
     };
     let info = prepared.info().clone();
-    let mut control = Control::new(info.channels.len());
+    let mut control = Control::new(info.channels.len()).with_stop(live.stop().clone());
     if record.options.attended {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
@@ -129,10 +144,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
         writer.finish(core.store.durable())?;
     }
     if outcome.cancelled && !live.cancelled() && core.drain.begun() {
-        return Ok(Box::new(|record| {
-            record.state = State::Queued;
-            record.attempt -= 1;
-        }));
+        return Ok(again());
     }
     let finished = Arc::new(Finished { results: folds.finish(&outcome), files });
     keep(core, live, &finished)?;
@@ -156,23 +168,45 @@ pub(crate) fn prepare(
     core: &Core,
     record: &Record,
     files: &Sandbox,
+    stop: &Stop,
 ) -> Result<Result<Box<dyn Prepared>, Vec<Finding>>, Refusal> {
     let checked = core.machines.load(&record.machine)?;
     let Some(machine) = checked.machine else { return Ok(Err(checked.findings)) };
     let task = Task { machine, programs: record.programs.clone(), options: record.options.clone() };
-    Ok(core.runner.prepare(task, files))
+    Ok(core.runner.prepare(task, files, stop))
 }
 
-/// Stores the results, or keeps them in memory when nothing is to survive.
-fn keep(core: &Core, live: &Live, finished: &Arc<Finished>) -> io::Result<()> {
-    if !core.options.ephemeral {
-        let folder = core.store.job(&live.id);
-        for document in Document::ALL {
-            if let Some(text) = finished.document(document) {
-                core.store.write(&folder.join(document.file()), &text)?;
-            }
+/// Keeps the results in memory, and stores them when they are to survive. That may take long: when the run is to end
+/// meanwhile, it goes on by itself behind the end of the job.
+fn keep(core: &Arc<Core>, live: &Live, finished: &Arc<Finished>) -> io::Result<()> {
+    live.keep(finished.clone());
+    if core.options.ephemeral {
+        return Ok(());
+    }
+    let (done, stored) = channel();
+    let (core, finished, folder) = (core.clone(), finished.clone(), core.store.job(&live.id));
+    let work = move || {
+        let stored = store(&core, &folder, &finished);
+        if let Err(Err(error)) = done.send(stored).map_err(|unheard| unheard.0) {
+            tracing::warn!(%error, "results of a job that was asked to end could not be kept");
+        }
+    };
+    std::thread::Builder::new().name("results".to_owned()).spawn(work)?;
+    loop {
+        match stored.recv_timeout(LOOK) {
+            Ok(result) => return result,
+            Err(RecvTimeoutError::Timeout) if live.stop().asked() => return Ok(()),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Err(io::Error::other("the results could not be made")),
         }
     }
-    live.keep(finished.clone());
+}
+
+fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<()> {
+    for document in Document::ALL {
+        if let Some(text) = finished.document(document) {
+            core.store.write(&folder.join(document.file()), &text)?;
+        }
+    }
     Ok(())
 }
