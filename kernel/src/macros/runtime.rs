@@ -10,7 +10,7 @@ use std::sync::Arc;
 use counterpoint_lang::compile::Program;
 use counterpoint_lang::fault::Fault;
 use counterpoint_lang::host::Folder;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
@@ -192,11 +192,11 @@ pub(crate) struct Runtime {
     /// The kernel comes to its end: what it writes is what it had open.
     pub(crate) leaving: bool,
     /// Texts handed to block macros.
-    pub(crate) texts: Reused<String>,
+    pub(crate) texts: Reused<Arc<String>>,
     /// Positions handed to event macros.
-    pub(crate) positions: Reused<Vec<Value>>,
+    pub(crate) positions: Reused<Elements>,
     /// Flags handed to event macros.
-    pub(crate) flags: Reused<Vec<Value>>,
+    pub(crate) flags: Reused<Elements>,
     /// Channel axis of each of the six elements of `$AXES`.
     pub(crate) slots: [Option<usize>; 6],
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
