@@ -52,6 +52,12 @@ pub(crate) mod odd {
     pub(crate) const BYTES: u8 = 4;
     /// A program name in angle brackets, which a call may take.
     pub(crate) const NAME: u8 = 8;
+    /// A negative value in a register that has no sign.
+    pub(crate) const SIGN: u8 = 16;
+    /// A decimal point in a register that takes none.
+    pub(crate) const POINT: u8 = 32;
+    /// What is odd about numbers.
+    pub(crate) const NUMBERS: u8 = DIGITS | SIGN | POINT;
 }
 
 /// The block being processed.

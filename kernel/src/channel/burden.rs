@@ -101,7 +101,7 @@ pub(crate) fn shortened(text: &str) -> &str {
 
 /// Variables that many may write to, with what they take. They are weighed when what was written since could be too
 /// much.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Hoard {
     kept: u64,
     fresh: u64,

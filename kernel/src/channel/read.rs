@@ -16,18 +16,26 @@ impl Kernel<'_> {
     /// Runs blocks until something ends the program.
     pub(crate) fn program(&mut self) -> Halt {
         loop {
-            if let Err(halt) = self.step() {
+            if let Err(halt) = self.next_block() {
                 return self.end_cutter(halt);
             }
         }
     }
 
-    /// One block.
+    /// One block, within another one.
+    #[inline(never)]
     pub(super) fn step(&mut self) -> Acted {
+        self.next_block()
+    }
+
+    /// One block.
+    #[inline(always)]
+    fn next_block(&mut self) -> Acted {
         let done = self.one_block();
         self.went_on(done)
     }
 
+    #[inline(always)]
     fn one_block(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
             self.name_block(&block);
@@ -137,9 +145,10 @@ impl Kernel<'_> {
         self.check_limits()
     }
 
+    #[inline(always)]
     fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let rws = self.machine.format.rws.as_bytes();
-        !rws.is_empty() && text.first() == rws.first() && text.trim_ascii() == rws
+        text.first() == rws.first() && is_alone(text, rws)
     }
 
     /// A rewind-stop: opens the text, closes it, or is passed over with a warning.
@@ -199,4 +208,10 @@ impl Kernel<'_> {
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),
         }
     }
+}
+
+/// The rewind-stop is all that a line has.
+#[inline(never)]
+fn is_alone(text: &[u8], rws: &[u8]) -> bool {
+    !rws.is_empty() && text.trim_ascii() == rws
 }

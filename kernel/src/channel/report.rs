@@ -35,7 +35,7 @@ impl Kernel<'_> {
         let stops = self.stops_at(facts);
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
-        } else if facts.alarm {
+        } else if self.is_alarm(facts) {
             self.alarms.softened = self.alarms.softened.saturating_add(1);
         }
     }
@@ -71,19 +71,23 @@ impl Kernel<'_> {
         }
         self.alarms.stopping |= stops;
         let own = self.machine.diagnostics.stops(facts.number);
-        if facts.alarm && own != Some(false) && self.alarms.errors == errors {
+        if self.is_alarm(facts) && own != Some(false) && self.alarms.errors == errors {
             self.alarms.softened = self.alarms.softened.saturating_add(1);
         }
     }
 
     /// Whether the channel stops at a diagnostic.
     fn stops_at(&self, facts: &Facts) -> bool {
-        let own = self.machine.diagnostics.stops(facts.number);
-        own.unwrap_or(facts.alarm && self.machine.habits.stops)
+        self.machine.stops_at(facts)
+    }
+
+    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
+        self.machine.is_alarm(facts)
     }
 
     /// The machine goes on from this alarm.
-    pub(super) fn goes_on_at(&self, facts: &Facts) -> bool {
+    pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
     }
 
@@ -123,7 +127,7 @@ impl Kernel<'_> {
     }
 
     /// Program Shutdown runs behind an alarm.
-    pub(super) fn clear_stop(&mut self) {
+    pub(crate) fn clear_stop(&mut self) {
         self.alarms.stopping = false;
     }
 

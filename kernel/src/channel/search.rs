@@ -89,13 +89,17 @@ impl Kernel<'_> {
     pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
         let info = self.info;
         let source = info.source(self.file)?;
-        let labels;
+        // A range is called by whole lines.
+        let numbered = |number| {
+            let blocks = source.sequences(number).iter();
+            blocks.filter(|block| block.offset == 0).map(|block| block.line).collect::<Vec<u32>>()
+        };
         let (from, to) = match *what {
             Callee::Program(_) | Callee::Named(_) => return None,
-            Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
+            Callee::Blocks(first, last) => (numbered(first), numbered(last)),
             Callee::Labels(first, last) => {
-                labels = self.labels();
-                let lines = |label| labels.get(&label).map_or(&[][..], Vec::as_slice);
+                let labels = self.labels();
+                let lines = |label| labels.get(&label).cloned().unwrap_or_default();
                 (lines(first), lines(last))
             }
         };

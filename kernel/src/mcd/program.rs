@@ -7,6 +7,7 @@
 use rustc_hash::FxHashSet;
 
 use super::source::Source;
+use super::spot;
 use crate::dialect::okuma;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
@@ -66,6 +67,11 @@ impl Shape {
             rws: format.rws.clone().into(),
             eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
         }
+    }
+
+    /// Where the blocks of a line begin.
+    pub(super) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
+        spot::starts(line, self.eob, self.remarks.iter())
     }
 
     /// A line is a rewind-stop.
@@ -286,6 +292,7 @@ mod tests {
 
     use super::*;
     use crate::control::Stop;
+    use crate::mcd::spot::Spot;
 
     fn callers() -> Callers {
         let ends = vec![(b'M', 2), (b'M', 30)];
@@ -316,7 +323,7 @@ mod tests {
         let mut called = Called::default();
         callers.called(&source, found[1], &mut called);
         assert_eq!(called.numbers, FxHashSet::from_iter([31000, 1000]));
-        assert_eq!(source.sequence_lines(10), [0_u32; 0]);
+        assert!(source.sequences(10).is_empty());
     }
 
     #[test]
@@ -338,6 +345,6 @@ mod tests {
     fn a_file_without_definition_is_one_program() {
         let source = Source::new("t", b"N10 G1\nN20 M30\n".as_slice().into());
         assert_eq!(source.programs(), [Range { number: None, first: 1, last: 2 }]);
-        assert_eq!(source.sequence_lines(20), [2]);
+        assert_eq!(source.sequences(20), [Spot::line(2)]);
     }
 }

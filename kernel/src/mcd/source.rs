@@ -10,6 +10,7 @@ use bytes::Bytes;
 use rustc_hash::FxHashMap;
 
 use super::program::{self, Range, Shape};
+use super::spot::Spot;
 use crate::control::Stop;
 
 /// A file of the job.
@@ -23,7 +24,7 @@ pub struct Source {
     shape: Arc<Shape>,
     stop: Stop,
     programs: OnceLock<Vec<Range>>,
-    sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
 }
@@ -87,8 +88,17 @@ impl Source {
     }
 
     /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn has(&self, byte: u8) -> bool {
+        match self.has.get() {
+            Some((known, has)) if *known == byte => *has,
+            _ => self.find(byte),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find(&self, byte: u8) -> bool {
         let find = || memchr::memchr(byte, &self.bytes).is_some();
         match *self.has.get_or_init(|| (byte, find())) {
             (known, has) if known == byte => has,
@@ -159,15 +169,19 @@ impl Source {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
-    /// Lines that begin with sequence number `number`, ascending.
+    /// Blocks that begin with sequence number `number`, ascending.
     #[must_use]
-    pub fn sequence_lines(&self, number: u32) -> &[u32] {
+    pub(crate) fn sequences(&self, number: u32) -> &[Spot] {
         self.sequences
             .get_or_init(|| {
-                let mut index: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+                let mut index: FxHashMap<u32, Vec<Spot>> = FxHashMap::default();
                 for line in self.walk(1, self.lines()) {
-                    if let Some(number) = program::leading_number(self.line(line), b'N') {
-                        index.entry(number).or_default().push(line);
+                    let text = self.line(line);
+                    for offset in self.shape.block_starts(text) {
+                        let block = text.get(offset..).unwrap_or_default();
+                        if let Some(number) = program::leading_number(block, b'N') {
+                            index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
+                        }
                     }
                 }
                 index
@@ -252,7 +266,7 @@ mod tests {
         stop.ask();
         assert_eq!(source.walk(1, 4).count(), 0);
         assert!(source.programs().iter().all(|range| range.number.is_none()));
-        assert!(source.sequence_lines(2).is_empty());
+        assert!(source.sequences(2).is_empty());
     }
 
     #[test]

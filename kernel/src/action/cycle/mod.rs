@@ -167,6 +167,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
         return Ok(());
     }
     let from = kernel.programmed();
+    kernel.check_feed(kernel.cycle.feed.0)?;
     let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {

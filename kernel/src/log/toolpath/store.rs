@@ -139,6 +139,8 @@ pub struct Path {
     tolerance: f64,
     /// Bytes that it may take.
     room: usize,
+    /// Tool and file of the last mark, 0 before the first one.
+    marked: u64,
 }
 
 impl Path {
@@ -170,9 +172,19 @@ impl Path {
     }
 
     /// The moves that follow are those of this tool, their lines of this file.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mark(&mut self, tool: u32, file: FileId) {
-        if self.marks.last().is_none_or(|last| (last.tool, last.file) != (tool, file)) && !self.truncated {
+        let key = 1 << 63 | u64::from(tool) << 16 | u64::from(file);
+        if self.marked != key {
+            self.marked = key;
+            self.mark_here(tool, file);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn mark_here(&mut self, tool: u32, file: FileId) {
+        if !self.truncated {
             let from = self.moves.len() as u32;
             self.marks.pop_if(|last| last.from == from);
             self.marks.push(Mark { from, tool, file });
