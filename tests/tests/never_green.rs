@@ -11,7 +11,7 @@ use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::Work;
+use counterpoint_tests::{Work, processors};
 
 /// A way to come to an end: its name, machine rows, the startup macro's statements, program, numbers it raises.
 struct End {
@@ -212,4 +212,10 @@ fn program_shutdown_runs_after_an_alarm() {
     let messages =
         done.events.iter().filter(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "over"));
     assert_eq!(messages.count(), 1);
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::FEW_SETTINGS[1..2], "everywhere", &[]);
 }
