@@ -219,12 +219,12 @@ impl Kernel<'_> {
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
         let Some(source) = info.source(file) else { return Arc::default() };
-        let text = |line: u32| source.line(line);
-        let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(text(line)));
-        let blocks = bracketing
-            .flat_map(|line| scanner.block_starts(text(line)).map(move |offset| Spot { line, offset: offset as u32 }));
+        let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
+        let blocks = bracketing.flat_map(|line| {
+            scanner.block_starts(source.line(line)).map(move |offset| Spot { line, offset: offset as u32 })
+        });
         let statements = blocks.filter_map(|spot| {
-            let rest = text(spot.line).get(spot.offset as usize..)?;
+            let rest = source.line(spot.line).get(spot.offset as usize..)?;
             let block = rest.get(..scanner.block_end(rest).unwrap_or(rest.len()))?;
             scanner.strip(block, &mut stripped, &mut scratch);
             fanuc::compile(&stripped, scanner.names()).ok().map(|compiled| (spot, compiled.statement))

@@ -137,10 +137,10 @@ pub struct Path {
     /// The end of the path is missing.
     pub truncated: bool,
     tolerance: f64,
-    /// Bytes that it may take.
-    room: usize,
     /// Tool and file of the last mark, 0 before the first one.
     marked: u64,
+    /// Bytes that it may take.
+    room: usize,
 }
 
 impl Path {
