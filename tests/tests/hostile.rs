@@ -3,7 +3,7 @@
 use counterpoint_kernel::job::Program;
 use counterpoint_kernel::log::event::{Kind, VerdictKind};
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Done, Work, machine};
+use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
 fn limited() -> Options {
@@ -175,7 +175,7 @@ fn cycle_piece() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(100), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_cycles_end(pieces in prop::collection::vec(cycle_piece(), 1..120), activator in any::<bool>()) {
@@ -248,7 +248,7 @@ fn path_piece() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(100), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_circles_and_threads_end(pieces in prop::collection::vec(path_piece(), 1..120)) {
@@ -276,7 +276,7 @@ fn a_step_of_almost_nothing_and_many_repeats_end_at_a_limit() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(300), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 1..2000)) {

@@ -14,7 +14,7 @@ use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::Work;
+use counterpoint_tests::{Work, processors};
 
 /// A way to come to an end: its name, machine rows, the startup macro's statements, program, numbers it raises.
 struct End {
@@ -355,4 +355,10 @@ impl Sink for Keeps {
         batch.iter().for_each(|event| self.0.event(event));
         true
     }
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::FEW_SETTINGS[1..2], "everywhere", &[]);
 }
