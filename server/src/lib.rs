@@ -9,6 +9,7 @@ mod blobs;
 mod drain;
 mod jobs;
 mod ledger;
+pub mod local;
 pub mod log;
 mod machines;
 pub mod options;

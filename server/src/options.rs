@@ -36,6 +36,8 @@ pub struct Options {
     pub max_files: usize,
     /// Most programs of one job.
     pub max_programs: usize,
+    /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
+    pub min_free_bytes: u64,
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
@@ -60,6 +62,7 @@ impl Default for Options {
             max_blob_bytes: 256 << 20,
             max_files: 1000,
             max_programs: 64,
+            min_free_bytes: 256 << 20,
             ephemeral: false,
             log: true,
         }
@@ -162,6 +165,9 @@ pub struct Flags {
     /// Most programs of one job
     #[arg(long, env = "COUNTERPOINT_MAX_PROGRAMS", value_name = "N")]
     pub max_programs: Option<usize>,
+    /// Free disk space below which no run starts and no job or upload is accepted, bytes
+    #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
+    pub min_free_bytes: Option<u64>,
 }
 
 impl Flags {
@@ -185,6 +191,7 @@ impl Flags {
         set(&mut options.max_blob_bytes, self.max_blob_bytes);
         set(&mut options.max_files, self.max_files);
         set(&mut options.max_programs, self.max_programs);
+        set(&mut options.min_free_bytes, self.min_free_bytes);
         options
     }
 }

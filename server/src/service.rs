@@ -20,6 +20,7 @@ use tonic::transport::server::TcpIncoming;
 use tonic_health::server::HealthReporter;
 
 use crate::jobs::Core;
+use crate::local::disk::Disk;
 use crate::options::Options;
 use crate::reason::Refusal;
 use crate::rpc;
@@ -109,6 +110,14 @@ pub async fn build(options: Options) -> Result<Service, Error> {
 /// # Errors
 /// When the address or the data folder cannot be used.
 pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service, Error> {
+    build_on(options, runner, Disk::default()).await
+}
+
+/// Builds a server that runs jobs with `runner` and writes through `disk`.
+///
+/// # Errors
+/// When the address or the data folder cannot be used.
+pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
@@ -116,7 +125,7 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
     let folder = options.data.display().to_string();
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
-        let core = Core::open(options, Box::new(runner))?;
+        let core = Core::open(options, Box::new(runner), disk)?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
@@ -139,7 +148,7 @@ impl Service {
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> Result<(), Error> {
         let Self { core, listener, stop, .. } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
-        serving(&health).await;
+        let reporter = tokio::spawn(report(health.clone(), core.clone()));
         let reflection = tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(DESCRIPTORS)
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
@@ -173,6 +182,7 @@ impl Service {
         }
         tracing::info!("draining");
         let drained = async {
+            reporter.abort();
             not_serving(&health).await;
             drain(&core, &stop).await;
             drop(close);
@@ -188,7 +198,11 @@ impl Service {
             () = async { reaches(&stop, Stop::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
         }
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
-        let _ = tokio::task::spawn_blocking(move || core.ledger.close()).await;
+        let _ = tokio::task::spawn_blocking(move || {
+            core.ledger.close();
+            core.store.release();
+        })
+        .await;
         tracing::info!("stopped");
         Ok(())
     }
@@ -212,7 +226,23 @@ async fn drain(core: &Core, stop: &tokio::sync::watch::Sender<Stop>) {
     let _ = tokio::time::timeout(CLOSING, running.wait_for(|running| *running == 0)).await;
 }
 
+/// Reports the server as serving while its ledger can be written.
+async fn report(health: HealthReporter, core: Arc<Core>) {
+    let mut writable = core.ledger.writable();
+    loop {
+        let now = *writable.borrow_and_update();
+        match now {
+            true => serving(&health).await,
+            false => not_serving(&health).await,
+        }
+        if writable.changed().await.is_err() {
+            return;
+        }
+    }
+}
+
 async fn serving(health: &HealthReporter) {
+    health.set_service_status("", tonic_health::ServingStatus::Serving).await;
     health.set_serving::<JobsServer<rpc::Jobs>>().await;
     health.set_serving::<BlobsServer<rpc::Blobs>>().await;
     health.set_serving::<MachinesServer<rpc::Machines>>().await;

@@ -1,23 +1,31 @@
 //! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
 //! content, never half of it.
 //!
-//! Layout: `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `tmp/`.
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `tmp/`.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::local::disk::{Disk, Temporary};
+use crate::local::folder_lock::FolderLock;
 
 /// The data folder.
 #[derive(Debug, Clone)]
 pub(crate) struct Store {
     root: PathBuf,
     durable: bool,
+    disk: Disk,
+    lock: Arc<FolderLock>,
 }
 
 impl Store {
-    /// Creates what is missing and empties `tmp`.
-    pub(crate) fn open(root: PathBuf, durable: bool) -> io::Result<Self> {
-        let store = Self { root, durable };
+    /// Takes the folder for this server, creates what is missing and empties `tmp`.
+    pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        fs::create_dir_all(&root)?;
+        let lock = Arc::new(FolderLock::take(&root)?);
+        let store = Self { root, durable, disk, lock };
         for folder in ["blobs", "jobs"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
@@ -30,6 +38,30 @@ impl Store {
 
     pub(crate) fn durable(&self) -> bool {
         self.durable
+    }
+
+    pub(crate) fn disk(&self) -> &Disk {
+        &self.disk
+    }
+
+    /// Gives the folder free for another server.
+    pub(crate) fn release(&self) {
+        self.lock.release();
+    }
+
+    /// Free bytes on the disk of the folder; `None` where the system does not say.
+    pub(crate) fn free(&self) -> Option<u64> {
+        self.disk.free(&self.root)
+    }
+
+    /// Whether the folder holds anything that only a ledger explains.
+    pub(crate) fn in_use(&self) -> bool {
+        let filled = |name: &str| fs::read_dir(self.root.join(name)).is_ok_and(|mut entries| entries.next().is_some());
+        filled("jobs") || filled("blobs")
+    }
+
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
     }
 
     pub(crate) fn ledger(&self) -> PathBuf {
@@ -57,29 +89,42 @@ impl Store {
 
     /// Writes a whole file: temporary file, fsync, rename, fsync of the folder.
     pub(crate) fn write(&self, path: &Path, content: &[u8]) -> io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(self.tmp())?;
+        let mut file = self.temporary()?;
         file.write_all(content)?;
         self.keep(file, path)
     }
 
+    /// A temporary file.
+    pub(crate) fn temporary(&self) -> io::Result<Temporary> {
+        self.disk.temporary(&self.tmp())
+    }
+
     /// Moves a finished temporary file to its place.
-    pub(crate) fn keep(&self, file: tempfile::NamedTempFile, path: &Path) -> io::Result<()> {
+    pub(crate) fn keep(&self, file: Temporary, path: &Path) -> io::Result<()> {
         if self.durable {
-            file.as_file().sync_all()?;
+            file.sync()?;
         }
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
+            self.disk.create_folder(folder)?;
         }
-        file.persist(path).map_err(|e| e.error)?;
+        file.place(path)?;
         self.sync_folder_of(path)
     }
 
     /// Makes names in the folder of `path` durable where the system has the notion.
     pub(crate) fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
-        if let (true, true, Some(folder)) = (cfg!(unix), self.durable, path.parent()) {
-            File::open(folder)?.sync_all()?;
+        match path.parent() {
+            Some(folder) if self.durable => self.disk.sync_folder(folder),
+            _ => Ok(()),
         }
-        Ok(())
+    }
+
+    /// Removes the log of a job whose run did not come to its end; not being there is fine.
+    pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
+        match fs::remove_file(self.log(id)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
     }
 
     /// Removes a job's folder; not being there is fine.
@@ -117,7 +162,7 @@ mod tests {
     #[test]
     fn a_written_file_is_whole() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().join("data"), true).unwrap();
+        let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
         let path = store.job("j").join("summary.json");
         store.write(&path, b"one").unwrap();
         store.write(&path, b"two").unwrap();

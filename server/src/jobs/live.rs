@@ -4,7 +4,7 @@
 //! read the results.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use counterpoint_kernel::control::Control;
@@ -33,12 +33,14 @@ pub(crate) struct Live {
     state: watch::Sender<State>,
     cancel: AtomicBool,
     pub(crate) tail: Arc<Tail>,
-    run: OnceLock<Run>,
+    run: Mutex<Option<Arc<Run>>>,
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
     writer: Mutex<Option<Writer>>,
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
+    /// Its place in the queue.
+    pub(super) ordinal: AtomicU64,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -55,9 +57,10 @@ impl Live {
             desk: Arc::new(Desk::new(&record.answers)),
             record: Mutex::new(record),
             tail: Arc::new(Tail::new()),
-            run: OnceLock::new(),
+            run: Mutex::default(),
             finished: OnceLock::new(),
             writer: Mutex::new(None),
+            ordinal: AtomicU64::new(0),
         }
     }
 
@@ -81,14 +84,22 @@ impl Live {
         record.clone()
     }
 
-    pub(crate) fn run(&self) -> Option<&Run> {
-        self.run.get()
+    pub(crate) fn run(&self) -> Option<Arc<Run>> {
+        lock(&self.run).clone()
+    }
+
+    /// Forgets a run that the host failed; the job will be run again, and watchers stay at their cursors.
+    pub(crate) fn forget_run(&self) {
+        drop(self.end_log());
+        self.tail.begin_again();
+        *lock(&self.run) = None;
+        self.desk.begin_again(&self.record().answers);
     }
 
     /// Sets what a run has; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
         let control = run.control.clone();
-        let _ = self.run.set(run);
+        *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() {
             control.cancel();
             self.desk.close();
@@ -107,7 +118,7 @@ impl Live {
 
     /// Stops the run without a cancel on the record: the job will be run again.
     pub(crate) fn interrupt(&self) {
-        if let Some(run) = self.run.get() {
+        if let Some(run) = self.run() {
             run.control.cancel();
         }
         self.desk.close();

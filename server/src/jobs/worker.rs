@@ -1,10 +1,10 @@
 //! One job on its own thread.
 //!
-//! Invariant: whatever happens in a run (refusal, error of storage, panic), the job gets an end state and the place
-//! is given back; the server lives on.
+//! Invariant: whatever happens in a run, the place is given back and the server lives on. The job gets an end state,
+//! unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits for
+//! another.
 
 use std::any::Any;
-use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,15 +34,16 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     let (spare_core, spare_live) = (core.clone(), live.clone());
     let started = std::thread::Builder::new().name(name).spawn(move || work(&core, &live));
     if let Err(error) = started {
-        end(&spare_core, &spare_live, failed(format!("no thread for the job: {error}")));
+        again(&spare_core, spare_live, format!("no thread for the job: {error}"));
     }
 }
 
-fn work(core: &Arc<Core>, live: &Live) {
+fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let span = tracing::info_span!("job", id = live.id);
     let _inside = span.enter();
     let change = match catch_unwind(AssertUnwindSafe(|| run(core, live))) {
         Ok(Ok(change)) => change,
+        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
         Ok(Err(refusal)) => failed(refusal.to_string()),
         Err(panic) => failed(format!("internal error: {}", panic_text(&*panic))),
     };
@@ -74,18 +75,44 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
 }
 
-/// Makes the end durable, then visible.
+/// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: a job
+/// that the ledger holds as running is run again by the next server.
+fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
+    tracing::warn!(trouble, "the host has failed the run; the job waits for another");
+    live.forget_run();
+    if let Err(error) = core.store.remove_log(&live.id) {
+        tracing::warn!(%error, "the unfinished log stays until the next run");
+    }
+    let record = live.change(|record| {
+        if std::mem::replace(&mut record.state, State::Queued) == State::Running {
+            record.attempt = record.attempt.saturating_sub(1);
+        }
+        record.host_failures = record.host_failures.saturating_add(1);
+        record.host_failure = trouble;
+    });
+    let _ = core.ledger.update_blocking(record.clone());
+    core.again(live, record.host_failures);
+}
+
+/// Time between two attempts to make the end of a job durable.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Makes the end durable, then visible. It waits for a ledger that cannot be written, until the server drains: then
+/// the job is run again by the next server.
 fn end(core: &Arc<Core>, live: &Live, change: Change) {
     let mut record = live.record();
     change(&mut record);
+    record.suspect = false;
     if record.state.ended() {
         record.ended_ms = now_ms();
     }
-    if let Err(error) = core.ledger.update_blocking(record.clone()) {
-        // The job stays RUNNING in the ledger and is run again by the next server.
-        tracing::error!(%error, "the end of the job could not be kept");
-        record.error = error.to_string();
-        record.state = State::Failed;
+    while let Err(error) = core.ledger.update_blocking(record.clone()) {
+        if core.drain.begun() {
+            tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
+            record = Record { state: State::Queued, ..live.record() };
+            break;
+        }
+        std::thread::sleep(LOOK);
     }
     tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
     live.change(|now| *now = Record { cancel: now.cancel, ..record });
@@ -99,7 +126,9 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
         (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
     });
     let files = Sandbox::new(core.blobs.clone(), &record.files);
-    let prepared = match prepare(core, &record, &files)? {
+    let prepared = prepare(core, &record, &files)?;
+    files.trouble()?;
+    let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(findings) => return Ok(refused(findings)),
     };
@@ -116,15 +145,16 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.log {
         let head = description(&info).encode_to_vec();
-        live.begin_log(Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?);
+        live.begin_log(Writer::create(core.store.disk(), &core.store.log(&live.id), live.tail.clone(), &info, &head)?);
     }
     let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, files, error, .. } = sink;
+    let JobSink { folds, files: written, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
-        return Ok(failed(format!("the event log cannot be kept: {error}")));
+        return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
     }
+    files.trouble()?;
     if let Some(writer) = writer {
         writer.finish(core.store.durable())?;
     }
@@ -134,7 +164,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
             record.attempt -= 1;
         }));
     }
-    let finished = Arc::new(Finished { results: folds.finish(&outcome), files });
+    let finished = Arc::new(Finished { results: folds.finish(&outcome), files: written });
     keep(core, live, &finished)?;
     Ok(Box::new(move |record| {
         let summary = &finished.results.summary;
@@ -164,7 +194,7 @@ pub(crate) fn prepare(
 }
 
 /// Stores the results, or keeps them in memory when nothing is to survive.
-fn keep(core: &Core, live: &Live, finished: &Arc<Finished>) -> io::Result<()> {
+fn keep(core: &Core, live: &Live, finished: &Arc<Finished>) -> Result<(), Refusal> {
     if !core.options.ephemeral {
         let folder = core.store.job(&live.id);
         for document in Document::ALL {

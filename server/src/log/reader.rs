@@ -37,8 +37,15 @@ pub(crate) struct Reader {
     after: u64,
 }
 
-fn damage(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, format!("the event log is damaged: {what}"))
+/// An error with the way out.
+pub(crate) fn damage(what: &str) -> io::Error {
+    let text = format!("the event log is damaged: {what}; submit the job again, the same job gives the same log");
+    io::Error::new(io::ErrorKind::InvalidData, text)
+}
+
+/// The log ends before its last event.
+pub(crate) fn cut_short(last: u64, expected: u64) -> io::Error {
+    damage(&format!("it ends at event {last} of {expected}"))
 }
 
 impl Reader {
@@ -46,11 +53,16 @@ impl Reader {
     pub(crate) fn open(path: &Path, after: u64) -> io::Result<Self> {
         let mut file = File::open(path)?;
         let mut head = [0; MAGIC.len() + FRAME];
-        file.read_exact(&mut head)?;
-        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("head"))?;
+        let cut = |error: io::Error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => damage("its head is cut short"),
+            _ => error,
+        };
+        file.read_exact(&mut head).map_err(cut)?;
+        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("its head is not one"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
-        file.read_exact(&mut description)?;
-        let description = JobDescription::decode(description.as_slice()).map_err(|_| damage("description"))?;
+        file.read_exact(&mut description).map_err(cut)?;
+        let description =
+            JobDescription::decode(description.as_slice()).map_err(|_| damage("its description cannot be read"))?;
         let read = (head.len() + frame.length as usize) as u64;
         Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
     }
@@ -77,10 +89,10 @@ impl Reader {
             if !self.fill(FRAME)? {
                 return Ok(None);
             }
-            let frame = Frame::read(&self.piece).ok_or_else(|| damage("frame"))?;
+            let frame = Frame::read(&self.piece).ok_or_else(|| damage("a frame cannot be read"))?;
             let length = frame.length as usize;
             if length > RECORD_MAX {
-                return Err(damage("record length"));
+                return Err(damage("a record is too long"));
             }
             if frame.last <= self.after {
                 self.skip(FRAME + length)?;
@@ -92,7 +104,7 @@ impl Reader {
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
             if crc32fast::hash(&body) != frame.crc {
-                return Err(damage("checksum"));
+                return Err(damage("a checksum is wrong"));
             }
             let after = std::mem::replace(&mut self.after, frame.last);
             let batch = Batch { first: frame.first, last: frame.last, body };
@@ -145,12 +157,15 @@ fn behind(batch: Batch, after: u64) -> Batch {
 pub(crate) struct Events {
     reader: Reader,
     batch: std::vec::IntoIter<(u64, Event)>,
+    last: u64,
+    expected: u64,
     error: Option<io::Error>,
 }
 
 impl Events {
-    pub(crate) fn new(reader: Reader) -> Self {
-        Self { reader, batch: Vec::new().into_iter(), error: None }
+    /// Of a log whose last event has the number `expected`.
+    pub(crate) fn new(reader: Reader, expected: u64) -> Self {
+        Self { reader, batch: Vec::new().into_iter(), last: 0, expected, error: None }
     }
 
     /// What ended the iteration before the end of the log.
@@ -159,9 +174,12 @@ impl Events {
     }
 
     fn load(&mut self) -> io::Result<bool> {
-        let Some(batch) = self.reader.next_batch()? else { return Ok(false) };
+        let Some(batch) = self.reader.next_batch()? else {
+            return if self.last < self.expected { Err(cut_short(self.last, self.expected)) } else { Ok(false) };
+        };
+        self.last = batch.last;
         let events: Option<Vec<_>> = decode::events(&batch.body).map(decode::event).collect();
-        self.batch = events.ok_or_else(|| damage("event"))?.into_iter();
+        self.batch = events.ok_or_else(|| damage("an event cannot be read"))?.into_iter();
         Ok(true)
     }
 }

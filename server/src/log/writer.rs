@@ -4,7 +4,6 @@
 //! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
 //! file.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -13,8 +12,9 @@ use std::time::{Duration, Instant};
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 use counterpoint_kernel::log::info::Info;
 
-use super::tail::{Position, Tail};
+use super::tail::Tail;
 use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
+use crate::local::disk::{Disk, Written};
 
 const WRITE_BYTES: usize = 256 * 1024;
 const WRITE_EVERY: Duration = Duration::from_millis(10);
@@ -22,7 +22,7 @@ const WRITE_EVERY: Duration = Duration::from_millis(10);
 /// The one writer of a log.
 #[derive(Debug)]
 pub(crate) struct Writer {
-    file: File,
+    file: Written,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -30,15 +30,27 @@ pub(crate) struct Writer {
     buffer: Vec<u8>,
     /// Where the open record begins in `buffer`, and its first event.
     open: Option<(usize, u64)>,
-    position: Position,
+    bytes: u64,
+    last_seq: u64,
     written: Instant,
 }
 
 impl Writer {
     /// Begins a log anew, with the encoded description of the job at its head.
-    pub(crate) fn create(path: &Path, tail: Arc<Tail>, info: &Info, description: &[u8]) -> io::Result<Self> {
+    pub(crate) fn create(
+        disk: &Disk,
+        path: &Path,
+        tail: Arc<Tail>,
+        info: &Info,
+        description: &[u8],
+    ) -> io::Result<Self> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+            disk.create_folder(folder)?;
+        }
+        // Readers of the log of a run before this one keep that file.
+        match std::fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
         }
         let mut axes = Vec::new();
         for channel in &info.channels {
@@ -54,9 +66,8 @@ impl Writer {
         buffer.extend_from_slice(MAGIC);
         buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
-        let file = File::create(path)?;
-        let mut writer =
-            Self { file, tail, axes, buffer, open: None, position: Position::default(), written: Instant::now() };
+        let file = disk.create(path)?;
+        let mut writer = Self { file, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() };
         writer.write()?;
         Ok(writer)
     }
@@ -70,7 +81,7 @@ impl Writer {
             };
             let axes = self.axes.get(usize::from(event.channel)).copied().unwrap_or(MAX_AXES);
             encode::event(&mut self.buffer, seq, event, axes);
-            self.position.last_seq = seq;
+            self.last_seq = seq;
             if seq - first + 1 >= BATCH_EVENTS || self.buffer.len() - start >= BATCH_BYTES {
                 self.close_record();
                 if self.buffer.len() >= WRITE_BYTES {
@@ -90,7 +101,7 @@ impl Writer {
     pub(crate) fn finish(mut self, durable: bool) -> io::Result<()> {
         self.flush()?;
         if durable {
-            self.file.sync_all()?;
+            self.file.sync()?;
         }
         Ok(())
     }
@@ -110,8 +121,8 @@ impl Writer {
 
     fn close_record(&mut self) {
         let Some((start, first)) = self.open.take() else { return };
-        encode::varint_field(&mut self.buffer, 2, self.position.last_seq);
-        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.position.last_seq);
+        encode::varint_field(&mut self.buffer, 2, self.last_seq);
+        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
         if let Some(slot) = self.buffer.get_mut(start..start + FRAME) {
             slot.copy_from_slice(&frame.to_bytes());
         }
@@ -119,9 +130,9 @@ impl Writer {
 
     fn write(&mut self) -> io::Result<()> {
         self.file.write_all(&self.buffer)?;
-        self.position.bytes += self.buffer.len() as u64;
+        self.bytes += self.buffer.len() as u64;
         self.buffer.clear();
-        self.tail.set(self.position);
+        self.tail.set(self.bytes, self.last_seq);
         self.written = Instant::now();
         Ok(())
     }

@@ -104,7 +104,7 @@ pub(crate) struct Source<'a> {
 
 impl Source<'_> {
     fn events(&self) -> io::Result<Events> {
-        Ok(Events::new(Reader::open_ended(self.log, 0)?))
+        Ok(Events::new(Reader::open_ended(self.log, 0)?, self.outcome.events))
     }
 
     /// Makes results from the log.

@@ -42,7 +42,9 @@ impl Service for Blobs {
         let mut chunks = request.into_inner();
         let first = chunks.next().await.transpose()?.unwrap_or_default();
         let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());
+        let core = self.0.clone();
         let mut receiver = blocking(move || {
+            core.room()?;
             let mut receiver = blobs.receive(&first.digest, first.size)?;
             receiver.chunk(&first.data)?;
             Ok(receiver)

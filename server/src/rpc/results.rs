@@ -18,6 +18,7 @@ use super::{Chunk, Results, blocking, stream};
 use crate::Record;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
+use crate::log::reader::damage;
 use crate::reason::Refusal;
 use crate::results::{Document, Form, Source};
 
@@ -178,7 +179,8 @@ impl Ended {
             let record = ended(&core, &id)?;
             let log = core.store.log(&id);
             if !log.is_file() {
-                return Err(Refusal::NoResults(id));
+                let lost = record.events > 0 && core.options.log;
+                return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
             }
             let sandbox = Sandbox::new(core.blobs.clone(), &record.files);
             let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {

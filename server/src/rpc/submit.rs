@@ -30,7 +30,8 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     }
     let files: Vec<_> = files.into_iter().collect();
     Ok(Record {
-        id: uuid::Uuid::now_v7().to_string(),
+        // The ledger gives it when it accepts the job.
+        id: String::new(),
         content: content(&request.machine, &programs, &files, &options),
         request_id: request.request_id,
         machine_name: request.machine,
@@ -41,6 +42,10 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
         answers: Vec::new(),
         state: State::Queued,
         attempt: 0,
+        crashes: 0,
+        suspect: false,
+        host_failures: 0,
+        host_failure: String::new(),
         cancel: false,
         submitted_ms: now_ms(),
         started_ms: 0,
@@ -173,6 +178,10 @@ fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
 
 /// The machine a name means, pinned to its revision.
 pub(super) fn machine(core: &Core, name: &str) -> Result<Definition, Refusal> {
+    // A ledger written by an older server may hold a machine under the name of a shipped one.
+    if core.reserved(name) {
+        return Ok(Definition::shipped(name));
+    }
     if let Some(definition) = core.ledger.machine(name)? {
         return Ok(definition);
     }

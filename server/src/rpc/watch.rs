@@ -23,7 +23,7 @@ use crate::jobs::live::Live;
 use crate::jobs::progress;
 use crate::ledger::record::State;
 use crate::log::filter::Filter;
-use crate::log::reader::{Batch, Reader};
+use crate::log::reader::{Batch, Reader, cut_short};
 use crate::log::tail::Position;
 use crate::reason::Refusal;
 
@@ -46,6 +46,9 @@ pub(super) struct Watch {
     cursor: u64,
     log: PathBuf,
     reader: Option<Reader>,
+    described: bool,
+    /// Logs that the job has dropped, as far as known.
+    dropped: u32,
     filter: Filter,
     last_progress: v1::Progress,
     /// When progress was last looked at, and when it was last sent.
@@ -81,6 +84,8 @@ impl Watch {
             level,
             cursor: request.after_seq,
             reader: None,
+            described: false,
+            dropped: 0,
             filter: Filter::new(level),
             last_progress: v1::Progress::default(),
             looked_at: Instant::now(),
@@ -133,11 +138,14 @@ impl Watch {
 
     /// Sends what the log has behind the cursor.
     async fn batches(&mut self, out: &Out, position: Position) -> Result<(), Over> {
+        if position.dropped != self.dropped {
+            (self.dropped, self.reader) = (position.dropped, None);
+        }
         if position.bytes == 0 {
             return Ok(());
         }
-        if self.reader.is_none() {
-            self.open(out).await?;
+        if self.reader.is_none() && !self.open(out).await? {
+            return Ok(());
         }
         if self.level <= v1::WatchLevel::Progress {
             self.cursor = self.cursor.max(position.last_seq);
@@ -160,12 +168,19 @@ impl Watch {
         }
     }
 
-    async fn open(&mut self, out: &Out) -> Result<(), Over> {
+    /// Opens the log; `false` if it has just been dropped.
+    async fn open(&mut self, out: &Out) -> Result<bool, Over> {
         let (path, after) = (self.log.clone(), self.cursor);
-        let reader = blocking(move || Ok(Reader::open(&path, after)?)).await?;
-        send(out, Content::Description(reader.description().clone())).await?;
+        let opened = blocking(move || match Reader::open(&path, after) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            other => Ok(Some(other?)),
+        });
+        let Some(reader) = opened.await? else { return Ok(false) };
+        if !std::mem::replace(&mut self.described, true) {
+            send(out, Content::Description(reader.description().clone())).await?;
+        }
         self.reader = Some(reader);
-        Ok(())
+        Ok(true)
     }
 
     async fn batch(&mut self, out: &Out, batch: Batch) -> Result<(), Over> {
@@ -192,8 +207,8 @@ impl Watch {
         let progress = v1::Progress {
             state: state(self.live.state()).into(),
             position: self.cursor,
-            channels: self.live.run().map(progress::channels).unwrap_or_default(),
-            queued_before: self.core.queued_before(&self.live.id) as u32,
+            channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
+            queued_before: self.core.queued_before(&self.live) as u32,
         };
         if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
             self.last_progress = progress.clone();
@@ -207,6 +222,9 @@ impl Watch {
         if self.cursor > position.last_seq {
             return Err(Refusal::CursorBeyondLog { after: self.cursor, last: position.last_seq }.into());
         }
+        if self.cursor < position.last_seq && self.level > v1::WatchLevel::Progress {
+            return Err(Refusal::from(cut_short(self.cursor, position.last_seq)).into());
+        }
         self.progress(out, true).await?;
         send(out, Content::Ended(status(self.live.record()))).await
     }
@@ -216,9 +234,9 @@ impl Watch {
 fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let record = core.job(id)?;
     let bytes = std::fs::metadata(core.store.log(id)).map_or(0, |meta| meta.len());
-    let position = Position { bytes, last_seq: record.events };
+    let events = record.events;
     let live = Live::new(record);
-    live.tail.set(position);
+    live.tail.set(bytes, events);
     Ok(Arc::new(live))
 }
 

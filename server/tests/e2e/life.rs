@@ -62,7 +62,7 @@ async fn running_and_queued_jobs_can_be_cancelled_and_deleted() {
     server.stop().await;
 }
 
-fn copy(from: &Path, to: &Path) {
+pub fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
         let target = to.join(entry.file_name());

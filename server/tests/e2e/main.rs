@@ -9,8 +9,11 @@
     clippy::indexing_slicing
 )]
 
+mod damage;
+mod folder;
 mod life;
 mod operator;
 mod submit;
 mod support;
+mod trouble;
 mod watch;

@@ -23,6 +23,7 @@ use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
+use counterpoint_server::local::disk::Disk;
 use counterpoint_server::options::Options;
 use counterpoint_server::runner::{Prepared, Runner, Task};
 use counterpoint_server::service::{self, Handle};
@@ -39,6 +40,12 @@ pub struct Script {
     pub asked: Arc<AtomicU64>,
 }
 
+impl Default for Script {
+    fn default() -> Self {
+        Self { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default() }
+    }
+}
+
 struct Ready {
     info: Arc<Info>,
     script: String,
@@ -48,7 +55,9 @@ struct Ready {
 impl Runner for Script {
     fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
         let program = &task.programs[0];
-        let script = String::from_utf8_lossy(&files.read(&program.file).unwrap()).into_owned();
+        let read = files.read(&program.file);
+        let bytes = read.map_err(|error| vec![Finding::error(&program.file, 0, 0, error.to_string())])?;
+        let script = String::from_utf8_lossy(&bytes).into_owned();
         if script.contains("REFUSE") {
             return Err(vec![Finding::error(&program.file, 1, 1, "refused")]);
         }
@@ -201,8 +210,12 @@ pub fn options(data: &Path) -> Options {
 
 impl Server {
     pub async fn start(options: Options) -> Self {
-        let script = Script { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default() };
-        let service = service::build_with(options, script.clone()).await.unwrap();
+        Self::start_on(options, Disk::default()).await
+    }
+
+    pub async fn start_on(options: Options, disk: Disk) -> Self {
+        let script = Script::default();
+        let service = service::build_on(options, script.clone(), disk).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
         let address = format!("http://{}", handle.address());
