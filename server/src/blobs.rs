@@ -78,6 +78,14 @@ impl Blobs {
         }
     }
 
+    /// Bytes of a blob, 0 if there is none.
+    pub(crate) fn size(&self, digest: &str) -> u64 {
+        match &self.place {
+            Place::Files(store) => fs::metadata(store.blob(digest)).map_or(0, |meta| meta.len()),
+            Place::Memory(blobs) => blobs.get(digest).map_or(0, |blob| blob.len() as u64),
+        }
+    }
+
     /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
     fn damaged(&self, digest: &str) -> io::Error {
         if let Place::Files(store) = &self.place {

@@ -6,7 +6,10 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
+use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
+
+const MOST: Limits = Limits::MOST;
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,6 +41,30 @@ pub struct Options {
     pub max_programs: usize,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
+    /// Most time of one run by the clock, ms; also the default of a job.
+    pub max_wall_ms: u64,
+    /// Most bytes of a log, and of the files that macros of a job have written; also the default of a job.
+    pub max_job_bytes: u64,
+    /// Most simulated time of a job, ns.
+    pub max_simulated_ns: i64,
+    /// Most blocks of a channel.
+    pub max_blocks: u64,
+    /// Most consecutive blocks of a channel that take no time.
+    pub max_zero_time_blocks: u64,
+    /// Most events of a channel.
+    pub max_events: u64,
+    /// Longest block, bytes.
+    pub max_block_length: usize,
+    /// Deepest nesting of subprograms.
+    pub max_nesting: u16,
+    /// Most diagnostics kept of a channel.
+    pub max_diagnostics: u32,
+    /// Most memory for variables, texts, files and results of a job, bytes.
+    pub max_memory: u64,
+    /// Most steps of macros of a channel.
+    pub max_macro_steps: u64,
+    /// Most bytes of all files of a machine.
+    pub max_machine_bytes: u64,
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
@@ -63,6 +90,18 @@ impl Default for Options {
             max_files: 1000,
             max_programs: 64,
             min_free_bytes: 256 << 20,
+            max_wall_ms: 3_600_000,
+            max_job_bytes: 4 << 30,
+            max_simulated_ns: MOST.simulated_ns,
+            max_blocks: MOST.blocks,
+            max_zero_time_blocks: MOST.zero_time_blocks,
+            max_events: MOST.events,
+            max_block_length: MOST.block_length,
+            max_nesting: MOST.nesting,
+            max_diagnostics: MOST.diagnostics,
+            max_memory: 1 << 30,
+            max_macro_steps: MOST.macro_steps,
+            max_machine_bytes: 64 << 20,
             ephemeral: false,
             log: true,
         }
@@ -113,7 +152,24 @@ impl Options {
     /// For a server inside one command: loopback, free port, nothing kept.
     #[must_use]
     pub fn ephemeral(data: PathBuf) -> Self {
-        Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, ephemeral: true, grace_s: 0, ..Self::default() }
+        let own = Self { max_wall_ms: u64::MAX, max_job_bytes: u64::MAX, max_memory: MOST.memory, ..Self::default() };
+        Self { listen: SocketAddr::from(([127, 0, 0, 1], 0)), data, ephemeral: true, grace_s: 0, ..own }
+    }
+
+    /// Limits, none beyond the maxima of this server.
+    pub(crate) fn capped(&self, limits: &Limits) -> Limits {
+        Limits {
+            simulated_ns: limits.simulated_ns.min(self.max_simulated_ns),
+            blocks: limits.blocks.min(self.max_blocks),
+            zero_time_blocks: limits.zero_time_blocks.min(self.max_zero_time_blocks),
+            events: limits.events.min(self.max_events),
+            block_length: limits.block_length.min(self.max_block_length),
+            nesting: limits.nesting.min(self.max_nesting),
+            diagnostics: limits.diagnostics.min(self.max_diagnostics),
+            memory: limits.memory.min(self.max_memory),
+            macro_steps: limits.macro_steps.min(self.max_macro_steps),
+        }
+        .capped()
     }
 
     /// Jobs at the same time, resolved.
@@ -168,6 +224,42 @@ pub struct Flags {
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
+    /// Most time of one run by the clock, ms; also the default of a job
+    #[arg(long, env = "COUNTERPOINT_MAX_WALL_MS", value_name = "MS")]
+    pub max_wall_ms: Option<u64>,
+    /// Most bytes of a log, and of the files that macros of a job have written; also the default of a job
+    #[arg(long, env = "COUNTERPOINT_MAX_JOB_BYTES", value_name = "BYTES")]
+    pub max_job_bytes: Option<u64>,
+    /// Most simulated time of a job, ns
+    #[arg(long, env = "COUNTERPOINT_MAX_SIMULATED_NS", value_name = "NS")]
+    pub max_simulated_ns: Option<i64>,
+    /// Most blocks of a channel
+    #[arg(long, env = "COUNTERPOINT_MAX_BLOCKS", value_name = "N")]
+    pub max_blocks: Option<u64>,
+    /// Most consecutive blocks of a channel that take no time
+    #[arg(long, env = "COUNTERPOINT_MAX_ZERO_TIME_BLOCKS", value_name = "N")]
+    pub max_zero_time_blocks: Option<u64>,
+    /// Most events of a channel
+    #[arg(long, env = "COUNTERPOINT_MAX_EVENTS", value_name = "N")]
+    pub max_events: Option<u64>,
+    /// Longest block, bytes
+    #[arg(long, env = "COUNTERPOINT_MAX_BLOCK_LENGTH", value_name = "BYTES")]
+    pub max_block_length: Option<usize>,
+    /// Deepest nesting of subprograms
+    #[arg(long, env = "COUNTERPOINT_MAX_NESTING", value_name = "N")]
+    pub max_nesting: Option<u16>,
+    /// Most diagnostics kept of a channel
+    #[arg(long, env = "COUNTERPOINT_MAX_DIAGNOSTICS", value_name = "N")]
+    pub max_diagnostics: Option<u32>,
+    /// Most memory for variables, texts, files and results of a job, bytes
+    #[arg(long, env = "COUNTERPOINT_MAX_MEMORY", value_name = "BYTES")]
+    pub max_memory: Option<u64>,
+    /// Most steps of macros of a channel
+    #[arg(long, env = "COUNTERPOINT_MAX_MACRO_STEPS", value_name = "N")]
+    pub max_macro_steps: Option<u64>,
+    /// Most bytes of all files of a machine
+    #[arg(long, env = "COUNTERPOINT_MAX_MACHINE_BYTES", value_name = "BYTES")]
+    pub max_machine_bytes: Option<u64>,
 }
 
 impl Flags {
@@ -192,6 +284,18 @@ impl Flags {
         set(&mut options.max_files, self.max_files);
         set(&mut options.max_programs, self.max_programs);
         set(&mut options.min_free_bytes, self.min_free_bytes);
+        set(&mut options.max_wall_ms, self.max_wall_ms);
+        set(&mut options.max_job_bytes, self.max_job_bytes);
+        set(&mut options.max_simulated_ns, self.max_simulated_ns);
+        set(&mut options.max_blocks, self.max_blocks);
+        set(&mut options.max_zero_time_blocks, self.max_zero_time_blocks);
+        set(&mut options.max_events, self.max_events);
+        set(&mut options.max_block_length, self.max_block_length);
+        set(&mut options.max_nesting, self.max_nesting);
+        set(&mut options.max_diagnostics, self.max_diagnostics);
+        set(&mut options.max_memory, self.max_memory);
+        set(&mut options.max_macro_steps, self.max_macro_steps);
+        set(&mut options.max_machine_bytes, self.max_machine_bytes);
         options
     }
 }

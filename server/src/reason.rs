@@ -93,6 +93,9 @@ pub enum Refusal {
     /// Stored content is damaged or gone.
     #[error("{0}")]
     DataLoss(String),
+    /// The files of a machine have too many bytes.
+    #[error("the files of the machine have more than {0} bytes (max_machine_bytes)")]
+    MachineTooLarge(u64),
     /// The name belongs to a machine that is shipped with the server.
     #[error("'{0}' is the name of a machine shipped with the server; choose another name")]
     MachineShipped(String),
@@ -128,6 +131,7 @@ impl Refusal {
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
             Self::DataLoss(_) => ("DATA_LOSS", Code::DataLoss),
+            Self::MachineTooLarge(_) => ("MACHINE_TOO_LARGE", Code::InvalidArgument),
             Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),
         }
     }

@@ -6,6 +6,7 @@
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
+use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::log::event::Event;
@@ -25,6 +26,15 @@ pub(crate) struct Run {
     pub(crate) control: Arc<Control>,
 }
 
+/// What may stop a run besides its program and the client.
+#[derive(Debug, Default)]
+struct RunLimits {
+    until: Option<(Instant, u64)>,
+    bytes: Option<u64>,
+    /// The limit that was reached.
+    reached: Option<String>,
+}
+
 /// A job in memory.
 #[derive(Debug)]
 pub(crate) struct Live {
@@ -39,6 +49,7 @@ pub(crate) struct Live {
     writer: Mutex<Option<Writer>>,
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
+    limits: Mutex<RunLimits>,
     /// Its place in the queue.
     pub(super) ordinal: AtomicU64,
 }
@@ -60,6 +71,7 @@ impl Live {
             run: Mutex::default(),
             finished: OnceLock::new(),
             writer: Mutex::new(None),
+            limits: Mutex::default(),
             ordinal: AtomicU64::new(0),
         }
     }
@@ -100,9 +112,49 @@ impl Live {
     pub(crate) fn prepared(&self, run: Run) {
         let control = run.control.clone();
         *lock(&self.run) = Some(Arc::new(run));
-        if self.cancelled() {
+        if self.cancelled() || self.reached().is_some() {
             control.cancel();
             self.desk.close();
+        }
+    }
+
+    /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files.
+    pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64) {
+        let until = Instant::now().checked_add(Duration::from_millis(wall_ms));
+        *lock(&self.limits) = RunLimits { until: until.map(|at| (at, wall_ms)), bytes: Some(bytes), reached: None };
+    }
+
+    /// The limit that has stopped the run.
+    pub(crate) fn reached(&self) -> Option<String> {
+        lock(&self.limits).reached.clone()
+    }
+
+    /// Stops the run if its time is over.
+    pub(crate) fn check_clock(&self, now: Instant) {
+        let over = lock(&self.limits).until.filter(|(until, _)| *until <= now);
+        if let Some((_, ms)) = over {
+            self.reach(format!("the run was stopped after {ms} ms by the clock, its limit wall_ms"));
+        }
+    }
+
+    /// Stops the run if its log or files have more bytes than allowed; `false` if so.
+    pub(crate) fn check_bytes(&self, bytes: u64) -> bool {
+        let most = lock(&self.limits).bytes.unwrap_or(u64::MAX);
+        if bytes > most {
+            self.reach(format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes"));
+        }
+        bytes <= most
+    }
+
+    fn reach(&self, limit: String) {
+        let first = {
+            let mut limits = lock(&self.limits);
+            let first = limits.reached.is_none();
+            limits.reached.get_or_insert(limit);
+            first
+        };
+        if first {
+            self.interrupt();
         }
     }
 
@@ -136,7 +188,13 @@ impl Live {
 
     /// Appends to the log of the running job.
     pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
-        lock(&self.writer).as_mut().map_or(Ok(()), |writer| writer.append(first_seq, batch))
+        let mut writer = lock(&self.writer);
+        let Some(log) = writer.as_mut() else { return Ok(()) };
+        log.append(first_seq, batch)?;
+        let bytes = log.bytes();
+        drop(writer);
+        self.check_bytes(bytes);
+        Ok(())
     }
 
     /// Makes events readable that the kernel has handed over a while ago. An error shows at the next append.

@@ -10,11 +10,11 @@ pub(crate) mod live;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod queue;
+mod recent;
 mod sink;
 mod system;
 pub(crate) mod worker;
 
-use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -34,9 +34,8 @@ use crate::store::Store;
 pub(crate) use files::Sandbox;
 use live::{Live, lock};
 use queue::Queue;
+use recent::Recent;
 
-/// Ended jobs that stay in memory with their results.
-const RECENT: usize = 8;
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);
 /// First and longest pause before a job is run again after the host has failed its run.
@@ -54,7 +53,7 @@ pub(crate) struct Core {
     pub(crate) drain: Drain,
     live: DashMap<String, Arc<Live>>,
     queue: Mutex<Queue>,
-    recent: Mutex<VecDeque<String>>,
+    recent: Mutex<Recent>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
 }
@@ -74,7 +73,7 @@ impl Core {
         };
         let core = Arc::new(Self {
             ledger: Ledger::open(&store)?,
-            machines: Machines::new(blobs.clone()),
+            machines: Machines::new(blobs.clone(), options.max_machine_bytes),
             store,
             blobs,
             runner,
@@ -107,6 +106,7 @@ impl Core {
         let core = Arc::downgrade(self);
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
+                core.stop_late_runs();
                 core.pump();
                 drop(core);
                 std::thread::sleep(TICK);
@@ -176,7 +176,7 @@ impl Core {
             return Err(Refusal::Draining { cursor: 0 });
         }
         let mut queue = lock(&self.queue);
-        let free = self.options.slots().saturating_sub(queue.running);
+        let free = self.options.slots().saturating_sub(queue.running().len());
         if queue.len() + queue.reserved >= self.options.queue + free {
             return Err(Refusal::QueueFull(self.options.queue));
         }
@@ -209,7 +209,7 @@ impl Core {
             return None;
         }
         let live = queue.next(self.options.slots(), Instant::now())?;
-        self.running.send_replace(queue.running);
+        self.running.send_replace(queue.running().len());
         Some(live)
     }
 
@@ -217,15 +217,12 @@ impl Core {
     fn free(self: &Arc<Self>, live: &Live) {
         {
             let mut queue = lock(&self.queue);
-            queue.free();
-            self.running.send_replace(queue.running);
+            queue.free(live);
+            self.running.send_replace(queue.running().len());
         }
-        let gone = {
-            let mut recent = lock(&self.recent);
-            recent.push_back(live.id.clone());
-            if recent.len() > RECENT { recent.pop_front() } else { None }
-        };
-        if let Some(gone) = gone {
+        let bytes = live.finished().map_or(0, |finished| finished.bytes);
+        let gone = lock(&self.recent).push(live.id.clone(), bytes, self.options.ephemeral);
+        for gone in gone {
             self.live.remove_if(&gone, |_, live| live.state().ended());
         }
         self.pump();
@@ -235,9 +232,15 @@ impl Core {
     fn again(&self, live: Arc<Live>, failures: u32) {
         let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
         let mut queue = lock(&self.queue);
-        queue.free();
+        queue.free(&live);
         queue.push_again(Instant::now() + pause, live);
-        self.running.send_replace(queue.running);
+        self.running.send_replace(queue.running().len());
+    }
+
+    /// Stops runs that have reached their limit by the clock.
+    fn stop_late_runs(&self) {
+        let now = Instant::now();
+        lock(&self.queue).running().iter().for_each(|live| live.check_clock(now));
     }
 
     /// Number of running jobs, to be followed.

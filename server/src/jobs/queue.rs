@@ -23,12 +23,17 @@ pub(super) struct Queue {
     places: Places,
     /// Places given to submits whose ledger entry is under way.
     pub(super) reserved: usize,
-    pub(super) running: usize,
+    /// Jobs on worker threads.
+    running: Vec<Arc<Live>>,
     /// The one running job is to have no company.
     alone: bool,
 }
 
 impl Queue {
+    pub(super) fn running(&self) -> &[Arc<Live>] {
+        &self.running
+    }
+
     pub(super) fn len(&self) -> usize {
         self.suspects.len() + self.again.len() + self.waiting.len()
     }
@@ -56,7 +61,7 @@ impl Queue {
 
     /// Takes the next job if a worker is free for it.
     pub(super) fn next(&mut self, slots: usize, now: Instant) -> Option<Arc<Live>> {
-        if self.alone || self.running >= slots {
+        if self.alone || self.running.len() >= slots {
             return None;
         }
         let live = if self.suspects.is_empty() {
@@ -69,19 +74,19 @@ impl Queue {
                 }
             }
         } else {
-            if self.running > 0 {
+            if !self.running.is_empty() {
                 return None;
             }
             self.alone = true;
             self.suspects.pop_front()?
         };
-        self.running += 1;
+        self.running.push(live.clone());
         Some(live)
     }
 
     /// A worker is free again.
-    pub(super) fn free(&mut self) {
-        self.running -= 1;
+    pub(super) fn free(&mut self, live: &Live) {
+        self.running.retain(|running| running.id != live.id);
         self.alone = false;
     }
 

@@ -57,10 +57,10 @@ fn suspects_run_first_and_without_company() {
     assert_eq!((queue.before(&second), queue.before(&other)), (1, 2));
     assert_eq!(queue.next(4, now).unwrap().id, first.id);
     assert!(queue.next(4, now).is_none(), "nothing runs beside a suspect");
-    queue.free();
+    queue.free(&first);
     assert_eq!(queue.next(4, now).unwrap().id, second.id);
     assert!(queue.next(4, now).is_none());
-    queue.free();
+    queue.free(&second);
     assert_eq!(queue.next(4, now).unwrap().id, other.id);
 }
 

@@ -125,6 +125,11 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     let record = live.change(|record| {
         (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
     });
+    let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
+    live.set_limits(
+        or_most(record.wall_ms, core.options.max_wall_ms),
+        or_most(record.max_job_bytes, core.options.max_job_bytes),
+    );
     let files = Sandbox::new(core.blobs.clone(), &record.files);
     let prepared = prepare(core, &record, &files)?;
     files.trouble()?;
@@ -149,7 +154,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     }
     let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, files: written, error, .. } = sink;
+    let JobSink { folds, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
         return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
@@ -158,14 +163,15 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     if let Some(writer) = writer {
         writer.finish(core.store.durable())?;
     }
-    if outcome.cancelled && !live.cancelled() && core.drain.begun() {
+    let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
+    if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
         return Ok(Box::new(|record| {
             record.state = State::Queued;
             record.attempt -= 1;
         }));
     }
-    let finished = Arc::new(Finished { results: folds.finish(&outcome), files: written });
-    keep(core, live, &finished)?;
+    let limit = limit.unwrap_or_default();
+    let finished = keep(core, live, Finished::new(folds.finish(&outcome), written, &limit))?;
     Ok(Box::new(move |record| {
         let summary = &finished.results.summary;
         record.state = match summary.state {
@@ -174,6 +180,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
             summary::State::Succeeded => State::Succeeded,
         };
         record.events = outcome.events;
+        record.limit = limit;
         record.makespan_ns = summary.makespan_ns;
         record.log_digest.clone_from(&summary.log_digest);
         record.highest_severity = summary.highest_severity;
@@ -194,15 +201,16 @@ pub(crate) fn prepare(
 }
 
 /// Stores the results, or keeps them in memory when nothing is to survive.
-fn keep(core: &Core, live: &Live, finished: &Arc<Finished>) -> Result<(), Refusal> {
-    if !core.options.ephemeral {
-        let folder = core.store.job(&live.id);
-        for document in Document::ALL {
-            if let Some(text) = finished.document(document) {
-                core.store.write(&folder.join(document.file()), &text)?;
-            }
+fn keep(core: &Core, live: &Live, mut finished: Finished) -> Result<Arc<Finished>, Refusal> {
+    let folder = core.store.job(&live.id);
+    for document in Document::ALL {
+        let Some(text) = finished.document(document) else { continue };
+        finished.bytes += text.len() as u64;
+        if !core.options.ephemeral {
+            core.store.write(&folder.join(document.file()), &text)?;
         }
     }
+    let finished = Arc::new(finished);
     live.keep(finished.clone());
-    Ok(())
+    Ok(finished)
 }

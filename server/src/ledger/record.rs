@@ -94,6 +94,15 @@ pub struct Record {
     /// What failed the last of them; empty = none.
     #[serde(default)]
     pub host_failure: String,
+    /// Longest run by the clock that was asked for, ms; 0 = the server's.
+    #[serde(default)]
+    pub wall_ms: u64,
+    /// Most bytes of log and files that were asked for; 0 = the server's.
+    #[serde(default)]
+    pub max_job_bytes: u64,
+    /// Which of the two stopped the job, as a text; empty = neither.
+    #[serde(default)]
+    pub limit: String,
     /// A cancel was accepted.
     pub cancel: bool,
     /// Milliseconds since 1970.
@@ -146,6 +155,9 @@ pub(crate) mod tests {
             suspect: false,
             host_failures: 0,
             host_failure: String::new(),
+            wall_ms: 0,
+            max_job_bytes: 0,
+            limit: String::new(),
             cancel: false,
             submitted_ms: 0,
             started_ms: 0,

@@ -92,6 +92,11 @@ impl Writer {
         self.flush_old()
     }
 
+    /// Bytes of the log, written or not.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes + self.buffer.len() as u64
+    }
+
     /// Writes what has been gathered for long enough.
     pub(crate) fn flush_old(&mut self) -> io::Result<()> {
         if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }

@@ -197,9 +197,10 @@ impl Ended {
     }
 
     fn source(&self) -> Source<'_> {
-        let cancelled = self.record.state == State::Cancelled;
+        let limit = self.record.limit.as_str();
+        let cancelled = self.record.state == State::Cancelled || !limit.is_empty();
         let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
-        Source { info: &self.info, outcome, log: &self.log }
+        Source { info: &self.info, outcome, log: &self.log, limit }
     }
 
     fn channel(&self, number: u32) -> Result<u16, Refusal> {

@@ -12,6 +12,7 @@
 mod damage;
 mod folder;
 mod life;
+mod limits;
 mod operator;
 mod submit;
 mod support;

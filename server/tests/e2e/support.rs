@@ -4,8 +4,8 @@
 //! is pressed becomes a diagnostic), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use counterpoint_kernel::control::Control;
@@ -17,6 +17,7 @@ use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Unit};
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::mcd::source::Source;
+use counterpoint_kernel::options::Limits;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
@@ -38,11 +39,13 @@ pub struct Script {
     pub hang: Arc<AtomicBool>,
     /// Dialogs that are over.
     pub asked: Arc<AtomicU64>,
+    /// Limits of the job prepared last.
+    pub limits: Arc<Mutex<Option<Limits>>>,
 }
 
 impl Default for Script {
     fn default() -> Self {
-        Self { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default() }
+        Self { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default(), limits: Arc::default() }
     }
 }
 
@@ -54,6 +57,7 @@ struct Ready {
 
 impl Runner for Script {
     fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+        *self.limits.lock().unwrap() = Some(task.options.limits.clone());
         let program = &task.programs[0];
         let read = files.read(&program.file);
         let bytes = read.map_err(|error| vec![Finding::error(&program.file, 0, 0, error.to_string())])?;
@@ -148,7 +152,7 @@ impl Prepared for Ready {
             match line.split_once(' ').unwrap_or((line, "")) {
                 ("EVENTS", count) => {
                     let end = seq + count.parse::<u64>().unwrap();
-                    while seq < end {
+                    while seq < end && !control.cancelled() {
                         let batch: Vec<_> = (seq..end.min(seq + 100)).map(event).collect();
                         if !sink.events(seq, &batch) {
                             return Outcome { events: seq - 1, cancelled: false, sink_failed: true };
