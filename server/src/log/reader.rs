@@ -13,7 +13,7 @@ use prost::Message as _;
 
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
-const PIECE: usize = 256 * 1024;
+const PIECE: usize = 64 * 1024;
 
 /// An encoded batch with the numbers it covers.
 #[derive(Debug, Clone)]
@@ -21,6 +21,8 @@ pub(crate) struct Batch {
     pub(crate) first: u64,
     pub(crate) last: u64,
     pub(crate) body: Bytes,
+    /// Where its record lies in the file.
+    pub(crate) at: u64,
 }
 
 /// A place in a log.
@@ -67,6 +69,14 @@ impl Reader {
         Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
     }
 
+    /// Opens a log again at a record; its description is not read.
+    pub(crate) fn resume(path: &Path, at: u64, after: u64) -> io::Result<Self> {
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::Start(at))?;
+        let description = JobDescription::default();
+        Ok(Self { file, description, piece: BytesMut::new(), read: at, limit: at, after })
+    }
+
     /// Opens an ended log, to be read to the end of the file.
     pub(crate) fn open_ended(path: &Path, after: u64) -> io::Result<Self> {
         let mut reader = Self::open(path, after)?;
@@ -101,13 +111,14 @@ impl Reader {
             if !self.fill(FRAME + length)? {
                 return Ok(None);
             }
+            let at = self.read - self.piece.len() as u64;
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
             if crc32fast::hash(&body) != frame.crc {
                 return Err(damage("a checksum is wrong"));
             }
             let after = std::mem::replace(&mut self.after, frame.last);
-            let batch = Batch { first: frame.first, last: frame.last, body };
+            let batch = Batch { first: frame.first, last: frame.last, body, at };
             return Ok(Some(if frame.first <= after { behind(batch, after) } else { batch }));
         }
     }
@@ -118,6 +129,10 @@ impl Reader {
             let left = usize::try_from(self.limit.saturating_sub(self.read)).unwrap_or(usize::MAX);
             let want = left.min(PIECE.max(need - self.piece.len()));
             if want == 0 {
+                if self.piece.is_empty() {
+                    // Nothing is held for a reader that waits.
+                    self.piece = BytesMut::new();
+                }
                 return Ok(false);
             }
             let old = self.piece.len();
@@ -150,7 +165,7 @@ fn behind(batch: Batch, after: u64) -> Batch {
     encode::varint_field(&mut body, 1, after + 1);
     encode::varint_field(&mut body, 2, batch.last);
     decode::events(&batch.body).filter(|event| decode::seq(event) > after).for_each(|e| encode::encoded(&mut body, e));
-    Batch { first: after + 1, last: batch.last, body: Bytes::from(body) }
+    Batch { first: after + 1, last: batch.last, body: Bytes::from(body), at: batch.at }
 }
 
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.

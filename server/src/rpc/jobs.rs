@@ -68,7 +68,7 @@ impl Service for Jobs {
         let request = request.into_inner();
         let span = tracing::info_span!("watch", job = request.job_id);
         let watch = watch::Watch::new(self.0.clone(), request)?;
-        let (send, receive) = mpsc::channel(4);
+        let (send, receive) = mpsc::channel(1);
         // Ends with the job, with the client, or with the drain.
         tokio::spawn(watch.run(send).instrument(span));
         Ok(Response::new(ReceiverStream::new(receive)))

@@ -1,7 +1,7 @@
 //! One watcher of one job.
 //!
-//! It pulls from the log by its cursor, at the pace of its client: four messages may be under way, nothing else is
-//! held for it. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
+//! It pulls from the log by its cursor, at the pace of its client: one message may be under way. For a client that
+//! stands still nothing else is held: what was read ahead is dropped and read again later. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
 //! its cursor exactly once, in order, and the end of the job last.
 
 use std::path::PathBuf;
@@ -33,6 +33,8 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Bytes read from the log at once.
 const PULL: usize = 256 * 1024;
+/// Time after which a client that takes nothing stands still.
+const STALL: Duration = Duration::from_millis(100);
 /// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
 const SMALLEST: usize = 256;
 
@@ -46,6 +48,8 @@ pub(super) struct Watch {
     cursor: u64,
     log: PathBuf,
     reader: Option<Reader>,
+    /// Where the log is to be read on after the client stood still.
+    resume: Option<u64>,
     described: bool,
     /// Logs that the job has dropped, as far as known.
     dropped: u32,
@@ -84,6 +88,7 @@ impl Watch {
             level,
             cursor: request.after_seq,
             reader: None,
+            resume: None,
             described: false,
             dropped: 0,
             filter: Filter::new(level),
@@ -108,7 +113,9 @@ impl Watch {
             // The state is read before the position: when it says ended, the position is final.
             let state = *states.borrow_and_update();
             let position = *tail.borrow_and_update();
-            self.batches(out, position).await?;
+            if !self.batches(out, position).await? {
+                continue;
+            }
             if state.ended() {
                 return self.end(out, position).await;
             }
@@ -136,42 +143,54 @@ impl Watch {
         }
     }
 
-    /// Sends what the log has behind the cursor.
-    async fn batches(&mut self, out: &Out, position: Position) -> Result<(), Over> {
+    /// Sends what the log has after the cursor; `false` if the client stood still meanwhile.
+    async fn batches(&mut self, out: &Out, position: Position) -> Result<bool, Over> {
         if position.dropped != self.dropped {
-            (self.dropped, self.reader) = (position.dropped, None);
+            (self.dropped, self.reader, self.resume) = (position.dropped, None, None);
         }
-        if position.bytes == 0 {
-            return Ok(());
-        }
-        if self.reader.is_none() && !self.open(out).await? {
-            return Ok(());
+        if position.bytes == 0 || self.reader.is_none() && !self.open(out).await? {
+            return Ok(true);
         }
         if self.level <= v1::WatchLevel::Progress {
             self.cursor = self.cursor.max(position.last_seq);
-            return Ok(());
+            return Ok(true);
         }
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
             let (reader, batches) = blocking(move || pull(reader)).await?;
-            self.reader = Some(reader);
             if batches.is_empty() {
+                self.reader = Some(reader);
                 break;
             }
             for batch in batches {
+                if tokio::time::timeout(STALL, out.reserve()).await.is_err() {
+                    self.resume = Some(batch.at);
+                    break;
+                }
                 self.batch(out, batch).await?;
             }
+            if self.resume.is_some() {
+                drop(reader);
+                out.reserve().await.map_err(|_| Over::Gone)?;
+                return Ok(false);
+            }
+            self.reader = Some(reader);
         }
-        match self.filter.take() {
-            Some(batch) => send_batch(out, batch).await,
-            None => Ok(()),
+        if let Some(batch) = self.filter.take() {
+            send_batch(out, batch).await?;
         }
+        Ok(true)
     }
 
     /// Opens the log; `false` if it has just been dropped.
     async fn open(&mut self, out: &Out) -> Result<bool, Over> {
         let (path, after) = (self.log.clone(), self.cursor);
-        let opened = blocking(move || match Reader::open(&path, after) {
+        let resume = self.resume.take();
+        let open = move || match resume {
+            Some(at) => Reader::resume(&path, at, after),
+            None => Reader::open(&path, after),
+        };
+        let opened = blocking(move || match open() {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             other => Ok(Some(other?)),
         });
