@@ -12,6 +12,7 @@ mod ledger;
 pub mod local;
 pub mod log;
 mod machines;
+mod net;
 pub mod options;
 pub mod reason;
 mod results;

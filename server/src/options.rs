@@ -65,6 +65,20 @@ pub struct Options {
     pub max_macro_steps: u64,
     /// Most bytes of all files of a machine.
     pub max_machine_bytes: u64,
+    /// Seconds that a new connection gets to begin to speak HTTP/2.
+    pub preface_s: u64,
+    /// Seconds after which a connection without calls is closed.
+    pub idle_s: u64,
+    /// Seconds that an upload may stand still.
+    pub upload_stall_s: u64,
+    /// Most connections; fewer if the process may not have that many descriptors.
+    pub max_connections: usize,
+    /// Most connections of one address.
+    pub max_connections_per_address: usize,
+    /// Most uploads at the same time.
+    pub max_uploads: usize,
+    /// Most uploads of one connection at the same time.
+    pub max_uploads_per_connection: usize,
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
@@ -102,6 +116,13 @@ impl Default for Options {
             max_memory: 1 << 30,
             max_macro_steps: MOST.macro_steps,
             max_machine_bytes: 64 << 20,
+            preface_s: 10,
+            idle_s: 300,
+            upload_stall_s: 30,
+            max_connections: 4096,
+            max_connections_per_address: 1024,
+            max_uploads: 256,
+            max_uploads_per_connection: 32,
             ephemeral: false,
             log: true,
         }
@@ -260,6 +281,27 @@ pub struct Flags {
     /// Most bytes of all files of a machine
     #[arg(long, env = "COUNTERPOINT_MAX_MACHINE_BYTES", value_name = "BYTES")]
     pub max_machine_bytes: Option<u64>,
+    /// Seconds that a new connection gets to begin to speak HTTP/2
+    #[arg(long, env = "COUNTERPOINT_PREFACE_S", value_name = "SECONDS")]
+    pub preface_s: Option<u64>,
+    /// Seconds after which a connection without calls is closed
+    #[arg(long, env = "COUNTERPOINT_IDLE_S", value_name = "SECONDS")]
+    pub idle_s: Option<u64>,
+    /// Seconds that an upload may stand still
+    #[arg(long, env = "COUNTERPOINT_UPLOAD_STALL_S", value_name = "SECONDS")]
+    pub upload_stall_s: Option<u64>,
+    /// Most connections; fewer if the process may not have that many descriptors
+    #[arg(long, env = "COUNTERPOINT_MAX_CONNECTIONS", value_name = "N")]
+    pub max_connections: Option<usize>,
+    /// Most connections of one address
+    #[arg(long, env = "COUNTERPOINT_MAX_CONNECTIONS_PER_ADDRESS", value_name = "N")]
+    pub max_connections_per_address: Option<usize>,
+    /// Most uploads at the same time
+    #[arg(long, env = "COUNTERPOINT_MAX_UPLOADS", value_name = "N")]
+    pub max_uploads: Option<usize>,
+    /// Most uploads of one connection at the same time
+    #[arg(long, env = "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", value_name = "N")]
+    pub max_uploads_per_connection: Option<usize>,
 }
 
 impl Flags {
@@ -296,6 +338,13 @@ impl Flags {
         set(&mut options.max_memory, self.max_memory);
         set(&mut options.max_macro_steps, self.max_macro_steps);
         set(&mut options.max_machine_bytes, self.max_machine_bytes);
+        set(&mut options.preface_s, self.preface_s);
+        set(&mut options.idle_s, self.idle_s);
+        set(&mut options.upload_stall_s, self.upload_stall_s);
+        set(&mut options.max_connections, self.max_connections);
+        set(&mut options.max_connections_per_address, self.max_connections_per_address);
+        set(&mut options.max_uploads, self.max_uploads);
+        set(&mut options.max_uploads_per_connection, self.max_uploads_per_connection);
         options
     }
 }

@@ -93,6 +93,12 @@ pub enum Refusal {
     /// Stored content is damaged or gone.
     #[error("{0}")]
     DataLoss(String),
+    /// Too many uploads are under way.
+    #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
+    TooManyUploads,
+    /// An upload stands still.
+    #[error("no chunk of the upload came for {0} s (upload_stall_s)")]
+    UploadStalled(u64),
     /// The files of a machine have too many bytes.
     #[error("the files of the machine have more than {0} bytes (max_machine_bytes)")]
     MachineTooLarge(u64),
@@ -131,6 +137,8 @@ impl Refusal {
             Self::Storage(_) => ("STORAGE", Code::Unavailable),
             Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
             Self::DataLoss(_) => ("DATA_LOSS", Code::DataLoss),
+            Self::TooManyUploads => ("TOO_MANY_UPLOADS", Code::ResourceExhausted),
+            Self::UploadStalled(_) => ("UPLOAD_STALLED", Code::DeadlineExceeded),
             Self::MachineTooLarge(_) => ("MACHINE_TOO_LARGE", Code::InvalidArgument),
             Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),
         }
@@ -163,7 +171,7 @@ impl From<Refusal> for Status {
                     details.add_bad_request_violation(place, text);
                 }
             }
-            Refusal::QueueFull(_) | Refusal::Draining { .. } | Refusal::Storage(_) => {
+            Refusal::QueueFull(_) | Refusal::Draining { .. } | Refusal::Storage(_) | Refusal::TooManyUploads => {
                 details.set_retry_info(Some(Duration::from_secs(1)));
             }
             Refusal::DiskFull(_) => {

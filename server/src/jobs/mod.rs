@@ -15,6 +15,7 @@ mod sink;
 mod system;
 pub(crate) mod worker;
 
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,7 @@ use crate::ledger::record::{Record, State, now_ms};
 use crate::ledger::{Ledger, Submitted, recovered};
 use crate::local::disk::Disk;
 use crate::machines::{Machines, is_shipped};
+use crate::net::Places;
 use crate::options::Options;
 use crate::reason::Refusal;
 use crate::runner::Runner;
@@ -54,6 +56,8 @@ pub(crate) struct Core {
     live: DashMap<String, Arc<Live>>,
     queue: Mutex<Queue>,
     recent: Mutex<Recent>,
+    /// Places for uploads, by the address of the connection.
+    pub(crate) uploads: Arc<Places<Option<SocketAddr>>>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
 }
@@ -81,6 +85,7 @@ impl Core {
             live: DashMap::new(),
             queue: Mutex::default(),
             recent: Mutex::default(),
+            uploads: Arc::new(Places::new(options.max_uploads, options.max_uploads_per_connection)),
             running: watch::Sender::new(0),
             options,
         });

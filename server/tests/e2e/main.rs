@@ -9,6 +9,7 @@
     clippy::indexing_slicing
 )]
 
+mod connections;
 mod damage;
 mod folder;
 mod life;
