@@ -1,7 +1,7 @@
 //! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
 //! content, never half of it.
 //!
-//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `tmp/`.
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
 
 use std::fs;
 use std::io::{self, Write};
@@ -26,7 +26,7 @@ impl Store {
         fs::create_dir_all(&root)?;
         let lock = Arc::new(FolderLock::take(&root)?);
         let store = Self { root, durable, disk, lock };
-        for folder in ["blobs", "jobs"] {
+        for folder in ["blobs", "jobs", "running"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
         match fs::remove_dir_all(store.tmp()) {
@@ -117,6 +117,45 @@ impl Store {
             Some(folder) if self.durable => self.disk.sync_folder(folder),
             _ => Ok(()),
         }
+    }
+
+    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
+    /// that died, not for one after a power loss, which no job has caused.
+    pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
+        if self.durable {
+            self.disk.create(&self.marked(id))?.write_all(attempt.to_string().as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    pub(crate) fn unmark(&self, id: &str) {
+        if self.durable {
+            let _ = fs::remove_file(self.marked(id));
+        }
+    }
+
+    /// Jobs that were running when the server before this one died, with the numbers of their runs.
+    pub(crate) fn marks(&self) -> io::Result<Vec<(String, u32)>> {
+        let mut marks = Vec::new();
+        for entry in fs::read_dir(self.root.join("running"))? {
+            let entry = entry?;
+            let Ok(id) = entry.file_name().into_string() else { continue };
+            let attempt = fs::read_to_string(entry.path())?.parse().unwrap_or(1);
+            marks.push((id, attempt));
+        }
+        Ok(marks)
+    }
+
+    fn marked(&self, id: &str) -> PathBuf {
+        self.root.join("running").join(id)
+    }
+
+    /// Makes the names of a job's folder durable, and its own.
+    pub(crate) fn sync_job(&self, id: &str) -> io::Result<()> {
+        let folder = self.job(id);
+        self.sync_folder_of(&folder.join("log"))?;
+        self.sync_folder_of(&folder)
     }
 
     /// Removes the log of a job whose run did not come to its end; not being there is fine.

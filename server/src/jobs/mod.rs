@@ -15,6 +15,7 @@ mod sink;
 mod system;
 pub(crate) mod worker;
 
+use std::collections::HashMap;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -27,6 +28,7 @@ use crate::drain::Drain;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::ledger::{Ledger, Submitted, recovered};
 use crate::local::disk::Disk;
+use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
 use crate::net::Places;
 use crate::options::Options;
@@ -94,7 +96,15 @@ impl Core {
 
     /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
-        let unfinished = self.ledger.unfinished()?;
+        let mut unfinished = self.ledger.unfinished()?;
+        let mut marks: HashMap<String, u32> = self.store.marks()?.into_iter().collect();
+        for record in &mut unfinished {
+            if let Some(attempt) = marks.remove(&record.id) {
+                (record.state, record.attempt) = (State::Running, attempt);
+            }
+        }
+        // Marks of jobs that have ended.
+        marks.keys().for_each(|id| self.store.unmark(id));
         let alone = unfinished.iter().filter(|record| record.state == State::Running).count() == 1;
         for record in unfinished {
             let before = record.state;
@@ -102,6 +112,7 @@ impl Core {
             tracing::info!(job = record.id, state = ?record.state, suspect = record.suspect, "recovered");
             if record.state != before {
                 self.ledger.update_blocking(record.clone())?;
+                self.store.unmark(&record.id);
             }
             if !record.state.ended() {
                 self.admit(Arc::new(Live::new(record)));
@@ -214,8 +225,23 @@ impl Core {
             return None;
         }
         let live = queue.next(self.options.slots(), Instant::now())?;
-        self.running.send_replace(queue.running().len());
+        self.running.send_replace(queue.busy());
         Some(live)
+    }
+
+    /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
+    fn leave(self: &Arc<Self>, live: &Live) {
+        lock(&self.queue).store(live);
+        self.pump();
+    }
+
+    /// The log of a job, wherever it is.
+    pub(crate) fn kept_log(&self, id: &str) -> Result<Option<Kept>, Refusal> {
+        let path = self.store.log(id);
+        if path.is_file() {
+            return Ok(Some(Kept::File(path)));
+        }
+        Ok(self.ledger.log(id)?.map(Kept::Ledger))
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
@@ -223,7 +249,7 @@ impl Core {
         {
             let mut queue = lock(&self.queue);
             queue.free(live);
-            self.running.send_replace(queue.running().len());
+            self.running.send_replace(queue.busy());
         }
         let bytes = live.finished().map_or(0, |finished| finished.bytes);
         let gone = lock(&self.recent).push(live.id.clone(), bytes, self.options.ephemeral);
@@ -239,7 +265,7 @@ impl Core {
         let mut queue = lock(&self.queue);
         queue.free(&live);
         queue.push_again(Instant::now() + pause, live);
-        self.running.send_replace(queue.running().len());
+        self.running.send_replace(queue.busy());
     }
 
     /// Stops runs that have reached their limit by the clock.

@@ -11,6 +11,9 @@ use std::time::Instant;
 
 use super::live::Live;
 
+/// Most jobs whose end is being stored while others have their workers.
+const MOST_STORING: usize = 64;
+
 /// Jobs that wait, and who has a place.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
@@ -25,6 +28,8 @@ pub(super) struct Queue {
     pub(super) reserved: usize,
     /// Jobs on worker threads.
     running: Vec<Arc<Live>>,
+    /// Jobs whose run is over and whose end is being stored.
+    storing: usize,
     /// The one running job is to have no company.
     alone: bool,
 }
@@ -86,8 +91,26 @@ impl Queue {
 
     /// A worker is free again.
     pub(super) fn free(&mut self, live: &Live) {
-        self.running.retain(|running| running.id != live.id);
-        self.alone = false;
+        match self.running.iter().position(|running| running.id == live.id) {
+            None => self.storing -= 1,
+            Some(at) => {
+                self.running.swap_remove(at);
+                self.alone = false;
+            }
+        }
+    }
+
+    /// A run is over: its job gives its worker free before its end is stored, unless too many do that already.
+    pub(super) fn store(&mut self, live: &Live) {
+        if self.storing < MOST_STORING {
+            self.free(live);
+            self.storing += 1;
+        }
+    }
+
+    /// Jobs that run or are being stored.
+    pub(super) fn busy(&self) -> usize {
+        self.running.len() + self.storing
     }
 
     /// Takes a job out; `false` if it does not wait.

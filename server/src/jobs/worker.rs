@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use counterpoint_kernel::control::Control;
+use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
@@ -22,7 +23,7 @@ use super::live::{Live, Run};
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::ledger::record::{Record, State, now_ms};
-use crate::log::writer::Writer;
+use crate::log::writer::{Small, Writer};
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
@@ -41,13 +42,20 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
 fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let span = tracing::info_span!("job", id = live.id);
     let _inside = span.enter();
-    let change = match catch_unwind(AssertUnwindSafe(|| run(core, live))) {
-        Ok(Ok(change)) => change,
-        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
-        Ok(Err(refusal)) => failed(refusal.to_string()),
-        Err(panic) => failed(format!("internal error: {}", panic_text(&*panic))),
+    let work = || match run(core, live)? {
+        Ran::Over(change) => Ok((change, None)),
+        Ran::Through(through) => {
+            core.leave(live);
+            through.store(core, live)
+        }
     };
-    end(core, live, change);
+    let (change, log) = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(stored)) => stored,
+        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
+        Ok(Err(refusal)) => (failed(refusal.to_string()), None),
+        Err(panic) => (failed(format!("internal error: {}", panic_text(&*panic))), None),
+    };
+    end(core, live, change, log);
 }
 
 /// Change of a record at the end of a run.
@@ -75,8 +83,8 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
 }
 
-/// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: a job
-/// that the ledger holds as running is run again by the next server.
+/// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: the
+/// ledger holds the job as queued all the time.
 fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     tracing::warn!(trouble, "the host has failed the run; the job waits for another");
     live.forget_run();
@@ -90,7 +98,7 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
         record.host_failures = record.host_failures.saturating_add(1);
         record.host_failure = trouble;
     });
-    let _ = core.ledger.update_blocking(record.clone());
+    core.store.unmark(&live.id);
     core.again(live, record.host_failures);
 }
 
@@ -99,14 +107,14 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Makes the end durable, then visible. It waits for a ledger that cannot be written, until the server drains: then
 /// the job is run again by the next server.
-fn end(core: &Arc<Core>, live: &Live, change: Change) {
+fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
     let mut record = live.record();
     change(&mut record);
     record.suspect = false;
     if record.state.ended() {
         record.ended_ms = now_ms();
     }
-    while let Err(error) = core.ledger.update_blocking(record.clone()) {
+    while let Err(error) = core.ledger.end_blocking(record.clone(), log.as_ref().map(|log| log.bytes.clone())) {
         if core.drain.begun() {
             tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
             record = Record { state: State::Queued, ..live.record() };
@@ -115,15 +123,35 @@ fn end(core: &Arc<Core>, live: &Live, change: Change) {
         std::thread::sleep(LOOK);
     }
     tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
+    core.store.unmark(&live.id);
+    if let Some(log) = log.filter(|_| record.state.ended()) {
+        live.tail.set(log.bytes.len() as u64, log.last_seq);
+    }
     live.change(|now| *now = Record { cancel: now.cancel, ..record });
     core.free(live);
 }
 
-fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
-    // Durable, then visible: a run that takes the server down has been counted.
-    let begun = core.ledger.begin_blocking(live.id.clone(), now_ms())?;
+/// What a run leaves to be stored.
+struct Through {
+    outcome: Outcome,
+    finished: Finished,
+    limit: String,
+    writer: Option<Writer>,
+}
+
+/// A run that is over.
+enum Ran {
+    /// Nothing is to be stored but the state.
+    Over(Change),
+    Through(Box<Through>),
+}
+
+fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
+    // A run that takes the server down has left its mark.
+    core.store.mark(&live.id, live.record().attempt + 1)?;
     let record = live.change(|record| {
-        (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
+        (record.state, record.started_ms) = (State::Running, now_ms());
+        record.attempt += 1;
     });
     let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
     live.set_limits(
@@ -135,7 +163,7 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
     files.trouble()?;
     let prepared = match prepared {
         Ok(prepared) => prepared,
-        Err(findings) => return Ok(refused(findings)),
+        Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
     let mut control = Control::new(info.channels.len());
@@ -160,32 +188,49 @@ fn run(core: &Core, live: &Live) -> Result<Change, Refusal> {
         return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
     }
     files.trouble()?;
-    if let Some(writer) = writer {
-        writer.finish(core.store.durable())?;
-    }
     let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
     if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
-        return Ok(Box::new(|record| {
+        return Ok(Ran::Over(Box::new(|record| {
             record.state = State::Queued;
             record.attempt -= 1;
-        }));
+        })));
     }
     let limit = limit.unwrap_or_default();
-    let finished = keep(core, live, Finished::new(folds.finish(&outcome), written, &limit))?;
-    Ok(Box::new(move |record| {
-        let summary = &finished.results.summary;
-        record.state = match summary.state {
-            summary::State::Cancelled => State::Cancelled,
-            summary::State::Failed => State::Failed,
-            summary::State::Succeeded => State::Succeeded,
+    let finished = Finished::new(folds.finish(&outcome), written, &limit);
+    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
+}
+
+impl Through {
+    /// Stores log and results; a log that is small goes into the ledger with the end of the job.
+    fn store(self, core: &Core, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
+        let Self { outcome, finished, limit, writer } = self;
+        let bytes = writer.as_ref().map_or(0, Writer::bytes);
+        let has_files = !finished.files.is_empty();
+        let log = match writer {
+            Some(writer) => writer.finish(core.store.durable())?,
+            None => None,
         };
-        record.events = outcome.events;
-        record.limit = limit;
-        record.makespan_ns = summary.makespan_ns;
-        record.log_digest.clone_from(&summary.log_digest);
-        record.highest_severity = summary.highest_severity;
-        record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
-    }))
+        let finished = keep(core, live, finished, bytes)?;
+        if log.is_none() && core.options.log || has_files {
+            core.store.sync_job(&live.id)?;
+        }
+        let change: Change = Box::new(move |record| {
+            let summary = &finished.results.summary;
+            record.state = match summary.state {
+                summary::State::Cancelled => State::Cancelled,
+                summary::State::Failed => State::Failed,
+                summary::State::Succeeded => State::Succeeded,
+            };
+            record.events = outcome.events;
+            record.limit = limit;
+            record.has_files = has_files;
+            record.makespan_ns = summary.makespan_ns;
+            record.log_digest.clone_from(&summary.log_digest);
+            record.highest_severity = summary.highest_severity;
+            record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
+        });
+        Ok((change, log))
+    }
 }
 
 /// Loads the machine and the programs of a job.
@@ -200,13 +245,24 @@ pub(crate) fn prepare(
     Ok(core.runner.prepare(task, files))
 }
 
-/// Stores the results, or keeps them in memory when nothing is to survive.
-fn keep(core: &Core, live: &Live, mut finished: Finished) -> Result<Arc<Finished>, Refusal> {
+/// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.
+const RESULTS_FROM: u64 = 1 << 20;
+
+/// Stores the results that cannot be made from the log in no time, and keeps all in memory for a while. `bytes`: of
+/// the log.
+fn keep(core: &Core, live: &Live, mut finished: Finished, bytes: u64) -> Result<Arc<Finished>, Refusal> {
     let folder = core.store.job(&live.id);
+    finished.bytes = bytes;
     for document in Document::ALL {
-        let Some(text) = finished.document(document) else { continue };
-        finished.bytes += text.len() as u64;
-        if !core.options.ephemeral {
+        let stored = match document {
+            Document::Files => !finished.files.is_empty(),
+            _ => bytes >= RESULTS_FROM,
+        };
+        if !stored || core.options.ephemeral {
+            continue;
+        }
+        if let Some(text) = finished.document(document) {
+            finished.bytes += text.len() as u64;
             core.store.write(&folder.join(document.file()), &text)?;
         }
     }

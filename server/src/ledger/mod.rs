@@ -10,6 +10,7 @@ mod writer;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
+use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
 use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 use tokio::sync::{mpsc, oneshot, watch};
@@ -24,6 +25,7 @@ use writer::{Operation, Place, Shared};
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
+const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 const SCHEMA: u64 = 1;
 
@@ -107,6 +109,7 @@ impl Ledger {
             txn.open_table(JOB).map_err(storage)?;
             txn.open_table(REQUEST).map_err(storage)?;
             txn.open_table(MACHINE).map_err(storage)?;
+            txn.open_table(LOG).map_err(storage)?;
             let mut meta = txn.open_table(META).map_err(storage)?;
             let schema = meta.get("schema").map_err(storage)?.map(|v| v.value());
             match schema {
@@ -246,22 +249,28 @@ impl Ledger {
         self.write_blocking(move |txn| put(txn, &record))
     }
 
-    /// Counts a run of a job, from a thread that may block; the record as it is kept then.
-    pub(crate) fn begin_blocking(&self, id: String, now_ms: i64) -> Result<Record, Refusal> {
+    /// Stores the end of a job, with its log if that is small, from a thread that may block.
+    pub(crate) fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
         self.write_blocking(move |txn| {
-            let mut record = get(txn, &id)?.ok_or_else(|| storage("a job that runs is not kept"))?;
-            record.state = State::Running;
-            record.attempt += 1;
-            record.started_ms = now_ms;
-            put(txn, &record)?;
-            Ok(record)
+            if let Some(log) = log {
+                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+            }
+            put(txn, &record)
         })
+    }
+
+    /// The log of a job, if it is kept here.
+    pub(crate) fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
+        let table = self.snapshot()?.open_table(LOG).map_err(storage)?;
+        let row = table.get(id).map_err(storage)?;
+        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
     }
 
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
         self.write(move |txn| {
             txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
+            txn.open_table(LOG).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
             txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
             Ok(())
         })

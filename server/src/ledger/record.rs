@@ -103,6 +103,9 @@ pub struct Record {
     /// Which of the two stopped the job, as a text; empty = neither.
     #[serde(default)]
     pub limit: String,
+    /// Its macros have written files.
+    #[serde(default)]
+    pub has_files: bool,
     /// A cancel was accepted.
     pub cancel: bool,
     /// Milliseconds since 1970.
@@ -158,6 +161,7 @@ pub(crate) mod tests {
             wall_ms: 0,
             max_job_bytes: 0,
             limit: String::new(),
+            has_files: false,
             cancel: false,
             submitted_ms: 0,
             started_ms: 0,

@@ -2,15 +2,14 @@
 //!
 //! Invariant: a reader holds no lock and no more than one piece of the file; a slow one costs nothing but that.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
 
 use bytes::{Buf, Bytes, BytesMut};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_proto::v1::JobDescription;
 use prost::Message as _;
 
+use super::kept::{Input, Kept};
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
 const PIECE: usize = 64 * 1024;
@@ -28,7 +27,7 @@ pub(crate) struct Batch {
 /// A place in a log.
 #[derive(Debug)]
 pub(crate) struct Reader {
-    file: File,
+    file: Box<dyn Input>,
     description: JobDescription,
     /// Bytes read and not yet handed out.
     piece: BytesMut,
@@ -52,8 +51,8 @@ pub(crate) fn cut_short(last: u64, expected: u64) -> io::Error {
 
 impl Reader {
     /// Opens a log whose head has been written; batches up to number `after` are passed over.
-    pub(crate) fn open(path: &Path, after: u64) -> io::Result<Self> {
-        let mut file = File::open(path)?;
+    pub(crate) fn open(log: &Kept, after: u64) -> io::Result<Self> {
+        let mut file = log.open()?;
         let mut head = [0; MAGIC.len() + FRAME];
         let cut = |error: io::Error| match error.kind() {
             io::ErrorKind::UnexpectedEof => damage("its head is cut short"),
@@ -70,17 +69,17 @@ impl Reader {
     }
 
     /// Opens a log again at a record; its description is not read.
-    pub(crate) fn resume(path: &Path, at: u64, after: u64) -> io::Result<Self> {
-        let mut file = File::open(path)?;
+    pub(crate) fn resume(log: &Kept, at: u64, after: u64) -> io::Result<Self> {
+        let mut file = log.open()?;
         file.seek(SeekFrom::Start(at))?;
         let description = JobDescription::default();
         Ok(Self { file, description, piece: BytesMut::new(), read: at, limit: at, after })
     }
 
     /// Opens an ended log, to be read to the end of the file.
-    pub(crate) fn open_ended(path: &Path, after: u64) -> io::Result<Self> {
-        let mut reader = Self::open(path, after)?;
-        reader.limit = reader.file.metadata()?.len();
+    pub(crate) fn open_ended(log: &Kept, after: u64) -> io::Result<Self> {
+        let mut reader = Self::open(log, after)?;
+        reader.limit = log.length();
         Ok(reader)
     }
 

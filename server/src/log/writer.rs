@@ -5,10 +5,11 @@
 //! file.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 use counterpoint_kernel::log::info::Info;
 
@@ -19,10 +20,28 @@ use crate::local::disk::{Disk, Written};
 const WRITE_BYTES: usize = 256 * 1024;
 const WRITE_EVERY: Duration = Duration::from_millis(10);
 
+/// Largest log that becomes a row of the ledger instead of a file, bytes.
+const SMALL: usize = 16 * 1024;
+
+/// Where a log goes.
+#[derive(Debug)]
+enum Place {
+    /// Nothing has been written yet.
+    None(Disk, PathBuf),
+    File(Written),
+}
+
+/// A log that has no file.
+#[derive(Debug)]
+pub(crate) struct Small {
+    pub(crate) bytes: Bytes,
+    pub(crate) last_seq: u64,
+}
+
 /// The one writer of a log.
 #[derive(Debug)]
 pub(crate) struct Writer {
-    file: Written,
+    place: Place,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -36,7 +55,7 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Begins a log anew, with the encoded description of the job at its head.
+    /// Begins a log anew; its file comes with the first write. The encoded description of the job is its head.
     pub(crate) fn create(
         disk: &Disk,
         path: &Path,
@@ -44,9 +63,6 @@ impl Writer {
         info: &Info,
         description: &[u8],
     ) -> io::Result<Self> {
-        if let Some(folder) = path.parent() {
-            disk.create_folder(folder)?;
-        }
         // Readers of the log of a run before this one keep that file.
         match std::fs::remove_file(path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -66,10 +82,8 @@ impl Writer {
         buffer.extend_from_slice(MAGIC);
         buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
-        let file = disk.create(path)?;
-        let mut writer = Self { file, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() };
-        writer.write()?;
-        Ok(writer)
+        let place = Place::None(disk.clone(), path.to_owned());
+        Ok(Self { place, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() })
     }
 
     /// Appends events in log order.
@@ -102,13 +116,18 @@ impl Writer {
         if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
-    /// Writes everything and makes it durable when asked.
-    pub(crate) fn finish(mut self, durable: bool) -> io::Result<()> {
-        self.flush()?;
-        if durable {
-            self.file.sync()?;
+    /// Writes everything and makes it durable when asked; gives back a log that is small and has no file.
+    pub(crate) fn finish(mut self, durable: bool) -> io::Result<Option<Small>> {
+        self.close_record();
+        if matches!(self.place, Place::None(..)) && self.buffer.len() <= SMALL {
+            return Ok(Some(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
         }
-        Ok(())
+        self.write()?;
+        match &self.place {
+            Place::File(file) if durable => file.sync()?,
+            _ => {}
+        }
+        Ok(None)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -134,7 +153,15 @@ impl Writer {
     }
 
     fn write(&mut self) -> io::Result<()> {
-        self.file.write_all(&self.buffer)?;
+        if let Place::None(disk, path) = &self.place {
+            if let Some(folder) = path.parent() {
+                disk.create_folder(folder)?;
+            }
+            self.place = Place::File(disk.create(path)?);
+        }
+        if let Place::File(file) = &mut self.place {
+            file.write_all(&self.buffer)?;
+        }
         self.bytes += self.buffer.len() as u64;
         self.buffer.clear();
         self.tail.set(self.bytes, self.last_seq);

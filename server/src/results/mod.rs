@@ -13,6 +13,7 @@ use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::{jsonl, listing, summary};
 use serde::Serialize;
 
+use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
 
 /// A result that has a file of its own.
@@ -115,7 +116,7 @@ fn json(value: &impl Serialize) -> Option<Vec<u8>> {
 pub(crate) struct Source<'a> {
     pub(crate) info: &'a Arc<Info>,
     pub(crate) outcome: Outcome,
-    pub(crate) log: &'a std::path::Path,
+    pub(crate) log: &'a Kept,
     /// Limit of the server that stopped the run; empty = none.
     pub(crate) limit: &'a str,
 }

@@ -54,6 +54,7 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
         wall_ms,
         max_job_bytes,
         limit: String::new(),
+        has_files: false,
         cancel: false,
         submitted_ms: now_ms(),
         started_ms: 0,

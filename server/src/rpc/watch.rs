@@ -4,7 +4,6 @@
 //! stands still nothing else is held: what was read ahead is dropped and read again later. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
 //! its cursor exactly once, in order, and the end of the job last.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -46,7 +45,6 @@ pub(super) struct Watch {
     live: Arc<Live>,
     level: v1::WatchLevel,
     cursor: u64,
-    log: PathBuf,
     reader: Option<Reader>,
     /// Where the log is to be read on after the client stood still.
     resume: Option<u64>,
@@ -82,7 +80,6 @@ impl Watch {
             None => from_ledger(&core, &request.job_id)?,
         };
         Ok(Self {
-            log: core.store.log(&live.id),
             core,
             live,
             level,
@@ -184,15 +181,18 @@ impl Watch {
 
     /// Opens the log; `false` if it has just been dropped.
     async fn open(&mut self, out: &Out) -> Result<bool, Over> {
-        let (path, after) = (self.log.clone(), self.cursor);
+        let (core, id, after) = (self.core.clone(), self.live.id.clone(), self.cursor);
         let resume = self.resume.take();
-        let open = move || match resume {
-            Some(at) => Reader::resume(&path, at, after),
-            None => Reader::open(&path, after),
-        };
-        let opened = blocking(move || match open() {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            other => Ok(Some(other?)),
+        let opened = blocking(move || {
+            let Some(log) = core.kept_log(&id)? else { return Ok(None) };
+            let opened = match resume {
+                Some(at) => Reader::resume(&log, at, after),
+                None => Reader::open(&log, after),
+            };
+            match opened {
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+                other => Ok(Some(other?)),
+            }
         });
         let Some(reader) = opened.await? else { return Ok(false) };
         if !std::mem::replace(&mut self.described, true) {
@@ -252,7 +252,7 @@ impl Watch {
 /// An ended job that is no longer in memory, as if it had just ended.
 fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let record = core.job(id)?;
-    let bytes = std::fs::metadata(core.store.log(id)).map_or(0, |meta| meta.len());
+    let bytes = core.kept_log(id)?.map_or(0, |log| log.length());
     let events = record.events;
     let live = Live::new(record);
     live.tail.set(bytes, events);

@@ -15,6 +15,7 @@ mod folder;
 mod life;
 mod limits;
 mod operator;
+mod storage;
 mod submit;
 mod support;
 mod trouble;

@@ -192,7 +192,7 @@ async fn a_job_waiting_for_the_host_can_be_cancelled() {
     let (folder, trouble) = (tempfile::tempdir().unwrap(), Trouble::none());
     let server = start(folder.path(), &trouble).await;
     trouble.logs.store(0, Ordering::SeqCst);
-    let job = server.submit("r", "EVENTS 5").await;
+    let job = server.submit("r", "EVENTS 20000").await;
     failed_by_the_host(&server, &job).await;
     server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
     trouble.logs.store(-1, Ordering::SeqCst);
