@@ -43,7 +43,7 @@ pub(crate) enum Command {
     Submit(Submit),
     /// Follow a job to its end
     Watch(Follow),
-    /// Answer the dialogs of a job that was submitted with --attend
+    /// Answer a running job's dialogs interactively (submitted with --attend)
     Attend(Follow),
     /// Wait for the end of a job
     Wait(Follow),
@@ -74,27 +74,27 @@ pub(crate) struct Inputs {
     /// Run these programs, one per channel from left to right; FILE#2102 means program O2102 of FILE
     #[arg(required = true, value_name = "PROGRAM")]
     pub(crate) programs: Vec<String>,
-    /// Run on this machine, a name or a folder with machine.toml. Without it the machine is guessed from what the
-    /// programs show, and programs that show nothing are refused
+    /// Run on this machine, a name or a folder with machine.toml [default: guessed from what the programs show; if they
+    /// show nothing, the run is refused]
     #[arg(long, value_name = "NAME|DIR")]
     pub(crate) machine: Option<String>,
-    /// Add files the programs may call; of a folder all files
+    /// Add files that the programs may call (a folder adds all its files)
     #[arg(long = "with", value_name = "FILE|DIR")]
     pub(crate) with: Vec<PathBuf>,
-    /// Skip marked blocks: off, on (the level of marks without a digit), or the levels that are on, 1 to 9
+    /// Set the active levels of optional block skip: off, on (marks without a digit), or a list such as 1,3
     #[arg(long, default_value = "off", value_name = "off|on|LEVELS", value_parser = levels)]
     pub(crate) opskip: Levels,
     /// Stop at optional stops (M1)
     #[arg(long)]
     pub(crate) opstop: bool,
-    /// Let these channels pass every meeting point without waiting
+    /// Let these channels pass every sync point without waiting
     #[arg(long, value_delimiter = ',', value_name = "CHANNELS")]
     pub(crate) ignore_waits: Vec<u32>,
-    /// Run so many channels at the same time; 0 = all. The result does not depend on it
+    /// Run at most this many channels in parallel (0 = all); results are identical for any value
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) threads: u32,
     /// Trace these letters, any of IEWCAMHSXZ, or all: input, edited blocks, words, codes and data, actions, code
-    /// macros, other macros, messages, MDI and EXEC, files stored with the machine. Without letters: all
+    /// macros, other macros, messages, MDI and EXEC, files stored with the machine [default without letters: all]
     #[arg(
         long,
         value_name = "LETTERS",
@@ -104,23 +104,23 @@ pub(crate) struct Inputs {
         hide_default_value = true
     )]
     pub(crate) trace: String,
-    /// Give the macros of the machine these parameters ($UPARAM), one line
+    /// Pass this line of parameters to the macros of the machine ($UPARAM)
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true, allow_hyphen_values = true)]
     pub(crate) param: String,
-    /// Answer the dialogs of the machine from this file, TOML: [[answers]] with dialog, button, values
+    /// Answer the dialogs of the machine from this TOML file: `[[answers]]` with dialog, button, values
     #[arg(long, value_name = "FILE")]
     pub(crate) answers: Option<PathBuf>,
-    /// Put dialogs without an answer to the operator: here by `run` (which does so on a terminal anyway), by
-    /// `counterpoint attend` for `submit`. Without it they fail
+    /// Ask the operator when a dialog has no prepared answer: here with `run` (the default on a terminal), by
+    /// `counterpoint attend` after `submit`. Otherwise such a dialog fails
     #[arg(long)]
     pub(crate) attend: bool,
     /// Stop the run at this simulated time, in seconds [default: 86400]
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub(crate) max_time: Option<f64>,
-    /// Stop the run after so many blocks of one channel [default: 10000000]
+    /// Stop the run after this many blocks of a channel [default: 10000000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_blocks: Option<u64>,
-    /// Memory of the job in MiB, for variables, texts, files and results, after which the run is stopped
+    /// Stop the run when variables, texts, files and results of the job take more memory, in MiB
     #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) max_memory: Option<u64>,
 }
@@ -132,13 +132,13 @@ pub(crate) struct Run {
     /// Write listings, events, summary, timeline, toolpath and the files of macros into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Write these results only; without it all but log and console
+    /// Write only these results to --out [default: all but log and console]
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
     pub(crate) write: Vec<What>,
-    /// Write no listing, but the log file (identification, diagnostics, summaries)
+    /// Write the log file (identification, diagnostics, summaries) instead of the listing
     #[arg(long, requires = "out")]
     pub(crate) nolist: bool,
-    /// Write the log file besides the other results
+    /// Also write the log file
     #[arg(long, requires = "out")]
     pub(crate) ef: bool,
     /// End the lines of listings, logs and consoles with CR and LF
@@ -147,20 +147,20 @@ pub(crate) struct Run {
     /// Print the summary as JSON instead of the report
     #[arg(long)]
     pub(crate) json: bool,
-    /// Print nothing but errors: no progress, no report
+    /// Print only errors: no progress, no report
     #[arg(long, short)]
     pub(crate) quiet: bool,
-    /// Show all meetings and diagnostics in the report, not only the first of them
+    /// Show all sync points and diagnostics in the report, not only the first ones
     #[arg(long, short, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
     /// Exit with code 1 after warnings, too
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Choose what the exit code tells: plain (0 to 3), or severity (the highest severity, 100 and up for what kept the
-    /// run from starting)
+    /// Choose the meaning of the exit code: plain (0 to 3), or severity (the highest severity; 100 and up if the run could
+    /// not start)
     #[arg(long, value_enum, default_value = "plain", value_name = "FORM")]
     pub(crate) exit_code: ExitCodes,
-    /// Let macros start commands of the operating system (SYSTEM) with your rights: only for machines that you trust
+    /// Allow macros to run operating system commands (SYSTEM) with your rights; use only with machines that you trust
     #[arg(long)]
     pub(crate) allow_system: bool,
     /// Draw the timeline in the report (the default)
@@ -226,7 +226,7 @@ pub(crate) struct Submit {
     pub(crate) inputs: Inputs,
     #[command(flatten)]
     pub(crate) remote: Remote,
-    /// Name the request: the same id gives the same job
+    /// Identify the request: a repeated id returns the same job instead of a new one
     #[arg(long, value_name = "ID")]
     pub(crate) request_id: Option<String>,
 }
@@ -281,7 +281,7 @@ pub(crate) struct ResultOf {
     /// Which result
     #[arg(value_enum)]
     pub(crate) what: What,
-    /// Choose the channel of the listing; 0: the merged listing of all, the console of all
+    /// Choose the channel of the listing (0 = the merged listing and console of all channels)
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
     /// End the lines of a listing, log or console with CR and LF

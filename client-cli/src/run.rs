@@ -95,7 +95,7 @@ fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
         return;
     }
     let hint = if kept { "" } else { " (--out DIR keeps them)" };
-    let _ = writeln!(out, "\nfiles written by macros{hint}");
+    let _ = writeln!(out, "\nfiles written{hint}");
     for v1::WrittenFile { path, size } in files {
         let _ = writeln!(out, "  {path}, {size} bytes");
     }

@@ -110,11 +110,47 @@ fn what_macros_write_is_reported_and_kept() {
     let machine = machine.display().to_string();
     let output = counterpoint(&["run", "--machine", &machine, &path]);
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(text.contains("files written by macros (--out DIR keeps them)\n  lists/tools.txt, 3 bytes"), "{text}");
+    assert!(text.contains("files written (--out DIR keeps them)\n  lists/tools.txt, 3 bytes"), "{text}");
     let out = folder.path().join("out").display().to_string();
     let output = counterpoint(&["run", "-q", "--machine", &machine, &path, "--out", &out, "--write", "files"]);
     assert_eq!(code(&output), 0, "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(std::fs::read_to_string(Path::new(&out).join("files/lists/tools.txt")).unwrap(), "T3\n");
+}
+
+#[test]
+fn what_programs_print_is_reported_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "%\nO1\n#100=12.5\n#101=-3.14159\nDPRNT[X#100[43]*Y#101[53]]\nDPRNT[END]\nM30\n%\n";
+    let path = program(folder.path(), "part.nc", text);
+    let kept = |machine: &str, name: &str| {
+        let out = folder.path().join("out").display().to_string();
+        let output = counterpoint(&["run", "--machine", machine, &path, "--out", &out]);
+        let report = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(code(&output), 0, "{report}");
+        let written = std::fs::read(Path::new(&out).join("files").join(name)).unwrap();
+        assert!(report.contains(&format!("files written\n  {name}, {} bytes", written.len())), "{report}");
+        String::from_utf8(written).unwrap()
+    };
+    assert_eq!(kept("haas-mill-turn", "dprnt.txt"), "X  12.500 Y-    3.142\rEND\r");
+    // Every key of [output] in a machine of one's own.
+    let machine = folder.path().join("printer");
+    std::fs::create_dir(&machine).unwrap();
+    let short = "extends = \"haas-mill-turn\"\n[ce]\nname = \"printer\"\n[output]\nfile = \"probe.log\"\n\
+                 leading_zeros = \"none\"\nline_end = \"cr-lf\"\n";
+    program(&machine, "machine.toml", short);
+    let name = machine.display().to_string();
+    assert_eq!(kept(&name, "probe.log"), "X12.500 Y-3.142\r\nEND\r\n");
+    let column = short.replace("leading_zeros = \"none\"", "sign = \"column\"").replace("cr-lf", "lf");
+    program(&machine, "machine.toml", &column);
+    assert_eq!(kept(&name, "probe.log"), "X   12.500 Y-    3.142\nEND\n");
+    // A control that wants POPEN says that it is missing, and keeps the lines.
+    program(&machine, "machine.toml", &format!("{column}open = \"needed\"\n"));
+    let output = counterpoint(&["run", "--machine", &name, &path]);
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        report.contains("2900358") && report.contains("files written (--out DIR keeps them)\n  probe.log"),
+        "{report}"
+    );
 }
 
 #[cfg(unix)]

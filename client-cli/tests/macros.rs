@@ -241,6 +241,20 @@ fn explain_knows_numbers_and_names() {
         "{arguments}"
     );
     assert_eq!(explained("PS9999").0, 2);
+    // Zeros and letters of an alarm may be left out.
+    for short in ["160", "0160", "PS160", "P/S160", "ps0160"] {
+        assert_eq!(explained(short), explained("PS0160"), "{short}");
+    }
+    for nothing in ["9999", "0", "M136", "G199", "F100", "O2102"] {
+        assert_eq!(explained(nothing).0, 2, "{nothing}");
+    }
+    assert!(explained("Motion Event Macro").1.starts_with("Motion Event Macro\n`motion` of [macros]"));
+    assert_eq!(explained("block_startup"), explained("Block Startup Macro"));
+    assert!(explained("code macro").1.contains("$P1: the code, may be set\n"));
+    assert!(explained("#{").1.contains("before the pre-processor"));
+    assert!(explained("and").1.contains("`condition`"));
+    assert!(explained("DATA_AXIS_X").1.starts_with("REG_AXIS_X\n"));
+    assert!(explained("CODE_LINEAR").1.starts_with("CODE_INTERP_LINEAR\n"));
     assert_eq!(
         explained("$FSQTR"),
         (2, String::new(), "error: nothing is called $FSQTR; did you mean $FSQRT?\n".into())

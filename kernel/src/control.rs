@@ -7,10 +7,28 @@ use crate::dialog::operator::Operator;
 use crate::log::event::Wait;
 use crate::system::System;
 
+/// The wish that a job ends. It may exist before the job does, and whatever takes long for the job looks at it.
+#[derive(Debug, Clone, Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// Asks for the end; it is never taken back.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the end was asked for.
+    #[must_use]
+    #[inline(always)]
+    pub fn asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
 #[derive(Default)]
 pub struct Control {
-    cancel: AtomicBool,
+    stop: Stop,
     /// One entry per channel in ascending channel number.
     progress: Box<[Progress]>,
     /// Takes the place of a missing one.
@@ -25,6 +43,13 @@ impl Control {
     #[must_use]
     pub fn new(channels: usize) -> Self {
         Self { progress: (0..channels).map(|_| Progress::default()).collect(), ..Self::default() }
+    }
+
+    /// Whoever has `stop` can cancel the job, too.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
     }
 
     /// Calls `jitter(channel)` around every shared operation, so that tests can delay kernels at will.
@@ -62,13 +87,20 @@ impl Control {
 
     /// Asks the job to stop; it ends soon after with its channels `STOPPED`.
     pub fn cancel(&self) {
-        self.cancel.store(true, Ordering::Relaxed);
+        self.stop.ask();
     }
 
     /// Whether [`cancel`](Self::cancel) was called.
     #[must_use]
+    #[inline(always)]
     pub fn cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+        self.stop.asked()
+    }
+
+    /// The wish itself, to be looked at where there is no control.
+    #[must_use]
+    pub fn stop(&self) -> &Stop {
+        &self.stop
     }
 
     /// Live progress by channel, ascending channel number.

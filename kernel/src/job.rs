@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::compile;
 
-use crate::control::Control;
+use crate::control::{Control, Stop};
 use crate::files::Files;
 use crate::log::event::Event;
 use crate::log::fold::Folds;
@@ -50,6 +50,8 @@ pub struct Job {
 pub struct PrepareError {
     /// All reasons.
     pub findings: Vec<Finding>,
+    /// Nothing is wrong with the job as far as is known: it was asked to end meanwhile.
+    pub cancelled: bool,
 }
 
 /// Text files that macros have written, ascending by path with `/` between parts.
@@ -84,9 +86,17 @@ pub struct Outcome {
     pub sink_failed: bool,
 }
 
+/// Bytes of a text that are searched between two looks at whether the job is to end.
+const PIECE: usize = 1 << 20;
+
 /// A program of the job has embedded macro code, which needs no macro of the machine.
-fn has_embedded(info: &Info, files: &dyn Files) -> bool {
-    let has = |text: &[u8]| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(text, mark).is_some());
+fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
+    let has = |text: &[u8]| {
+        // Piece by piece, with the byte after each: a mark has two.
+        let pieces = (0..text.len()).step_by(PIECE).take_while(|_| !stop.asked());
+        let mut pieces = pieces.filter_map(|at| text.get(at..text.len().min(at + PIECE + 1)));
+        pieces.any(|piece| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(piece, mark).is_some()))
+    };
     info.files.iter().any(|file| match file.source.get() {
         Some(source) => source.as_ref().is_some_and(|source| has(source.bytes())),
         None => files.read(&file.name).is_ok_and(|bytes| has(&bytes)),
@@ -98,11 +108,30 @@ impl Job {
     ///
     /// # Errors
     /// Every reason why the job cannot run: missing files, unknown channels, too many programs, bad options.
-    pub fn prepare(mut spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+    pub fn prepare(spec: Spec, files: &dyn Files) -> Result<Self, PrepareError> {
+        Self::prepare_until(spec, files, &Stop::default())
+    }
+
+    /// The same, unless `stop` is asked for: programs may be long. The job is run by a control with that `stop`.
+    ///
+    /// # Errors
+    /// Those of [`prepare`](Self::prepare), and that it was asked to end.
+    pub fn prepare_until(mut spec: Spec, files: &dyn Files, stop: &Stop) -> Result<Self, PrepareError> {
+        let cancelled = || PrepareError {
+            findings: vec![Finding::error("job", 0, 0, "the job was cancelled before it began")],
+            cancelled: true,
+        };
         spec.options.limits = spec.options.limits.capped();
-        let info = crate::mcd::layout::assign(&spec, files).map_err(|findings| PrepareError { findings })?;
+        let info = match crate::mcd::layout::assign(&spec, files, stop) {
+            _ if stop.asked() => return Err(cancelled()),
+            Ok(info) => info,
+            Err(findings) => return Err(PrepareError { findings, cancelled: false }),
+        };
         let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
-        let macros = macros.or_else(|| has_embedded(&info, files).then(|| Arc::new(compile::Program::new())));
+        let macros = macros.or_else(|| has_embedded(&info, files, stop).then(|| Arc::new(compile::Program::new())));
+        if stop.asked() {
+            return Err(cancelled());
+        }
         Ok(Self { spec, info: Arc::new(info), macros })
     }
 

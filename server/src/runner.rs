@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::files::Files;
 use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
 use counterpoint_kernel::log::info::Info;
@@ -26,11 +26,11 @@ pub struct Task {
 
 /// Prepares jobs.
 pub trait Runner: Send + Sync + 'static {
-    /// Loads programs and assigns them to channels.
+    /// Loads programs and assigns them to channels, unless `stop` is asked for.
     ///
     /// # Errors
-    /// Every reason why the job cannot run.
-    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>>;
+    /// Every reason why the job cannot run; when `stop` was asked for, that it was.
+    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>>;
 }
 
 /// A job ready to run.
@@ -47,9 +47,9 @@ pub trait Prepared: Send {
 pub struct Kernel;
 
 impl Runner for Kernel {
-    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
         let spec = Spec { machine: task.machine, programs: task.programs, options: task.options };
-        match Job::prepare(spec, files) {
+        match Job::prepare_until(spec, files, stop) {
             Ok(job) => Ok(Box::new(job)),
             Err(error) => Err(error.findings),
         }

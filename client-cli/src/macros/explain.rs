@@ -9,6 +9,7 @@ use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
+use super::kinds::kind;
 use super::terms::terms;
 use crate::error::Error;
 use crate::say;
@@ -16,7 +17,12 @@ use crate::say;
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
 pub(super) fn explain(what: &str) -> Result<u8, Error> {
-    match page(what).or_else(|| named(what)).or_else(|| alarm(what)) {
+    // A word such as CYCLE may name a kind of macro, too.
+    let names = || match (kind(what), named(what)) {
+        (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
+        (kind, name) => kind.or(name),
+    };
+    match page(what).or_else(names).or_else(|| alarm(what)) {
         Some(text) => {
             say::data(text.as_bytes())?;
             Ok(0)
@@ -31,15 +37,26 @@ fn page(what: &str) -> Option<String> {
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
-/// The pages of the diagnostics that an alarm of a control stands for: they name it.
+/// Letters of alarms whose number may stand alone.
+const ALARMS: &[&str] = &["PS", "SR", "SW", "SV", "SP", "OT", "OH", "IO", "PW", "BG", "DS", "IE", "EX"];
+
+/// Letters and number of an alarm of a control: two to four letters, or none in short.
+fn alarm_name(word: &str) -> Option<(&str, u32)> {
+    let (letters, digits) = word.split_at_checked(word.bytes().take_while(u8::is_ascii_alphabetic).count())?;
+    let plain = letters.len() != 1 && letters.len() <= 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
+    Some((letters, digits.parse().ok().filter(|_| plain)?))
+}
+
+/// The pages of the diagnostics that an alarm of a control stands for: they name it. Zeros before the number may be
+/// left out, and so may the letters.
 fn alarm(what: &str) -> Option<String> {
-    let word = what.trim().to_uppercase();
-    let letters = word.chars().take_while(char::is_ascii_alphabetic).count();
-    if word.len() < 4 || letters > 4 || !word.chars().skip(letters).all(|c| c.is_ascii_digit()) || letters == word.len()
-    {
-        return None;
-    }
-    let names = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric()).any(|one| one == word);
+    let word = what.trim().to_uppercase().replace('/', "");
+    let (letters, number) = alarm_name(&word)?;
+    let is = |one: &str| {
+        let found = alarm_name(one).filter(|(_, known)| *known == number);
+        found.is_some_and(|(of, _)| if letters.is_empty() { ALARMS.contains(&of) } else { of == letters })
+    };
+    let names = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric()).any(is);
     let pages: Vec<&str> = PAGES
         .files()
         .filter(|file| file.path().file_stem().is_some_and(|stem| stem != "README"))

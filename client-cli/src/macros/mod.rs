@@ -7,6 +7,7 @@ pub(crate) mod arguments;
 mod check;
 mod explain;
 mod fmt;
+mod kinds;
 mod run;
 mod sandbox;
 mod terms;

@@ -54,6 +54,14 @@ const OPERATORS: &[Row] = &[
     (".FALSE. $FALSE", "The truth value false."),
     ("$NULL", "No value; it equals only itself, and may be compared with anything by .EQ. and .NE."),
     ("$PI", "The number pi."),
+    (
+        "#{ !{",
+        "In the text of a block: code of macros up to }, run when the block is read; what it gives takes its place. #{ comes before the pre-processor, !{ after it ($EMBMAC).",
+    ),
+    (
+        "AND OR",
+        "In `condition` of a macro in the machine file, as .AND., && and .OR., ||; AND binds tighter. Macros write .AND. and .OR.",
+    ),
 ];
 
 const FORMATS: &[Row] = &[
@@ -177,6 +185,13 @@ const ARGUMENTS: &[(u8, &str, &str)] = &[
     (9, "subprogram startup and shutdown", "* file"),
     (10, "subprogram startup and shutdown", "* line in the file, -1 if it was not found"),
 ];
+
+/// Arguments of a kind of macro, with what they hold.
+pub(super) fn arguments_of(kind: &str) -> impl Iterator<Item = (u8, &'static str)> {
+    let both = "pre-processor and block startup and shutdown";
+    let is = move |of: &str| of == kind || of == both && both.ends_with(kind.trim_start_matches("pre-processor "));
+    ARGUMENTS.iter().filter(move |(_, of, _)| !kind.is_empty() && is(of)).map(|(number, _, about)| (*number, *about))
+}
 
 /// Everything that is known of a term, by what it is.
 pub(super) fn terms(what: &str) -> Option<String> {

@@ -3,6 +3,7 @@
 //! Invariant: an instruction is eight bytes and names registers, never places in memory; constants sit in registers of
 //! their own that are filled once. Every instruction knows its statement, and some have a short form in [`fast`].
 
+pub mod body;
 pub mod fast;
 
 use crate::func::Function;
@@ -344,6 +345,8 @@ pub struct Code {
     pub ops: Vec<Op>,
     /// Short forms, one for each instruction.
     pub fast: Vec<fast::Fast>,
+    /// Small functions that short forms carry out in place of a call.
+    pub bodies: Vec<body::Body>,
     /// Place of the statement of each instruction.
     pub places: Vec<Span>,
     /// Number of registers.

@@ -9,6 +9,7 @@ mod call;
 mod expression;
 mod fast;
 mod flow;
+mod inline;
 mod names;
 mod register;
 mod statement;
@@ -163,7 +164,9 @@ pub fn add(program: &mut Program, environment: &mut dyn Environment, source: Sou
 
 fn extend(program: &mut Program, environment: &mut dyn Environment, source: Arc<Source>, options: Options) -> Added {
     let mut added = Added::default();
+    let first = program.macros.len();
     load(program, environment, &source, options, &mut added, 0);
+    inline::link(program, first);
     added.diagnostics.sort_by_key(|diagnostic| (diagnostic.file != source.name, diagnostic.line, diagnostic.column));
     if added.diagnostics.len() > MAX_DIAGNOSTICS {
         added.diagnostics.truncate(MAX_DIAGNOSTICS);
@@ -268,6 +271,7 @@ impl Code {
             source: Arc::clone(source),
             ops: Vec::new(),
             fast: Vec::new(),
+            bodies: Vec::new(),
             places: Vec::new(),
             registers: 0,
             constants: Vec::new(),

@@ -1,6 +1,6 @@
 //! The macro language of the control emulator. Knows nothing of machines, programs, channels or I/O.
 //!
-//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`], [`format`],
+//! Ground floor first: [`value`], [`ident`], [`source`], [`diag`], [`fault`], [`lex`], [`ast`], [`parse`], [`mod@format`],
 //! [`pattern`], [`host`], [`func`], [`bytecode`], [`compile`], [`vm`], [`tools`]. A source is lexed and parsed without
 //! ever failing, compiled once to [`bytecode`] with every error it has, and run by [`vm::run`] against a [`host::Host`].
 

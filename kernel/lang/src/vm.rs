@@ -4,6 +4,7 @@
 //! ever; a fault of severity 8 ends the innermost macro and its caller goes on, a used-up budget ends all of them.
 //! Facts: reference macro-language.md 1.4, 1.7, 2, 3.
 
+mod bodies;
 mod calls;
 pub(crate) mod commands;
 mod data;

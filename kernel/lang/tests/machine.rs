@@ -78,3 +78,83 @@ fn depth_and_ticks_are_limited_through_calls() {
     let (host, end) = run(endless, Limits { ticks: 10_000, ..Limits::default() });
     assert_eq!((end, host.printed.len()), (End::Budget, 0));
 }
+
+/// What can be seen of a run: its end, what it printed and reported, and the steps that it cost.
+fn seen(text: &str, limits: Limits) -> (End, Vec<String>, Vec<String>, u64) {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    assert!(!added.has_errors(), "{text}: {:?}", added.diagnostics);
+    let mut state = State::new(limits);
+    let (end, _) = vm::run(&program, &mut state, &mut host, *added.macros.last().unwrap(), &mut []);
+    assert_eq!(state.depth, 0, "every macro that is entered is left");
+    let reported = |one: &counterpoint_lang::diag::Diagnostic| {
+        format!("{:?} {:?} {:?} {}", one.number, one.macro_name, one.statement, one.message)
+    };
+    let reported = host.diagnostics.iter().map(reported).collect();
+    (end, host.printed, reported, limits.ticks - state.ticks)
+}
+
+#[test]
+fn a_small_function_does_what_a_large_one_does() {
+    // The condition never holds; PPRINT makes the function one that needs a call of its own.
+    const LARGE: &str = "IF/1.EQ.0\nPPRINT/'never'\nENDOF/IF\nENDMAC";
+    let functions = [
+        ("F(A,B)", "F=A+B"),
+        ("F(A,B)", "F=A*2-B/A"),
+        ("F(A,B)", "F=A\nF=F/B\nF=7"),
+        ("F(A,B)", "A=A+1\nB=A\nF=A+B"),
+        ("F(A,B)", "IF/A.EQ.B\nF=A\nENDOF/IF"),
+        ("F(A,B)", "IF/A.EQ.B\nF=A\nELSE\nF=B\nENDOF/IF\nF+=A"),
+        ("F(A,B)", "IF/A.LT.B\nL=A\nENDOF/IF\nF=L"),
+        ("F(A,B)", "C=A"),
+        ("F(A,B)", "F=A(2)"),
+        ("F(A,B)", "IF/A(1).NE.B\nF=A(1)*2\nENDOF/IF"),
+        ("F(A,B)", "F=A//B\nF=F//F"),
+        ("F(A,B)", "F=$FMOD(A,3)+$FSQRT(B)"),
+        ("F(A,B)", "F=F.EQ.$NULL\nF=.NOT.F"),
+        ("F(A,B)", "CASE/A\nWHEN/1,2\nF='few'\nWHEN/3,THRU,9\nF='many'\nWHEN/OTHERS\nF=B\nENDOF/CASE"),
+        ("REAL,F(REAL,A,B)", "F=A+1\nC=B"),
+        ("STRING,F(A,STRING,B)", "F=A"),
+    ];
+    let calls = [
+        "R=F(1,2)",
+        "R=F(4,4)",
+        "R=F(0,0)",
+        "R=F('a','b')",
+        "R=F('a',1)",
+        "R=F(3,'b')",
+        "R=F($TRUE,$FALSE)",
+        "R=F({1,2,3},4)",
+        "R=F(U,V)",
+        "U=1\nU=2\nR=F(U,U)\nR=F(R,U)",
+        "R=1\nDO/I=1,3\nR=F(R,I)\nENDOF/DO",
+        "R=F(F(1,2),F(3,4))",
+        "DECLAR/OBJECT,O\nO=5\nR=F(O,1)\nO=F(R,O)\nR=F(O,O)",
+        "R={9}\nR=F(10**300,10**300)",
+        "R=F(1,2)\nR=F(2,1)\nR=F('x','x')\nR=F(1,2)",
+    ];
+    let mut compared = 0;
+    for (header, body) in functions {
+        for call in calls {
+            let rest = format!("{call}\nPPRINT/'!(*) !(*)',R,U");
+            let small = format!("MACRO/{header}\n{body}\nENDMAC\n{rest}");
+            let large = format!("MACRO/{header}\n{body}\n{LARGE}\n{rest}");
+            if !compiles(&small) {
+                continue;
+            }
+            let depth = Limits { depth: 1, ..Limits::default() };
+            let tight = (0..30).map(|ticks| Limits { ticks, ..Limits::default() });
+            for limits in [Limits::default(), depth].into_iter().chain(tight) {
+                assert_eq!(seen(&small, limits), seen(&large, limits), "{small}\n{limits:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 5_000, "{compared}");
+}
+
+fn compiles(text: &str) -> bool {
+    let (mut program, mut host) = (Program::new(), Test::new());
+    let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
+    !added.has_errors()
+}

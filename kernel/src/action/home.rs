@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
+use crate::channel::state::Axis;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Position;
@@ -22,9 +23,28 @@ pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
         coded = every_axis(kernel);
     }
     kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
+    check_reference(kernel, coded, number)?;
     kernel.place.home_via = Some(via);
     kernel.rapid_to(coded, via)?;
     to_reference(kernel, coded, number)
+}
+
+/// Point `number` of an axis in the machine frame.
+fn reference(axis: &Axis, number: usize) -> Option<f64> {
+    match number {
+        1 => Some(axis.home),
+        n => axis.references.get(n.wrapping_sub(2)).copied().flatten(),
+    }
+}
+
+/// Reports a reference point that the machine does not have for all axes that go there.
+fn check_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
+    let mut axes = kernel.place.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
+    if axes.any(|(_, axis)| reference(axis, number).is_none()) {
+        let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
+        kernel.diagnose(&diag::NO_REFERENCE, text);
+    }
+    kernel.check_stop()
 }
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
@@ -34,7 +54,9 @@ fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
     if coded != 0 {
         return kernel.rapid_to(coded, target);
     }
-    to_reference(kernel, every_axis(kernel), number)
+    let coded = every_axis(kernel);
+    check_reference(kernel, coded, number)?;
+    to_reference(kernel, coded, number)
 }
 
 /// All axes of the channel, bit by axis.
@@ -52,25 +74,15 @@ pub(super) fn machine_targets(kernel: &mut Kernel<'_>) -> (u8, Position) {
 
 fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
     let mut target = kernel.machine_point(&kernel.place.position);
-    let mut missing = false;
     for (index, (slot, axis)) in target.iter_mut().zip(&kernel.place.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
         }
-        let reference = match number {
-            1 => Some(axis.home),
-            n => axis.references.get(n.wrapping_sub(2)).copied().flatten(),
-        };
-        match reference {
-            Some(point) => *slot = point,
-            None => missing = true,
+        if let Some(point) = reference(axis, number) {
+            *slot = point;
         }
     }
     let target = kernel.way_of_machine(&target);
-    if missing {
-        let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
-        kernel.diagnose(&diag::NO_REFERENCE, text);
-    }
     kernel.rapid_to(coded, target)
 }
 

@@ -288,9 +288,11 @@ impl Kernel<'_> {
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
 
-    /// Carries out a motion: limits, event, clock, position.
+    /// Carries out a motion: limits, event, clock, position. After an alarm of its block nothing moves.
     #[inline]
     pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        self.check_stop()?;
+        self.check_travel_before(motion)?;
         if self.macros.is_some() {
             return self.motion_event(seconds, motion);
         }
@@ -356,9 +358,19 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn check_travel(&mut self, to: &Position) {
-        if self.place.limited {
+        if self.place.limited && !self.place.limits_stop {
             self.check_limits_of_axes(to);
         }
+    }
+
+    /// Where it is an alarm, an end beyond the limits stops the channel before the move.
+    #[inline(always)]
+    fn check_travel_before(&mut self, motion: &Motion) -> Acted {
+        if self.place.limited && self.place.limits_stop {
+            self.check_limits_of_axes(&motion.to);
+            return self.check_stop();
+        }
+        Ok(())
     }
 
     #[inline(never)]

@@ -168,8 +168,8 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
     let rank = kernel.rank;
     let mut conflict = 0;
     if kernel.spindle.shared {
-        let (now, writer) = kernel.shared(|inner, coordinator| {
-            let Some(spindle) = inner.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
+        let (now, writer) = kernel.shared(|order| {
+            let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
             let old = spindle.command;
             change(&mut spindle.command);
             if old.driver == rank && spindle.command.driver != rank {
@@ -180,7 +180,6 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
             let other = spindle.writer != 0 && spindle.writer != rank && !spindle.ordered.has(rank);
             let writer = if changed && other { spindle.writer } else { 0 };
             spindle.writer = rank;
-            coordinator.set_orders(true);
             spindle.ordered = Set::default().with(rank);
             (spindle.command, writer)
         })?;
@@ -209,8 +208,8 @@ pub(crate) fn set_command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)
         change(&mut kernel.spindle.command);
         return Ok(());
     }
-    let now = kernel.shared(|inner, _| {
-        inner.shared.spindles.get_mut(index).map(|spindle| {
+    let now = kernel.shared(|order| {
+        order.shared.spindles.get_mut(index).map(|spindle| {
             change(&mut spindle.command);
             spindle.command
         })
@@ -255,8 +254,8 @@ impl Kernel<'_> {
         if self.spindle.shared
             && let Some(index) = self.spindle.index
         {
-            let (command, now) = self.shared(|inner, _| {
-                inner.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
+            let (command, now) = self.shared(|order| {
+                order.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
             })?;
             self.spindle.command = command;
             self.spindle.now = now;
@@ -326,8 +325,8 @@ impl Kernel<'_> {
         let rpm = self.turning_speed()?;
         if rpm != self.spindle.now {
             self.spindle.now = rpm;
-            self.shared(|inner, _| {
-                if let Some(spindle) = inner.shared.spindles.get_mut(index) {
+            self.shared(|order| {
+                if let Some(spindle) = order.shared.spindles.get_mut(index) {
                     spindle.now = rpm;
                 }
             })?;

@@ -16,8 +16,8 @@ use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, 
 use crate::log::info::Info;
 use crate::machine::ident::data;
 use crate::machine::model::{CodeForm, CodeRow, PathsForm, SyncDialect};
-use crate::multi::coordinator::meet::Met;
-use crate::multi::coordinator::{Coordinator, Inner, Wake};
+use crate::multi::coordinator::turn::Met;
+use crate::multi::order::{Order, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting};
 
@@ -182,7 +182,7 @@ fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<
     }
 }
 
-/// Arrives, and stands until the others are there.
+/// Arrives, and waits until the others are there.
 fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let since_ns = kernel.clock;
     let wait = kernel.meetings.wait(&spec);
@@ -190,13 +190,12 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();
-    let all = kernel.coordinator.is_pair(spec.parts);
     let (file, line, info) = (kernel.file, kernel.line, kernel.info);
     let waiting = Waiting { spec, tag, file, line };
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
     kernel.control.disturb(kernel.rank);
     let met = kernel.coordinator.meet(
-        &waiting,
+        waiting.clone(),
         kernel,
         |kernel| {
             kernel.emitter.flush(tag);
@@ -205,39 +204,40 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
         |kernel, look| kernel.emitter.work(look),
     );
     kernel.control.disturb(kernel.rank);
-    let wake = match met {
-        Met::Woken(wake) => wake,
-        Met::Stands => stand(kernel, tag, &wait),
-        Met::Not => {
+    let after = match met {
+        Met::Woken(wake) => return woken(kernel, wake, release),
+        Met::Turn(mut turn) => {
             let own = Finish { how: Terminal::Alarmed, file, line };
-            match kernel.shared(|inner, coordinator| inner.arrive(coordinator, waiting, own, info))? {
-                After::Go { t, micro, meeting } => {
-                    go_on(kernel, (t, micro), release(meeting));
-                    return Ok(());
-                }
-                After::Alarm { text, verdict } => {
-                    let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
-                    if let Some(verdict) = verdict {
-                        kernel.emit_verdict(verdict);
-                    }
-                    return Err(halt);
-                }
-                After::Stand(verdict) => {
-                    if let Some(verdict) = verdict {
-                        kernel.emit_verdict(verdict);
-                    }
-                    stand(kernel, tag, &wait)
-                }
-            }
+            turn.arrive(waiting, own, info)
         }
     };
-    woken(kernel, wake, all, release)
+    match after {
+        After::Go { t, micro, meeting } => {
+            kernel.progress.set_state(State::Running);
+            go_on(kernel, (t, micro), release(meeting));
+            Ok(())
+        }
+        After::Alarm { text, verdict } => {
+            let halt = kernel.fatal(&diag::WAIT_MISMATCH, text);
+            if let Some(verdict) = verdict {
+                kernel.emit_verdict(verdict);
+            }
+            Err(halt)
+        }
+        After::Stand(verdict) => {
+            if let Some(verdict) = verdict {
+                kernel.emit_verdict(verdict);
+            }
+            let wake = stand(kernel, tag, &wait);
+            woken(kernel, wake, release)
+        }
+    }
 }
 
-/// Goes on after standing; `all`: nobody does anything before.
-fn woken(kernel: &mut Kernel<'_>, wake: Wake, all: bool, release: impl FnOnce(u64) -> Release) -> Acted {
+/// Continues after a wait.
+fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Release) -> Acted {
     match wake {
-        Wake::Released { tag, meeting } => {
+        Wake::Released { tag, meeting, all } => {
             kernel.progress.set_state(State::Running);
             if all {
                 kernel.emitter.all_reached(tag.t);
@@ -251,42 +251,40 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, all: bool, release: impl FnOnce(u6
         }
         Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
         Wake::Over => Err(Halt::Blocked),
-        Wake::Stopped => Err(Halt::Stopped),
+        Wake::Stopped | Wake::Turn => Err(Halt::Stopped),
     }
 }
 
-/// Stands at a wait until another channel ends it.
+/// Waits until another channel ends the wait that this one is blocked at.
 fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
-    kernel.emitter.flush(tag);
-    kernel.progress.stand(wait.clone());
-    let wake = kernel.coordinator.wait(kernel.rank);
+    let (coordinator, rank) = (kernel.coordinator, kernel.rank);
+    let wake = coordinator.wait(rank, kernel, |kernel| {
+        kernel.emitter.flush(tag);
+        kernel.progress.stand(wait.clone());
+    });
     kernel.control.disturb(kernel.rank);
     wake
 }
 
-impl Inner {
+impl Order {
     /// The arriving kernel carries out its arrival itself.
-    fn arrive(&mut self, coordinator: &Coordinator, waiting: Waiting, own: Finish, info: &Info) -> After {
+    fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> After {
         let tag = waiting.tag;
         let (file, line) = (waiting.file, waiting.line);
         match self.waits.arrive(waiting) {
             Arrival::Released { channels, t, micro } => {
-                let meeting = coordinator.count_meeting(self, channels);
-                for channel in channels.iter().filter(|&c| c != tag.rank) {
-                    let tag = Tag { t, micro, rank: channel };
-                    coordinator.resume(self, channel, Wake::Released { tag, meeting });
-                }
+                let meeting = self.release(channels, (t, micro), Some(tag.rank));
                 After::Go { t, micro, meeting }
             }
             Arrival::Blocked => {
                 let verdict = if self.waits.hopeful(tag.rank) { None } else { self.judge(tag.t, info) };
-                coordinator.block(self, tag.rank);
+                self.block(tag.rank);
                 After::Stand(verdict)
             }
             Arrival::Mismatch { channels, members, text } => {
                 let own_place = Member { channel: tag.rank, file, line, waiting_for: Vec::new() };
                 let members = members.into_iter().chain([own_place]).collect();
-                refuse(self, coordinator, channels, members, text, (tag, own))
+                refuse(self, channels, members, text, (tag, own))
             }
         }
     }
@@ -294,8 +292,7 @@ impl Inner {
 
 /// The control refuses to pair waits: all of them alarm.
 fn refuse(
-    inner: &mut Inner,
-    coordinator: &Coordinator,
+    order: &mut Order,
     channels: Set,
     mut members: Vec<Member>,
     text: String,
@@ -309,18 +306,18 @@ fn refuse(
     let text = format!("PS0160 waiting codes do not match: {text}");
     for member in members.iter().filter(|m| m.channel != tag.rank) {
         let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
-        inner.waits.finish(member.channel, finish);
+        order.waits.finish(member.channel, finish);
         let tag = Tag { t: tag.t, micro: tag.micro + 1, rank: member.channel };
-        coordinator.resume(inner, member.channel, Wake::Alarm { tag, text: text.clone() });
+        order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
     }
-    inner.waits.finish(tag.rank, own);
-    let first = !inner.judged;
-    inner.judged = true;
+    order.waits.finish(tag.rank, own);
+    let first = !order.judged;
+    order.judged = true;
     let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
     After::Alarm { text, verdict: first.then_some(verdict) }
 }
 
-/// Goes on after a meeting.
+/// Continues after a meeting.
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     if t > kernel.clock {
         kernel.idle_blocks = 0;

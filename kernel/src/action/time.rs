@@ -6,13 +6,21 @@
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
-use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::state::group;
+use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, MAX_AXES, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, RapidPath};
+
+/// What is said about a feed that cannot be used.
+fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
+    match feed {
+        None => (&diag::NO_FEED, "no feed has been programmed for"),
+        Some(_) => (&diag::FEED_NOT_POSITIVE, "the feed is zero or less in"),
+    }
+}
 
 /// A path whose time is asked for.
 pub(super) struct Path<'a> {
@@ -68,16 +76,34 @@ impl Kernel<'_> {
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
         let least = self.machine.habits.least_feed;
-        let how = least.map_or_else(
-            || "the move is timed as rapid".to_owned(),
-            |feed| format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
-        );
+        let how = match least {
+            _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
+            Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
+            None => "the move is timed as rapid".to_owned(),
+        };
         let text = format!("{what} '{}', {how}", self.block_text());
         self.diagnose(facts, text);
         match least {
             Some(feed) => self.paced(path, feed / 60.0),
             None => self.rapid_seconds(path.from, path.to),
         }
+    }
+
+    /// Stops the channel at a move without a usable feed before anything of it is made, where that is an alarm.
+    #[inline(always)]
+    pub(super) fn check_feed(&mut self, feed: Option<f64>) -> Acted {
+        if feed.is_some_and(|feed| feed > 0.0) { Ok(()) } else { self.no_feed(feed) }
+    }
+
+    #[cold]
+    fn no_feed(&mut self, feed: Option<f64>) -> Acted {
+        let (facts, what) = lack(feed);
+        if self.goes_on_at(facts) {
+            return Ok(());
+        }
+        let text = format!("{what} '{}', nothing of the block is done", self.block_text());
+        self.diagnose(facts, text);
+        self.check_stop()
     }
 
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
@@ -87,12 +113,10 @@ impl Kernel<'_> {
         feed: Option<f64>,
         unit: FeedUnit,
     ) -> Result<f64, crate::channel::Halt> {
-        let Some(feed) = feed else {
-            return Ok(self.without_feed(path, &diag::NO_FEED, "no feed has been programmed for"));
+        let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
+            let (facts, what) = lack(feed);
+            return Ok(self.without_feed(path, facts, what));
         };
-        if feed <= 0.0 {
-            return Ok(self.without_feed(path, &diag::FEED_NOT_POSITIVE, "the feed is zero or less in"));
-        }
         Ok(match unit {
             FeedUnit::PerMinute => self.paced(path, feed / 60.0),
             FeedUnit::InverseTime => 60.0 / feed,

@@ -36,6 +36,9 @@ pub(crate) struct Firing {
     pub(crate) fragile: bool,
 }
 
+/// Words of a block at most, and texts of other kinds.
+const MOST_WORDS: usize = 255;
+
 /// Largest number of registers.
 pub(crate) const REGISTERS: usize = 100;
 
@@ -49,6 +52,12 @@ pub(crate) mod odd {
     pub(crate) const BYTES: u8 = 4;
     /// A program name in angle brackets, which a call may take.
     pub(crate) const NAME: u8 = 8;
+    /// A negative value in a register that has no sign.
+    pub(crate) const SIGN: u8 = 16;
+    /// A decimal point in a register that takes none.
+    pub(crate) const POINT: u8 = 32;
+    /// What is odd about numbers.
+    pub(crate) const NUMBERS: u8 = DIGITS | SIGN | POINT;
 }
 
 /// The block being processed.
@@ -137,11 +146,29 @@ impl Block {
     /// Adds a word; a block takes 255 at most, the rest is unknown text.
     #[inline(always)]
     pub(crate) fn push(&mut self, word: Word) {
-        if self.words.len() >= 255 {
-            self.unknown.push((word.start, word.end));
+        if self.words.len() >= MOST_WORDS {
+            self.push_unknown((word.start, word.end));
             return;
         }
         self.words.push(word);
+    }
+
+    /// Adds text that is no word; what lies between such texts becomes part of one when there are very many.
+    pub(crate) fn push_unknown(&mut self, (start, end): (u32, u32)) {
+        let many = self.unknown.len() >= MOST_WORDS;
+        match self.unknown.last_mut() {
+            Some(last) if last.1 == start || many => last.1 = last.1.max(end),
+            _ => self.unknown.push((start, end)),
+        }
+    }
+
+    /// Adds a literal text code; a block takes as many as words.
+    pub(crate) fn push_text(&mut self, row: u16, (start, end): (u32, u32)) {
+        if self.texts.len() >= MOST_WORDS {
+            self.push_unknown((start, end));
+            return;
+        }
+        self.texts.push(row);
     }
 
     /// Span of a program name in angle brackets that nothing has taken.

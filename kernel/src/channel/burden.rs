@@ -7,7 +7,10 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::Scale;
 
 use super::{Acted, Halt, Kernel};
-use crate::log::event::VerdictKind;
+use crate::log::event::{Event, VerdictKind};
+use crate::log::info::Room;
+use crate::log::timeline::bars::Bar;
+use crate::log::toolpath::store::{Curve, Move};
 use crate::options::Limits;
 
 /// Elements that a block may set or look at before it counts as one more.
@@ -22,8 +25,15 @@ pub(crate) const LONGEST_TEXT: usize = 4096;
 /// Bytes that a diagnostic or a stay takes besides its text.
 pub(crate) const RESULT: usize = 256;
 
+/// Bytes that an event takes at most: in the toolpath, as half of the block and the move with an arc that it mostly is;
+/// as a bar; and while it waits.
+const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
+const BAR: u64 = size_of::<Bar>() as u64 / 2;
+const EVENT: u64 = size_of::<Event>() as u64;
+
 /// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
-/// parts; of such a part, two thirds are for the values of macros.
+/// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
+/// than their part of the rest, whatever a program does.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shares {
     /// Variables and files that all kernels share.
@@ -40,6 +50,20 @@ impl Shares {
         let common = limits.memory / 4;
         let each = (limits.memory - common) / kernels.max(1) as u64;
         Self { common, macros: each - each / 3, rest: each / 3 }
+    }
+
+    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
+    pub(crate) fn of_channels(limits: &Limits, channels: usize) -> Self {
+        Self::of(limits, channels + usize::from(channels > 1))
+    }
+
+    /// How much of the rest results and events may take; there is a least that is of any use.
+    pub(crate) fn room(&self) -> Room {
+        Room {
+            path: (self.rest / 2).max(32 << 10),
+            bars: (self.rest / 8).max(16 << 10),
+            waiting: (self.rest / 8).max(64 << 10),
+        }
     }
 }
 
@@ -77,7 +101,7 @@ pub(crate) fn shortened(text: &str) -> &str {
 
 /// Variables that many may write to, with what they take. They are weighed when what was written since could be too
 /// much.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Hoard {
     kept: u64,
     fresh: u64,
@@ -105,9 +129,7 @@ pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
 impl Kernel<'_> {
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
-        let channels = self.machine.channels.len();
-        // Several kernels have a master, which runs macros, too.
-        Shares::of(&self.options.limits, channels + usize::from(channels > 1))
+        Shares::of_channels(&self.options.limits, self.machine.channels.len())
     }
 
     /// Counts work within a block, in elements, and looks whether the job is to end.
@@ -129,13 +151,23 @@ impl Kernel<'_> {
 
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
-        let limit = self.shares().rest;
+        let shares = self.shares();
+        let (limit, room) = (shares.rest, shares.room());
+        // Kernels may be ahead of their results, so what those take is told by the events: at most.
+        let events = self.emitter.count();
+        let several = self.machine.channels.len() > 1;
         let interpreter = self.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
         let tables = (self.flow.compiled.bytes() + self.flow.tables) as u64;
         let parts = [
             (self.burden.results, "diagnostics and meetings"),
             (interpreter, "variables of the program"),
             (tables, "tables of the program's labels and lines"),
+            (room.path.min(events.saturating_mul(PATH)), "the toolpath"),
+            (room.bars.min(events.saturating_mul(BAR)), "the bars of the timeline"),
+            (
+                room.waiting.min(events.saturating_mul(EVENT)) * u64::from(several),
+                "events that wait for other channels",
+            ),
         ];
         let all: u64 = parts.iter().map(|(bytes, _)| bytes).sum();
         let largest = parts.iter().max_by_key(|(bytes, _)| *bytes).map_or("", |(_, name)| name);
@@ -160,6 +192,15 @@ mod tests {
             let shares = Shares::of(&limits, kernels);
             let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
             assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
+        }
+    }
+
+    #[test]
+    fn results_leave_room_for_the_rest() {
+        for kernels in 1..40 {
+            let shares = Shares::of(&Limits::default(), kernels);
+            let room = shares.room();
+            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
         }
     }
 

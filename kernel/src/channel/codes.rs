@@ -24,6 +24,7 @@ impl Kernel<'_> {
         }
         self.check_known()?;
         self.imply();
+        self.check_refused()?;
         self.sort();
         let mut index = 0;
         while let Some(&firing) = self.block.firings.get(index) {

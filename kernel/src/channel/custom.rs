@@ -17,7 +17,7 @@ use crate::machine::ident::data;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
-use crate::macros::runtime::{Later, TICKS, Task};
+use crate::macros::runtime::{Later, Task};
 use crate::trace::{self, Stage};
 
 impl Kernel<'_> {
@@ -33,7 +33,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        let text = format!("{}{text}", trace::BLOCK).into();
+        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
         self.emit(0, Kind::Trace { letter: trace::LISTING, text });
     }
 
@@ -75,7 +75,7 @@ impl Kernel<'_> {
         // The rest of that block is dropped, not that of the one around it.
         let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
         (self.as_data, self.mode_changed) = (as_data, mode_changed);
-        // A return or an end waits for the end of the block that was interrupted.
+        // An end waits for the end of the block that was interrupted.
         match std::mem::replace(&mut self.flow.pending, asked) {
             Some(own) if self.flow.pending.is_some() => self.ask(own),
             Some(own) => self.flow.pending = Some(own),
@@ -86,37 +86,6 @@ impl Kernel<'_> {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
             (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark) = kept;
-        }
-        done
-    }
-
-    /// Carries out the call that a block inside another one asks for: the whole subprogram, before the macro goes on.
-    fn call_at_once(&mut self) -> Acted {
-        use super::flow::Pending::{Call, CallRange, CallText};
-        if !matches!(self.flow.pending, Some(Call { .. } | CallRange { .. } | CallText(_))) {
-            return Ok(());
-        }
-        let level = self.flow.frames.len();
-        let place = (self.file, self.line, self.edited.clone());
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let later = std::mem::take(&mut runtime.later);
-        let matching = std::mem::replace(&mut runtime.matching, true);
-        let ticks = runtime.ticks(None);
-        let mut done = self.follow();
-        while done.is_ok() && self.flow.frames.len() > level {
-            if let Some(runtime) = self.macros.as_deref_mut() {
-                // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
-                runtime.ticks(Some(TICKS));
-            }
-            done = self.step();
-        }
-        (self.file, self.line, self.edited) = place;
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.ticks(ticks);
-            runtime.matching = matching;
-            // What its last block left for later comes after what was left before.
-            let own = std::mem::replace(&mut runtime.later, later);
-            runtime.later.extend(own);
         }
         done
     }

@@ -1,4 +1,4 @@
-//! Subprogram startup and shutdown macros: once for each pass.
+//! Subprogram startup and shutdown macros, once for each pass, and calls and returns inside macros.
 //!
 //! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers or
 //! labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number
@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::flow::Pending;
 use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
 use crate::log::info::File;
-use crate::machine::model::StoredFile;
+use crate::machine::model::{MainReturn, Preprocessor, StoredFile};
 use crate::macros::model::Hook;
-use crate::macros::runtime::Task;
+use crate::macros::runtime::{TICKS, Task};
 use crate::mcd::program::Range;
 
 /// Where a subprogram is, if anywhere.
@@ -167,5 +168,49 @@ impl Kernel<'_> {
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
+    }
+
+    /// Carries out the call or return that a block inside another one asks for, before the macro continues: the whole
+    /// subprogram, or the way back to the caller.
+    pub(super) fn call_at_once(&mut self) -> Acted {
+        use Pending::{Call, CallRange, CallText, Return};
+        match self.flow.pending {
+            Some(Call { .. } | CallRange { .. } | CallText(_)) => {}
+            Some(Return(target)) if self.may_return_at_once(target) => {}
+            _ => return Ok(()),
+        }
+        let level = self.flow.frames.len();
+        let place = (self.file, self.line, self.edited.clone());
+        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
+        let later = std::mem::take(&mut runtime.later);
+        let matching = std::mem::replace(&mut runtime.matching, true);
+        let ticks = runtime.ticks(None);
+        let mut done = self.follow();
+        while done.is_ok() && self.flow.frames.len() > level {
+            if let Some(runtime) = self.macros.as_deref_mut() {
+                // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
+                runtime.ticks(Some(TICKS));
+            }
+            done = self.step();
+        }
+        (self.file, self.line, self.edited) = place;
+        if let Some(runtime) = self.macros.as_deref_mut() {
+            runtime.ticks(ticks);
+            runtime.matching = matching;
+            // What its last block left for later comes after what was left before.
+            let own = std::mem::replace(&mut runtime.later, later);
+            runtime.later.extend(own);
+        }
+        done
+    }
+
+    /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
+    /// block that was interrupted.
+    fn may_return_at_once(&self, target: Option<u32>) -> bool {
+        let interpreted =
+            matches!(self.machine.preprocessor, Preprocessor::Okuma | Preprocessor::Siemens | Preprocessor::Heidenhain);
+        let reading = interpreted && self.interpreter.is_none();
+        let ends = self.flow.frames.len() <= 1 && self.machine.subprograms.main_return == MainReturn::End;
+        !reading && !(ends && target.is_none())
     }
 }

@@ -53,6 +53,7 @@ impl Kernel<'_> {
         }
         self.imply();
         self.imply_by_data();
+        self.check_refused()?;
         self.sort();
         while let Some(&firing) = self.block.firings.get(self.block.next) {
             self.block.next += 1;

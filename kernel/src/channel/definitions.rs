@@ -70,7 +70,7 @@ impl Kernel<'_> {
     }
 
     fn tell_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
-        let mut lines = (first..=last).filter(|&line| source.has_text(line));
+        let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
         let Some(from) = lines.next() else { return };
         let to = lines.next_back().unwrap_or(from);
         let name = self.info.file_name(file);

@@ -3,11 +3,22 @@
 //! Facts: reference control-emulator.md 7.5. Invariant: whether a diagnostic stops the channel does not depend on it.
 
 use super::Kernel;
+use crate::diag::Facts;
+use crate::machine::Machine;
 use crate::machine::model::{DiagnosticRule, Diagnostics};
 use crate::macros::model::Hook;
 
 /// The machine's own text for what the kernel says.
 const ORIGINAL: &str = "!(*)";
+
+/// Severity of alarms.
+const ALARM: u8 = 8;
+
+/// Severity by the machine's rule: its own, at least that of alarms for what is one on this control.
+fn severity_of(rule: Option<&DiagnosticRule>, severity: u8) -> u8 {
+    let least = if rule.is_some_and(|rule| rule.alarm) { ALARM } else { 0 };
+    rule.and_then(|rule| rule.severity).unwrap_or(severity.max(least))
+}
 
 impl Diagnostics {
     /// Nothing is changed.
@@ -29,12 +40,18 @@ impl Diagnostics {
         self.rule(number)?.stops
     }
 
+    /// The machine says that a number is an alarm of its control.
+    #[must_use]
+    pub fn is_alarm(&self, number: u32) -> bool {
+        self.rule(number).is_some_and(|rule| rule.alarm)
+    }
+
     /// Severity and text of a diagnostic on this machine, `None` when it is switched off or below the floor. `before`
     /// counts how often the number was raised before; the last one that is shown says so.
     #[must_use]
     pub fn custom(&self, number: u32, severity: u8, text: String, before: u32) -> Option<(u8, String)> {
         let rule = self.rule(number);
-        let severity = rule.and_then(|rule| rule.severity).unwrap_or(severity);
+        let severity = severity_of(rule, severity);
         if severity < self.min_severity {
             return None;
         }
@@ -56,6 +73,20 @@ impl Diagnostics {
             None => text,
         };
         (severity >= self.min_severity).then_some((severity, text))
+    }
+}
+
+impl Machine {
+    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    #[must_use]
+    pub fn is_alarm(&self, facts: &Facts) -> bool {
+        facts.alarm || self.diagnostics.is_alarm(facts.number)
+    }
+
+    /// The channel stops at a diagnostic.
+    #[must_use]
+    pub fn stops_at(&self, facts: &Facts) -> bool {
+        self.diagnostics.stops(facts.number).unwrap_or_else(|| self.habits.stops && self.is_alarm(facts))
     }
 }
 
@@ -84,7 +115,7 @@ impl Kernel<'_> {
         // The diagnostic macro sees numbers that are off too.
         let seen = on || self.hook(Hook::Diagnostic).is_some();
         if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {
-            return table.shown(rule, rule.severity.unwrap_or(severity), text).or(kept);
+            return table.shown(rule, severity_of(Some(rule), severity), text).or(kept);
         }
         table.custom(number, severity, text, before).or(kept)
     }
@@ -99,7 +130,7 @@ mod tests {
     }
 
     fn rule() -> DiagnosticRule {
-        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None, stops: None }
+        DiagnosticRule { number: 7, severity: None, text: None, enable: true, repeat: None, stops: None, alarm: false }
     }
 
     #[test]

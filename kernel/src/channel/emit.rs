@@ -7,7 +7,7 @@ use crate::job::Sink;
 use crate::log::event::{Event, Kind};
 use crate::multi::coordinator::switch::Port;
 use crate::multi::feed::Feed;
-use crate::multi::merge::{CHUNK, Feeder, Merger, Message};
+use crate::multi::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
 use crate::multi::tag::Tag;
 
 /// Events in a chunk that stays on this thread: small enough for the cache of the core that made them.
@@ -55,6 +55,8 @@ pub(crate) struct Emitter<'a> {
     chunk: Vec<Event>,
     size: usize,
     count: usize,
+    /// Bytes of texts in the chunk.
+    texts: usize,
     /// Events handed on.
     gone: u64,
 }
@@ -72,7 +74,7 @@ impl<'a> Emitter<'a> {
             Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) | Target::Held(_) => (NEAR_CHUNK, Vec::new()),
         };
         chunk.resize_with(size, blank);
-        Self { rank, coordinator, target, chunk, size, count: 0, gone: 0 }
+        Self { rank, coordinator, target, chunk, size, count: 0, texts: 0, gone: 0 }
     }
 
     /// Events so far.
@@ -103,13 +105,19 @@ impl<'a> Emitter<'a> {
         Some(slot)
     }
 
+    /// The last event carries a text; true when the chunk has enough of them.
+    pub(crate) fn carries(&mut self, bytes: usize) -> bool {
+        self.texts += bytes;
+        self.texts > TEXTS
+    }
+
     /// Holds events back from here on.
     pub(crate) fn hold(&mut self, since: Tag) {
         let target = Target::Held(Box::new(Held { events: Vec::new(), real: None, since }));
         let mut chunk = Vec::new();
         chunk.resize_with(HELD_CHUNK, blank);
         let (rank, coordinator, gone) = (self.rank, self.coordinator, self.count());
-        let held = Self { rank, coordinator, target, chunk, size: HELD_CHUNK, count: 0, gone };
+        let held = Self { rank, coordinator, target, chunk, size: HELD_CHUNK, count: 0, texts: 0, gone };
         let real = std::mem::replace(self, held);
         if let Target::Held(held) = &mut self.target {
             held.real = Some(real);
@@ -165,6 +173,7 @@ impl<'a> Emitter<'a> {
     #[inline(never)]
     pub(crate) fn flush(&mut self, upto: Tag) {
         let count = std::mem::take(&mut self.count);
+        let texts = std::mem::take(&mut self.texts);
         self.gone += count as u64;
         let events = self.chunk.get(..count).unwrap_or_default();
         match &mut self.target {
@@ -190,7 +199,7 @@ impl<'a> Emitter<'a> {
                 let floor = || self.coordinator.floor(upto.rank);
                 if !feed.pass(events, floor) {
                     self.chunk.truncate(count);
-                    let full = feed.put(&mut self.chunk, floor);
+                    let full = feed.put(&mut self.chunk, texts, floor);
                     self.chunk.resize_with(self.size, blank);
                     if full {
                         self.coordinator.catch_up(upto);

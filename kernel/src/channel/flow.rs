@@ -20,6 +20,7 @@ use crate::dialect::kept::Kept;
 use crate::log::event::{FileId, Kind, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
+use crate::mcd::spot::Spot;
 
 /// One running program text.
 #[derive(Debug, Clone)]
@@ -93,8 +94,10 @@ pub(crate) struct Flow {
     pub(crate) prints: bool,
     /// Output outside of them has been reported.
     pub(crate) closed_told: bool,
-    /// Loops that the programs are in: level of the program and line of the statement that opens the loop.
-    pub(crate) loops: Vec<(usize, u32)>,
+    /// Loops that the programs are in: level of the program and statement that opens the loop.
+    pub(crate) loops: Vec<(usize, Spot)>,
+    /// Byte at which the block being processed begins in its line.
+    pub(crate) offset: u32,
     /// Loop partners by program (file and first line).
     pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
@@ -110,6 +113,11 @@ pub(crate) struct Flow {
 }
 
 impl Frame {
+    /// The block to read next.
+    pub(crate) fn next_block(&self) -> Spot {
+        Spot { line: self.next, offset: self.offset }
+    }
+
     /// A main program from its first block on.
     pub(crate) fn main(file: FileId, range: Range, name: Box<str>) -> Self {
         Self {
@@ -354,18 +362,18 @@ impl Kernel<'_> {
     /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
         let info = self.info;
-        let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next)) else { return Ok(()) };
-        let lines = info.source(file).map_or(&[][..], |s| s.sequence_lines(number));
+        let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
+        let blocks = info.source(file).map_or(&[][..], |s| s.sequences(number));
         // They are in ascending order.
-        let first_from = |from: u32| {
-            let from = from.max(range.first);
-            lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line <= range.last)
+        let first_from = |from: Spot| {
+            let from = from.max(Spot::line(range.first));
+            blocks.get(blocks.partition_point(|block| *block < from)).copied().filter(|block| block.line <= range.last)
         };
-        let found = first_from(next).or_else(|| first_from(range.first));
+        let found = first_from(next).or_else(|| first_from(Spot::line(range.first)));
         match found {
-            Some(line) => {
-                self.leave_loops(line);
-                self.jump_to_line(line)
+            Some(block) => {
+                self.leave_loops(block);
+                self.jump_to(block)
             }
             None => {
                 let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
@@ -376,10 +384,16 @@ impl Kernel<'_> {
 
     /// Goes on at a line of the current program; a jump back ends a pass of a loop.
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
+        self.jump_to(Spot::line(line))
+    }
+
+    /// The same for a block of a line.
+    pub(crate) fn jump_to(&mut self, target: Spot) -> Acted {
         let Some(frame) = self.frame() else { return Ok(()) };
         // After a return this is the line of the call.
         let from = if frame.offset > 0 { frame.next } else { frame.next.saturating_sub(1) };
-        (frame.next, frame.offset) = (line, 0);
-        if line <= from { self.end_pass(line, from) } else { Ok(()) }
+        let back = target < frame.next_block();
+        (frame.next, frame.offset) = (target.line, target.offset);
+        if back { self.end_pass(target.line, from) } else { Ok(()) }
     }
 }

@@ -213,20 +213,20 @@ impl Host for Kernel<'_> {
 
     fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
         self.flow.pass.polled = true;
-        Kernel::shared(self, |inner, _| inner.shared.named.get(name).cloned())
+        Kernel::shared(self, |order| order.shared.named.get(name).cloned())
     }
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
         let limit = self.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
-        let over = Kernel::shared(self, |inner, _| match value {
+        let over = Kernel::shared(self, |order| match value {
             Some(value) => {
-                inner.shared.named.insert(name.into(), value);
-                inner.shared.grown(growth, limit)
+                order.shared.named.insert(name.into(), value);
+                order.shared.grown(growth, limit)
             }
             None => {
-                inner.shared.named.remove(name);
+                order.shared.named.remove(name);
                 false
             }
         })?;

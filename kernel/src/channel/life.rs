@@ -7,7 +7,7 @@ use crate::control::State;
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use crate::mcd::program::Range;
-use crate::multi::coordinator::Coordinator;
+use crate::multi::order::Order;
 use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
 
@@ -70,13 +70,13 @@ impl Kernel<'_> {
             let (rank, tag, info) = (self.rank, self.tag(), self.info);
             let stop_all =
                 halt == Halt::Alarm && self.machine.sync.alarm_scope == crate::machine::model::AlarmScope::All;
-            let verdict = self.shared(|inner, coordinator| {
-                inner.waits.finish(rank, finish);
+            let verdict = self.shared(|order| {
+                order.waits.finish(rank, finish);
                 if stop_all {
-                    coordinator.stop(inner, tag);
+                    order.stop(tag);
                     return None;
                 }
-                inner.judge(tag.t, info)
+                order.judge(tag.t, info)
             });
             if let Ok(Some(verdict)) = verdict {
                 self.emit_verdict(verdict);
@@ -85,13 +85,12 @@ impl Kernel<'_> {
         self.progress.t_ns.store(self.clock, std::sync::atomic::Ordering::Relaxed);
         self.progress.set_state(state);
         self.emitter.flush(self.tag());
-        self.coordinator.closed(self.rank);
-        let mut inner = self.coordinator.lock();
-        let rank = self.rank;
-        if inner.waits.end(rank).is_none() && halt != Halt::Blocked {
-            inner.waits.finish(rank, Finish { how, file: self.file, line: self.line });
-        }
-        self.coordinator.done(&mut inner, rank);
+        let (rank, finish) = (self.rank, Finish { how, file: self.file, line: self.line });
+        self.coordinator.done(rank, |order| {
+            if order.waits.end(rank).is_none() && halt != Halt::Blocked {
+                order.waits.finish(rank, finish);
+            }
+        });
     }
 
     /// Logs a verdict as an event of the master.
@@ -125,7 +124,21 @@ impl Kernel<'_> {
     }
 
     /// Limits of the job that one channel can reach.
+    #[inline(always)]
     pub(crate) fn check_limits(&mut self) -> Acted {
+        let limits = &self.options.limits;
+        // All at once, as a block is seldom beyond any of them.
+        let within = (self.clock <= limits.simulated_ns)
+            & (self.blocks + self.burden.blocks() <= limits.blocks)
+            & (self.emitter.count() <= limits.events)
+            & (self.idle_blocks <= limits.zero_time_blocks)
+            & (self.burden.steps <= limits.macro_steps);
+        if within && !self.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn check_each_limit(&mut self) -> Acted {
         let limits = &self.options.limits;
         let reason = if self.clock > limits.simulated_ns {
             format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
@@ -150,18 +163,18 @@ impl Kernel<'_> {
         let (rank, tag, info) = (self.rank, self.tag(), self.info);
         let own = self.what_it_did(reason);
         let (file, line) = (self.file, self.line);
-        let verdict = self.shared(|inner, coordinator| {
+        let verdict = self.shared(|order| {
             let mut sentences = vec![own];
             let mut members = Vec::new();
-            for channel in inner.waits.channels() {
+            for channel in order.waits.channels() {
                 if channel == rank {
                     members.push(Member { channel, file, line, waiting_for: Vec::new() });
-                } else if let Some(sentence) = verdict::waiting_sentence(channel, &inner.waits, info) {
+                } else if let Some(sentence) = verdict::waiting_sentence(channel, &order.waits, info) {
                     sentences.push(sentence);
-                    members.push(verdict::member(channel, &inner.waits));
+                    members.push(verdict::member(channel, &order.waits));
                 }
             }
-            coordinator.stop(inner, tag);
+            order.stop(tag);
             Verdict { kind, at_ns: tag.t, text: sentences.join("; ").into(), members }
         });
         match verdict {
@@ -190,7 +203,7 @@ impl Kernel<'_> {
     /// No other channel is left to change what a polling loop reads.
     pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
         let rank = self.rank;
-        self.shared(|inner, _| inner.alone(rank))
+        self.shared(|order| order.alone(rank))
     }
 
     /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
@@ -201,7 +214,7 @@ impl Kernel<'_> {
     }
 }
 
-impl crate::multi::coordinator::Inner {
+impl Order {
     /// Who can never go on, if that is new.
     pub(crate) fn judge(&mut self, t: i64, info: &crate::log::info::Info) -> Option<Verdict> {
         let dead = self.waits.dead();
@@ -211,11 +224,4 @@ impl crate::multi::coordinator::Inner {
         self.judged = true;
         Some(verdict::of(dead, t, &self.waits, info))
     }
-}
-
-/// Marks a channel without program.
-pub(crate) fn never_started(coordinator: &Coordinator, rank: u16) {
-    coordinator.absent(rank);
-    let mut inner = coordinator.lock();
-    inner.waits.finish(rank, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
 }

@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
+use super::block::odd;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
@@ -36,7 +37,10 @@ impl Kernel<'_> {
         };
         line.name.into_iter().for_each(|span| self.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };
+        // Arguments are no words of their registers.
+        let odd = self.block.odd & !odd::NUMBERS;
         let mut words = self.call_words(words, own.as_deref().map(|call| (call.register, call.by.value)))?;
+        self.block.odd = odd;
         let mut by = None;
         let what = match own {
             Some(call) => {

@@ -8,6 +8,7 @@ use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
+use crate::mcd::spot::Spot;
 
 /// Why a statement has come to no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,11 +143,11 @@ impl Kernel<'_> {
 
     /// The current line opens a loop, or begins its next pass.
     fn enter_loop(&mut self) -> Acted {
-        let place = (self.flow.frames.len(), self.line);
+        let place = (self.flow.frames.len(), self.spot());
         if self.flow.loops.contains(&place) {
             return Ok(());
         }
-        if self.pairs().of_loop(self.line).is_none() {
+        if self.pairs().of_loop(place.1).is_none() {
             return Err(self.unpaired());
         }
         self.flow.loops.push(place);
@@ -155,7 +156,7 @@ impl Kernel<'_> {
 
     /// The loop that the current line opens is over, and with it those inside.
     fn leave_loop(&mut self) {
-        let place = (self.flow.frames.len(), self.line);
+        let place = (self.flow.frames.len(), self.spot());
         if let Some(at) = self.flow.loops.iter().position(|inside| *inside == place) {
             self.flow.loops.truncate(at);
         }
@@ -163,35 +164,41 @@ impl Kernel<'_> {
 
     /// The end of a loop: its next pass, if the program has come in through its start.
     fn end_loop(&mut self) -> Acted {
-        let Some(start) = self.pairs().of_loop(self.line) else { return Err(self.unpaired()) };
+        let Some(start) = self.pairs().of_loop(self.spot()) else { return Err(self.unpaired()) };
         let place = (self.flow.frames.len(), start);
         match self.flow.loops.iter().position(|inside| *inside == place) {
             Some(at) => {
                 self.flow.loops.truncate(at + 1);
-                self.jump_to_line(start)
+                self.jump_to(start)
             }
             None => {
-                let text =
-                    format!("'{}' ends a loop that line {start} opens, but a jump has led into it", self.block_text());
+                let text = format!(
+                    "'{}' ends a loop that line {} opens, but a jump has led into it",
+                    self.block_text(),
+                    start.line
+                );
                 Err(self.alarm(&diag::LOOP_ENTERED, text))
             }
         }
     }
 
     /// A jump within the program leaves the loops that do not hold its target.
-    pub(super) fn leave_loops(&mut self, target: u32) {
+    pub(super) fn leave_loops(&mut self, target: Spot) {
         if self.flow.loops.is_empty() {
             return;
         }
         let (pairs, here) = (self.pairs(), self.flow.frames.len());
-        let holds = |start: u32| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target));
+        let holds = |start: Spot| pairs.of_loop(start).is_some_and(|end| (start..=end).contains(&target));
         self.flow.loops.retain(|&(level, start)| level != here || holds(start));
     }
 
-    /// Goes on after the partner of the current line.
-    fn skip_past(&mut self, partner: fn(&Pairs, u32) -> Option<u32>) -> Acted {
-        match partner(&self.pairs(), self.line) {
-            Some(line) => self.jump_to_line(line + 1),
+    /// Continues after the partner of the current block.
+    fn skip_past(&mut self, partner: fn(&Pairs, Spot) -> Option<Spot>) -> Acted {
+        match partner(&self.pairs(), self.spot()) {
+            Some(spot) => {
+                let after = self.after(spot);
+                self.jump_to(after)
+            }
             None => Err(self.unpaired()),
         }
     }
@@ -211,16 +218,16 @@ impl Kernel<'_> {
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
-        let control = self.control;
-        let source = info.source(file);
-        let lines = (range.first..=range.last).take_while(|line| !line.is_multiple_of(4096) || !control.cancelled());
-        let statements = lines.filter_map(|line| {
-            let text = source.map_or(&[][..], |source| source.line(line));
-            if !has_bracketing(text) {
-                return None;
-            }
-            scanner.strip(text, &mut stripped, &mut scratch);
-            fanuc::compile(&stripped, scanner.names()).ok().map(|compiled| (line, compiled.statement))
+        let Some(source) = info.source(file) else { return Arc::default() };
+        let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
+        let blocks = bracketing.flat_map(|line| {
+            scanner.block_starts(source.line(line)).map(move |offset| Spot { line, offset: offset as u32 })
+        });
+        let statements = blocks.filter_map(|spot| {
+            let rest = source.line(spot.line).get(spot.offset as usize..)?;
+            let block = rest.get(..scanner.block_end(rest).unwrap_or(rest.len()))?;
+            scanner.strip(block, &mut stripped, &mut scratch);
+            fanuc::compile(&stripped, scanner.names()).ok().map(|compiled| (spot, compiled.statement))
         });
         let pairs = Arc::new(Pairs::of(statements));
         self.flow.tables += pairs.bytes();
@@ -333,6 +340,13 @@ impl Kernel<'_> {
             };
             let value = match (register, word.written) {
                 (Some((register, _)), Some(number)) => self.read_by_register(register, number),
+                (Some((register, _)), None) => {
+                    let of = self.machine.registers.get(usize::from(register));
+                    let refused = self.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                    let wrong = refused && value < 0.0;
+                    self.block.odd |= u8::from(wrong) * odd::SIGN;
+                    value
+                }
                 _ => value,
             };
             match register {
@@ -369,8 +383,8 @@ impl Kernel<'_> {
     /// A number beside an expression is read as on a line without one.
     pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.secondary);
-        let (value, too_long) = reading.unwrap_or((number.value, false));
-        self.block.odd |= u8::from(too_long) * odd::DIGITS;
+        let (value, odd) = reading.unwrap_or((number.value, 0));
+        self.block.odd |= odd;
         value
     }
 

@@ -31,6 +31,7 @@ mod passes;
 pub(crate) mod plan;
 mod print;
 pub(crate) mod read;
+mod refusals;
 pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
@@ -61,7 +62,7 @@ use crate::machine::Machine;
 use crate::machine::ident::DataId;
 use crate::macros::runtime::Runtime;
 use crate::multi::coordinator::switch::Port;
-use crate::multi::coordinator::{Coordinator, Inner};
+use crate::multi::order::Order;
 use crate::multi::tag::Tag;
 use crate::options::Options;
 use crate::trace::Letters;
@@ -168,7 +169,11 @@ impl Kernel<'_> {
     /// Adds an event of this block at the clock.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
+        let bytes = kind.text_bytes();
         self.emit_as(dur_ns, |slot| *slot = kind);
+        if bytes > 0 && self.emitter.carries(bytes) {
+            self.emitter.flush(self.tag());
+        }
     }
 
     /// Adds an event whose kind is written where it stays.
@@ -198,30 +203,24 @@ impl Kernel<'_> {
     }
 
     /// Runs an operation on what the channels share, in tag order.
-    pub(crate) fn shared<R>(&mut self, operation: impl FnOnce(&mut Inner, &Coordinator) -> R) -> Result<R, Halt> {
+    ///
+    /// # Errors
+    /// When the job was stopped before.
+    pub(crate) fn shared<R>(&mut self, operation: impl FnOnce(&mut Order) -> R) -> Result<R, Halt> {
         let coordinator = self.coordinator;
         if self.rank == 0 {
             // The master works while no channel does.
-            return Ok(operation(&mut coordinator.lock(), coordinator.core()));
+            return Ok(coordinator.unordered(operation));
         }
         if self.emitter.is_late(self.clock) {
             self.settle()?;
         }
         self.control.disturb(self.rank);
         let tag = self.tag();
-        let mut guard = match coordinator.try_enter(tag) {
-            Some(guard) => guard,
-            None => match coordinator.try_park(tag) {
-                Some(guard) => guard,
-                None => {
-                    self.emitter.flush(tag);
-                    coordinator.enter(tag).map_err(|_| Halt::Stopped)?
-                }
-            },
-        };
-        let result = operation(&mut guard, coordinator.core());
-        coordinator.leave(&mut guard);
-        drop(guard);
+        let mut turn =
+            coordinator.enter(tag, &mut self.emitter, |emitter| emitter.flush(tag)).map_err(|_| Halt::Stopped)?;
+        let result = operation(&mut turn);
+        drop(turn);
         self.control.disturb(self.rank);
         Ok(result)
     }

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::data::RECALLED;
+use super::refusals::Refusals;
 use super::scan::Scanner;
 use super::tape::Tape;
 use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
+use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -54,6 +55,10 @@ pub(crate) struct Plan {
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
     /// where values stay as they are.
     pub(crate) steps: Vec<[f64; 2]>,
+    /// The lead of a thread and the feed per revolution are one word that stays in force (F of Fanuc controls).
+    pub(crate) lead_is_feed: bool,
+    /// Rules by which the control refuses blocks.
+    pub(crate) refusals: Option<Box<Refusals>>,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
     pub(crate) refused: Vec<u128>,
 }
@@ -190,6 +195,13 @@ fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
     rows
 }
 
+/// Both are modal and have the same register.
+fn lead_is_feed(machine: &Machine) -> bool {
+    let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
+    let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
+    machine.preprocessor == Preprocessor::Fanuc && registers[0].is_some() && registers[0] == registers[1]
+}
+
 impl Plan {
     pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
         let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
@@ -246,6 +258,8 @@ impl Plan {
             steps: steps(machine),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
             recall,
+            lead_is_feed: lead_is_feed(machine),
+            refusals: Refusals::new(machine),
             refused,
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }

@@ -32,7 +32,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::PRINT_CLOSED, text);
         }
         self.flow.pass.effects = true;
-        let done = self.shared(|inner, _| inner.shared.files.print(&machine.output.file, &line));
+        let done = self.shared(|order| order.shared.files.print(&machine.output.file, &line));
         if let Err(text) = done.map_err(Left::Halt)? {
             self.diagnose(&diag::MACRO_FILES, text);
         }

@@ -16,18 +16,26 @@ impl Kernel<'_> {
     /// Runs blocks until something ends the program.
     pub(crate) fn program(&mut self) -> Halt {
         loop {
-            if let Err(halt) = self.step() {
+            if let Err(halt) = self.next_block() {
                 return self.end_cutter(halt);
             }
         }
     }
 
-    /// One block.
+    /// One block, within another one.
+    #[inline(never)]
     pub(super) fn step(&mut self) -> Acted {
+        self.next_block()
+    }
+
+    /// One block.
+    #[inline(always)]
+    fn next_block(&mut self) -> Acted {
         let done = self.one_block();
         self.went_on(done)
     }
 
+    #[inline(always)]
     fn one_block(&mut self) -> Acted {
         if let Some(block) = self.later_block() {
             self.name_block(&block);
@@ -137,9 +145,10 @@ impl Kernel<'_> {
         self.check_limits()
     }
 
+    #[inline(always)]
     fn is_rewind_stop(&self, text: &[u8]) -> bool {
         let rws = self.machine.format.rws.as_bytes();
-        !rws.is_empty() && text.first() == rws.first() && text.trim_ascii() == rws
+        text.first() == rws.first() && is_alone(text, rws)
     }
 
     /// A rewind-stop: opens the text, closes it, or is passed over with a warning.
@@ -148,7 +157,7 @@ impl Kernel<'_> {
             self.flow.opened = true;
             return Ok(());
         }
-        let rest = (line + 1..=source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
+        let rest = source.walk(line + 1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace));
         if rest {
             return self.text_ends();
         }
@@ -180,17 +189,29 @@ impl Kernel<'_> {
     pub(crate) fn load(&mut self, file: FileId) -> Acted {
         let info = self.info;
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
-        let mut failure = None;
-        entry.source.get_or_init(|| match self.files.read(&entry.name) {
-            Ok(bytes) => Some(Arc::new(Source::shaped(entry.name.clone(), bytes, Arc::new(Shape::of(self.machine))))),
-            Err(error) => {
-                failure = Some(error);
-                None
-            }
-        });
+        if entry.source.get().is_some() {
+            return Ok(());
+        }
+        let (name, shape, stop) = (entry.name.clone(), Arc::new(Shape::of(self.machine)), self.control.stop().clone());
+        let (source, failure) = match self.files.read(&name) {
+            Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
+            Err(error) => (None, Some(error)),
+        };
+        if self.control.cancelled() {
+            // The lines of the text may not all be known.
+            return Err(Halt::Stopped);
+        }
+        // Another kernel may have been faster.
+        let _ = entry.source.set(source);
         match failure {
             None => Ok(()),
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),
         }
     }
+}
+
+/// The rewind-stop is all that a line has.
+#[inline(never)]
+fn is_alone(text: &[u8], rws: &[u8]) -> bool {
+    !rws.is_empty() && text.trim_ascii() == rws
 }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 
 use super::block::Firing;
+use super::burden::shortened;
 use super::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
@@ -46,6 +47,7 @@ impl Kernel<'_> {
 
     /// A message to the operator.
     pub(super) fn display(&mut self, text: &str) {
+        let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
         self.emit(0, Kind::Message { text: text.into(), printed: false });

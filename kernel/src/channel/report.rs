@@ -28,10 +28,14 @@ impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
+        if facts.alarm && self.control.cancelled() {
+            // What was looked for may not have been looked for everywhere.
+            return;
+        }
         let stops = self.stops_at(facts);
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
-        } else if facts.alarm {
+        } else if self.is_alarm(facts) {
             self.alarms.softened = self.alarms.softened.saturating_add(1);
         }
     }
@@ -67,19 +71,23 @@ impl Kernel<'_> {
         }
         self.alarms.stopping |= stops;
         let own = self.machine.diagnostics.stops(facts.number);
-        if facts.alarm && own != Some(false) && self.alarms.errors == errors {
+        if self.is_alarm(facts) && own != Some(false) && self.alarms.errors == errors {
             self.alarms.softened = self.alarms.softened.saturating_add(1);
         }
     }
 
     /// Whether the channel stops at a diagnostic.
     fn stops_at(&self, facts: &Facts) -> bool {
-        let own = self.machine.diagnostics.stops(facts.number);
-        own.unwrap_or(facts.alarm && self.machine.habits.stops)
+        self.machine.stops_at(facts)
+    }
+
+    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
+        self.machine.is_alarm(facts)
     }
 
     /// The machine goes on from this alarm.
-    pub(super) fn goes_on_at(&self, facts: &Facts) -> bool {
+    pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
     }
 
@@ -93,13 +101,18 @@ impl Kernel<'_> {
     /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped }
+        self.halted(if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
+    }
+
+    /// What ends a block, unless the job is to end: then nothing is an alarm any more.
+    fn halted(&self, halt: Halt) -> Halt {
+        if self.control.cancelled() { Halt::Stopped } else { halt }
     }
 
     /// Logs an alarm that leaves nothing to go on with.
     pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        Halt::Alarm
+        self.halted(Halt::Alarm)
     }
 
     /// A diagnostic of this block has stopped the channel.
@@ -114,7 +127,7 @@ impl Kernel<'_> {
     }
 
     /// Program Shutdown runs behind an alarm.
-    pub(super) fn clear_stop(&mut self) {
+    pub(crate) fn clear_stop(&mut self) {
         self.alarms.stopping = false;
     }
 

@@ -8,8 +8,10 @@ mod numbers;
 mod passed;
 
 use super::block::{Block, Word, odd};
+use crate::diag;
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
+use crate::machine::model::Register;
 use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
 use numbers::{Read, parse_number};
@@ -96,7 +98,7 @@ impl Scanner {
                     _ => None,
                 })
                 .collect(),
-            reads: machine.registers.iter().map(|r| [Read::new(r.format), Read::new(r.secondary)]).collect(),
+            reads: machine.registers.iter().map(|r| reads(machine, r)).collect(),
             macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
             foreign: crate::dialect::concerns(machine.preprocessor),
             names_stay: machine.preprocessor == crate::machine::model::Preprocessor::Siemens,
@@ -215,8 +217,9 @@ impl Scanner {
         }
         for (text, row) in &self.texts {
             if special::stands(text, line, at) {
-                block.texts.push(*row);
-                return at + text.len().max(1);
+                let end = at + text.len().max(1);
+                block.push_text(*row, (at as u32, end as u32));
+                return end;
             }
         }
         if byte == b':'
@@ -246,11 +249,7 @@ impl Scanner {
             }
             end += 1;
         }
-        let (start, stop) = (at as u32, end as u32);
-        match block.unknown.last_mut() {
-            Some(last) if last.1 == start => last.1 = stop,
-            _ => block.unknown.push((start, stop)),
-        }
+        block.push_unknown((at as u32, end as u32));
         end
     }
 
@@ -261,8 +260,9 @@ impl Scanner {
         }
         for (text, row) in &early.texts {
             if special::stands(text, line, at) {
-                block.texts.push(*row);
-                return Some(at + text.len());
+                let end = at + text.len();
+                block.push_text(*row, (at as u32, end as u32));
+                return Some(end);
             }
         }
         for special in &early.registers {
@@ -296,9 +296,9 @@ impl Scanner {
         special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
     }
 
-    /// Value of a number as a register reads it, and whether it has more digits than the register's format.
+    /// Value of a number as a register reads it, and what is odd about it ([`odd`]).
     #[inline(always)]
-    pub(super) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, bool)> {
+    pub(super) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
         let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
         Some(read.value(number))
     }
@@ -318,8 +318,8 @@ impl Scanner {
             cursor += 1;
         }
         let (number, end) = parse_number(line, cursor)?;
-        let (value, too_long) = self.reading(register, number, secondary)?;
-        block.odd |= u8::from(too_long) * odd::DIGITS;
+        let (value, odd) = self.reading(register, number, secondary)?;
+        block.odd |= odd;
         if Some(register) == self.sequence && block.sequence.is_none() && value >= 0.0 {
             block.sequence = Some(value as u32);
             return Some(end);
@@ -327,6 +327,14 @@ impl Scanner {
         block.push(Word { register, incremental, used: false, value, start: at as u32, end: end as u32 });
         Some(end)
     }
+}
+
+/// How numbers of a register are read in primary and in secondary units.
+fn reads(machine: &Machine, register: &Register) -> [Read; 2] {
+    let asked = |facts: &diag::Facts, bit| if machine.diagnostics.is_alarm(facts.number) { bit } else { 0 };
+    let sign = if register.signed { 0 } else { asked(&diag::MINUS_SIGN, odd::SIGN) };
+    let pointed = if register.pointed { 0 } else { asked(&diag::DECIMAL_POINT, odd::POINT) };
+    [register.format, register.secondary].map(|format| Read::new(format, (sign, pointed)))
 }
 
 /// Active optional-skip levels; 0 stands for that of a mark without a digit (reference control-emulator.md 5.5).

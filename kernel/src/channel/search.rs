@@ -36,7 +36,13 @@ enum Look {
 impl Kernel<'_> {
     /// Looks a program up.
     pub(super) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+        self.work(self.info.files.len())?;
         for look in self.looks(what) {
+            let searched = match look {
+                Look::Definition(file) => self.info.source(file).map_or(0, |source| source.programs().len()),
+                Look::Named(_) | Look::Top(_) => 0,
+            };
+            self.work(searched / 16)?;
             let found = match look {
                 Look::Definition(file) => self.in_file(file, what).map(|range| (file, range)),
                 Look::Named(name) => self.named(&name, what, false)?,
@@ -83,13 +89,17 @@ impl Kernel<'_> {
     pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
         let info = self.info;
         let source = info.source(self.file)?;
-        let labels;
+        // A range is called by whole lines.
+        let numbered = |number| {
+            let blocks = source.sequences(number).iter();
+            blocks.filter(|block| block.offset == 0).map(|block| block.line).collect::<Vec<u32>>()
+        };
         let (from, to) = match *what {
             Callee::Program(_) | Callee::Named(_) => return None,
-            Callee::Blocks(first, last) => (source.sequence_lines(first), source.sequence_lines(last)),
+            Callee::Blocks(first, last) => (numbered(first), numbered(last)),
             Callee::Labels(first, last) => {
-                labels = self.labels();
-                let lines = |label| labels.get(&label).map_or(&[][..], Vec::as_slice);
+                let labels = self.labels();
+                let lines = |label| labels.get(&label).cloned().unwrap_or_default();
                 (lines(first), lines(last))
             }
         };
@@ -108,10 +118,7 @@ impl Kernel<'_> {
         let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
         let mut block = Block::default();
         if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
-            for line in 1..=source.lines() {
-                if line.is_multiple_of(4096) && self.control.cancelled() {
-                    break;
-                }
+            for line in source.walk(1, source.lines()) {
                 let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
                     continue;

@@ -1,5 +1,6 @@
 //! What a channel remembers from block to block: modal codes, modal data, positions, frames.
 
+use crate::diag;
 use crate::log::event::{FeedUnit, MAX_AXES, Position};
 use crate::machine::ident::data;
 use crate::machine::ident::{CodeId, DataId, codes};
@@ -138,6 +139,10 @@ pub(crate) struct Place {
     pub(crate) rotary: bool,
     /// One of them has limits of travel.
     pub(crate) limited: bool,
+    /// An end beyond them stops the channel before the move.
+    pub(crate) limits_stop: bool,
+    /// Registers of axes that other channels have, where their words are alarms, bit by register.
+    pub(crate) foreign: u128,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
     /// Programmed position in the work frame.
@@ -207,6 +212,8 @@ impl Place {
             position: machine.home(channel),
             rotary: axes.iter().any(|axis| axis.rotary),
             limited: axes.iter().any(|axis| axis.limits.is_some()),
+            limits_stop: machine.stops_at(&diag::OVER_TRAVEL),
+            foreign: foreign(machine, &axes),
             angles: crate::action::turning::angles(machine, &axes),
             axes,
             shift: [0.0; MAX_AXES],
@@ -227,6 +234,22 @@ impl Place {
             compensation: crate::action::compensation::Compensation::of(machine),
         }
     }
+}
+
+/// Registers that only move axes which the channel does not have; none where such words are no alarms.
+fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
+    if !machine.stops_at(&diag::AXIS_NOT_IN_CHANNEL) {
+        return 0;
+    }
+    let registers = machine.tables.data_of_register.iter().enumerate().take(127);
+    let foreign = registers.filter(|(_, rows)| {
+        let mut ids = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))).map(|row| row.id);
+        let names = ["REG_AXIS_", "REG_LCS_TRANS_", "REG_LCS_ROT_CENTER_", "REG_LCS_SCALE_CENTER_", "REG_C2P_INTERP_"];
+        let only = ids.clone().all(|id| names.iter().any(|name| machine.data_name(id).starts_with(name)));
+        let moves = ids.clone().any(|id| machine.data_name(id).starts_with("REG_AXIS_"));
+        only && moves && !ids.any(|id| axes.iter().any(|axis| axis.data == id))
+    });
+    foreign.fold(0, |bits, (register, _)| bits | 1 << register)
 }
 
 /// Plane of arcs: names for listings and the roles of its axes (first, second), and the identifiers of their

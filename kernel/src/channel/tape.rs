@@ -7,6 +7,7 @@
 use aho_corasick::AhoCorasick;
 use counterpoint_lang::pattern::{Memory, Pattern, STEPS};
 
+use crate::control::Stop;
 use crate::machine::model::TapeRule;
 
 /// Steps of the searches of all rules on one block.
@@ -43,13 +44,42 @@ impl Rules {
 /// The rules of a machine, compiled once.
 #[derive(Debug)]
 pub(crate) struct Tape {
-    rules: Vec<(Pattern, String)>,
+    rules: Vec<Rule>,
     /// The texts that rules need, and whose they are.
     needed: Option<(AhoCorasick, Vec<u16>)>,
     /// Rules that need no text: they are always tried.
     always: Rules,
+    /// All of them.
+    every: Rules,
     /// Rules that are on at program start.
     pub(crate) start: Rules,
+}
+
+/// A compiled rule.
+#[derive(Debug)]
+struct Rule {
+    pattern: Pattern,
+    replace: String,
+    /// Text without which it does not match; empty: it needs none.
+    needs: String,
+}
+
+/// Rules that may match a text.
+struct Candidates {
+    rules: Rules,
+    /// Whether the text that each needs comes up in the text is not known.
+    unsure: bool,
+}
+
+/// What holds for the rules while they are applied.
+#[derive(Debug)]
+pub(crate) struct Within<'a> {
+    /// Rules that are on.
+    pub(crate) on: &'a Rules,
+    /// Bytes that a result may have.
+    pub(crate) longest: usize,
+    /// No further rule is applied when the job is to end.
+    pub(crate) stop: &'a Stop,
 }
 
 /// What became of a block.
@@ -69,59 +99,64 @@ impl Tape {
     /// Compiles the rules; `None` when there is none.
     pub(crate) fn new(rules: &[TapeRule]) -> Option<Self> {
         let (mut compiled, mut texts, mut owners) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut always, mut start) = (Rules::default(), Rules::default());
+        let (mut always, mut every, mut start) = (Rules::default(), Rules::default(), Rules::default());
         for (number, rule) in rules.iter().enumerate() {
             // The loader has checked the expression.
             let Ok(pattern) = Pattern::new(&rule.find) else { continue };
             let number = number.min(255);
-            let text = pattern.required();
+            let mut needs = pattern.required();
             // Blocks are bytes: a character beyond ASCII may be written in two ways.
-            if text.is_empty() || !text.is_ascii() {
+            if needs.is_empty() || !needs.is_ascii() {
+                needs.clear();
                 always.set(number, true);
             } else {
-                texts.push(text);
+                texts.push(needs.clone());
                 owners.push(number as u16);
             }
+            every.set(number, true);
             start.set(number, rule.on);
-            compiled.push((pattern, rule.replace.clone()));
+            compiled.push(Rule { pattern, replace: rule.replace.clone(), needs });
         }
         if compiled.is_empty() {
             return None;
         }
         let needed = AhoCorasick::builder().kind(Some(aho_corasick::AhoCorasickKind::DFA)).build(&texts);
         match needed {
-            Ok(automaton) => Some(Self { rules: compiled, needed: Some((automaton, owners)), always, start }),
+            Ok(automaton) => Some(Self { rules: compiled, needed: Some((automaton, owners)), always, every, start }),
             Err(_) => {
                 owners.iter().for_each(|&owner| always.set(usize::from(owner), true));
-                Some(Self { rules: compiled, needed: None, always, start })
+                Some(Self { rules: compiled, needed: None, always, every, start })
             }
         }
     }
 
-    /// Rules that may match a text.
-    fn candidates(&self, text: &[u8]) -> Rules {
-        let mut candidates = self.always;
+    /// Rules that may match a text. Where needed texts come up very often they are not looked for any further.
+    fn candidates(&self, text: &[u8]) -> Candidates {
+        let mut rules = self.always;
         if let Some((automaton, owners)) = &self.needed {
-            for found in automaton.find_overlapping_iter(text) {
+            for (count, found) in automaton.find_overlapping_iter(text).enumerate() {
+                if count > text.len() + 64 {
+                    return Candidates { rules: self.every, unsure: true };
+                }
                 if let Some(&owner) = owners.get(found.pattern().as_usize()) {
-                    candidates.set(usize::from(owner), true);
+                    rules.set(usize::from(owner), true);
                 }
             }
         }
-        candidates
+        Candidates { rules, unsure: false }
     }
 
-    /// Applies the rules that are on; no result may have more bytes than `longest`.
+    /// Applies the rules that are on, within limits.
     #[inline]
-    pub(crate) fn edit(&self, line: &[u8], on: &Rules, longest: usize, memory: &mut Memory) -> Edited {
+    pub(crate) fn edit(&self, line: &[u8], limits: &Within<'_>, memory: &mut Memory) -> Edited {
         let candidates = self.candidates(line);
-        match candidates.next(0, on) {
+        match candidates.rules.next(0, limits.on) {
             None => Edited::default(),
-            Some(first) => self.apply(line, (first, candidates), (on, longest), memory),
+            Some(first) => self.apply(line, (first, candidates), limits, memory),
         }
     }
 
-    fn apply(&self, line: &[u8], start: (usize, Rules), limits: (&Rules, usize), memory: &mut Memory) -> Edited {
+    fn apply(&self, line: &[u8], start: (usize, Candidates), limits: &Within<'_>, memory: &mut Memory) -> Edited {
         match std::str::from_utf8(line) {
             Ok(text) => {
                 let (text, edited) = self.rewrite(text, start, limits, memory);
@@ -139,15 +174,17 @@ impl Tape {
     fn rewrite(
         &self,
         line: &str,
-        (first, mut candidates): (usize, Rules),
-        (on, longest): (&Rules, usize),
+        (first, Candidates { mut rules, mut unsure }): (usize, Candidates),
+        &Within { on, longest, stop }: &Within<'_>,
         memory: &mut Memory,
     ) -> (Option<String>, Edited) {
         let (mut text, mut edited): (Option<String>, _) = (None, Edited::default());
         let (mut next, mut left) = (Some(first), MOST_STEPS);
-        while let Some(number) = next {
+        while let Some(number) = next.filter(|_| !stop.asked()) {
             let now = text.as_deref().unwrap_or(line);
-            if let Some((pattern, replace)) = self.rules.get(number) {
+            let rule = self.rules.get(number);
+            edited.work += if unsure { now.len() } else { 0 };
+            if let Some(Rule { pattern, replace, .. }) = rule.filter(|rule| !unsure || now.contains(&rule.needs)) {
                 let given = STEPS.min(left);
                 let mut budget = given;
                 edited.work += now.len();
@@ -166,7 +203,8 @@ impl Tape {
                         changed += now.get(..start).unwrap_or_default();
                         changed += &filled;
                         changed += now.get(end..).unwrap_or_default();
-                        candidates = self.candidates(changed.as_bytes());
+                        // What the rules to come need is looked for when it is their turn.
+                        (rules, unsure) = (self.every, true);
                         text = Some(changed);
                     }
                     Err(_) => edited.stuck = Some(number),
@@ -174,7 +212,7 @@ impl Tape {
                 left -= given - budget;
                 edited.work += usize::try_from(given - budget).unwrap_or(usize::MAX);
             }
-            next = candidates.next(number + 1, on);
+            next = rules.next(number + 1, on);
         }
         (text.filter(|text| text != line), edited)
     }
@@ -207,8 +245,20 @@ mod tests {
         Tape::new(&rules.iter().map(rule).collect::<Vec<_>>()).unwrap()
     }
 
+    fn within(tape: &Tape, line: &[u8], on: &Rules) -> Edited {
+        tape.edit(line, &Within { on, longest: 1000, stop: &Stop::default() }, &mut Memory::default())
+    }
+
+    #[test]
+    fn no_rule_is_applied_when_the_job_is_to_end() {
+        let (tape, stop) = (tape(&[("A", "B")]), Stop::default());
+        stop.ask();
+        let limits = Within { on: &tape.start, longest: 1000, stop: &stop };
+        assert_eq!(tape.edit(b"A", &limits, &mut Memory::default()), Edited::default());
+    }
+
     fn edit(tape: &Tape, line: &str) -> Option<String> {
-        let edited = tape.edit(line.as_bytes(), &tape.start, 1000, &mut Memory::default());
+        let edited = within(tape, line.as_bytes(), &tape.start);
         assert_eq!(edited.stuck, None);
         edited.text.map(|text| String::from_utf8(text).unwrap())
     }
@@ -217,9 +267,21 @@ mod tests {
     fn no_rule_makes_a_block_longer_than_it_may_be() {
         let rules: Vec<(&str, &str)> = vec![("\\(X.*\\)", "\\1\\1"); 24];
         let tape = tape(&rules);
-        let edited = tape.edit(b"X0123456", &tape.start, 1000, &mut Memory::default());
+        let edited = within(&tape, b"X0123456", &tape.start);
         assert_eq!((edited.text, edited.long), (None, Some((6, 1024))));
         assert!(edited.work < 20_000, "{}", edited.work);
+    }
+
+    #[test]
+    fn texts_that_come_up_everywhere_are_not_counted() {
+        let rules: Vec<(String, String)> = (1..100).map(|n| ("X".repeat(n), format!("{n}"))).collect();
+        let rules: Vec<(&str, &str)> = rules.iter().map(|(f, r)| (f.as_str(), r.as_str())).collect();
+        let tape = tape(&rules);
+        let candidates = tape.candidates("X".repeat(200).as_bytes());
+        assert!(candidates.unsure && candidates.rules == tape.every);
+        // Each takes its own off: 1 + 2 + 3 … up to 19 of them.
+        assert_eq!(edit(&tape, &"X".repeat(200)).map(|text| text.matches('X').count()), Some(10));
+        assert_eq!(edit(&tape, "Y"), None);
     }
 
     #[test]
@@ -245,14 +307,14 @@ mod tests {
         let mut on = tape.start;
         assert_eq!(edit(&tape, "G1").as_deref(), Some("G7"));
         on.set(0, false);
-        assert_eq!(tape.edit(b"G1", &on, 1000, &mut Memory::default()).text, None);
-        assert_eq!(tape.edit(b"G101", &on, 1000, &mut Memory::default()).text.as_deref(), Some(&b"G7"[..]));
+        assert_eq!(within(&tape, b"G1", &on).text, None);
+        assert_eq!(within(&tape, b"G101", &on).text.as_deref(), Some(&b"G7"[..]));
     }
 
     #[test]
     fn eight_bit_text_stays_as_it_is() {
         let tape = tape(&[("G1", "G0")]);
-        let edited = tape.edit(b"G1 (\xe4\xff)", &tape.start, 1000, &mut Memory::default());
+        let edited = within(&tape, b"G1 (\xe4\xff)", &tape.start);
         assert_eq!(edited.text.as_deref(), Some(&b"G0 (\xe4\xff)"[..]));
     }
 

@@ -5,9 +5,11 @@
 
 use std::sync::Arc;
 
+use super::tape::Within;
 use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
+use crate::mcd::spot::Spot;
 use crate::trace::Stage;
 
 /// The text of a block.
@@ -40,7 +42,10 @@ impl Kernel<'_> {
         if let Some(tape) = &self.plan.tape {
             let (on, memory) = &mut self.tape;
             let limit = self.options.limits.block_length;
-            let edited = tape.edit(block, on, limit, memory);
+            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.control.stop() }, memory);
+            if self.control.cancelled() {
+                return Err(Halt::Stopped);
+            }
             // A step of a search is work on a byte, which is much less than an element.
             self.work(edited.work / 16)?;
             if let Some((rule, length)) = edited.long {
@@ -85,6 +90,7 @@ impl Kernel<'_> {
     fn part<'l>(&mut self, line: &'l [u8], number: u32) -> (&'l [u8], bool) {
         let Some(frame) = self.flow.frames.last_mut() else { return (line, true) };
         let from = std::mem::take(&mut frame.offset) as usize;
+        self.flow.offset = from as u32;
         let rest = line.get(from..).unwrap_or_default();
         let Some(end) = self.plan.scanner.block_end(rest) else { return (rest, from == 0) };
         let after = rest.get(end + 1..).unwrap_or_default();
@@ -93,6 +99,53 @@ impl Kernel<'_> {
             (frame.next, frame.offset) = (number, (from + end + 1) as u32);
         }
         (rest.get(..end).unwrap_or_default(), from == 0 && last)
+    }
+
+    /// The blocks of a line that are not blank, each with the byte behind its end.
+    fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
+        let (mut from, mut found) = (0, Vec::new());
+        while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
+            let length = self.plan.scanner.block_end(rest).unwrap_or(rest.len());
+            let block = rest.get(..length).unwrap_or_default();
+            from += length + 1;
+            if !block.trim_ascii().is_empty() {
+                found.push((block, from));
+            }
+        }
+        found
+    }
+
+    /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
+    pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
+        let frame = self.flow.frames.last()?;
+        let source = self.info.source(frame.file)?;
+        let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
+        if behind {
+            let rest =
+                self.blocks_of(source.line(frame.next)).into_iter().find(|(_, end)| *end > frame.offset as usize);
+            let first = |line: u32| self.blocks_of(source.line(line)).first().map(|(block, _)| text(block));
+            return match rest.filter(|_| frame.next <= frame.range.last) {
+                Some((block, _)) => Some(text(block)),
+                None => (frame.next.saturating_add(1)..=frame.range.last).find_map(first),
+            };
+        }
+        let spot = self.spot();
+        let own = self.blocks_of(source.line(spot.line)).into_iter().rfind(|(_, end)| *end <= spot.offset as usize);
+        let last = |line: u32| self.blocks_of(source.line(line)).last().map(|(block, _)| text(block));
+        own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.line).rev().find_map(last))
+    }
+
+    /// Where the block being processed begins. Only a block with a text of its own can begin within its line.
+    pub(super) fn spot(&self) -> Spot {
+        Spot { line: self.line, offset: if self.edited.is_some() { self.flow.offset } else { 0 } }
+    }
+
+    /// Where the block after another one of the current program begins.
+    pub(super) fn after(&self, spot: Spot) -> Spot {
+        let file = self.flow.frames.last().map_or(self.file, |frame| frame.file);
+        let line = self.info.source(file).map_or(&[][..], |source| source.line(spot.line));
+        let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
+        next.map_or(Spot::line(spot.line + 1), |start| Spot { line: spot.line, offset: start as u32 })
     }
 
     /// The trace of block delete.

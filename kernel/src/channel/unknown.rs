@@ -5,6 +5,7 @@
 //! Decision: `[control] unknown_code` says which of both a machine does. Invariant: where they are alarms, nothing of the
 //! block has acted, unless a macro behind the block may still know its text.
 
+use super::block::odd;
 use super::letter_zero::letter_for_zero;
 use super::{Acted, Kernel};
 use crate::diag::{self, Facts};
@@ -19,7 +20,29 @@ impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
     pub(super) fn check_known(&mut self) -> Acted {
+        if self.block.has_oddities() { self.odd_before() } else { self.check_stop() }
+    }
+
+    #[cold]
+    fn odd_before(&mut self) -> Acted {
+        self.check_numbers()?;
         if self.block.unknown.is_empty() { self.check_stop() } else { self.unknown_before() }
+    }
+
+    /// Numbers that a control refuses at their address; on other machines they are read as they are.
+    fn check_numbers(&mut self) -> Acted {
+        let kinds = [
+            (odd::DIGITS, &diag::TOO_MANY_DIGITS, "a number has more digits than its address allows"),
+            (odd::POINT, &diag::DECIMAL_POINT, "a number has a decimal point at an address that takes none"),
+            (odd::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
+        ];
+        for (bit, facts, what) in kinds {
+            if self.block.odd & bit != 0 && self.is_alarm(facts) {
+                let text = format!("{what} in '{}'; nothing of the block is done", self.block_text());
+                return Err(self.alarm(facts, text));
+            }
+        }
+        Ok(())
     }
 
     #[cold]
@@ -44,7 +67,8 @@ impl Kernel<'_> {
             let (facts, why) = self.not_known(&what);
             let block = self.block_text();
             let hint = letter_for_zero(&what, &block);
-            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; nothing of the block is done")));
+            let remedy = remedy(facts, &what);
+            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}; nothing of the block is done{remedy}")));
         }
         if let Some(code) = code {
             self.moves_all_the_same(&code);
@@ -70,10 +94,11 @@ impl Kernel<'_> {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);
         if self.is_code_word(&text) {
+            let lacks = format!("machine {} has no {text}", self.machine.name);
             let why = match self.machine.preprocessor {
-                Preprocessor::Fanuc if is_g => format!("PS0010 improper G-code: this control has no {text}"),
-                Preprocessor::Siemens if is_g => format!("12470 unknown G function: this control has no {text}"),
-                _ => format!("this control has no {text}"),
+                Preprocessor::Fanuc if is_g => format!("PS0010 improper G-code: {lacks}"),
+                Preprocessor::Siemens if is_g => format!("12470 unknown G function: {lacks}"),
+                _ => lacks,
             };
             return (&diag::UNKNOWN_CODE, why);
         }
@@ -81,11 +106,23 @@ impl Kernel<'_> {
             Preprocessor::Fanuc if self.is_word_like(&text) => {
                 format!("PS0009 improper address: this control has no address for {text}")
             }
+            Preprocessor::Fanuc if self.is_letter(&text) => format!("PS0005 no number: {text} has no number"),
+            Preprocessor::Fanuc if text.starts_with('.') => {
+                format!("PS0007 decimal point: {text} comes after another point")
+            }
             Preprocessor::Fanuc => format!("PS0004 bad word: {text} is not a word"),
             Preprocessor::Siemens => format!("12550 name not defined or option missing: {text} is not known"),
             _ => format!("{text} is not known to this control"),
         };
         (&diag::UNKNOWN_TEXT, why)
+    }
+
+    /// An address alone.
+    fn is_letter(&self, text: &str) -> bool {
+        match text.as_bytes() {
+            [letter] => self.plan.scanner.register(*letter).is_some(),
+            _ => false,
+        }
     }
 
     /// A letter and a number.
@@ -127,11 +164,21 @@ impl Kernel<'_> {
         let hint = letter_for_zero(&text, &block);
         if self.machine.habits.unknown_alarms {
             let (facts, why) = self.not_known(&text);
-            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}")));
+            let remedy = remedy(facts, &text);
+            return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));
         }
         self.diagnose(&diag::NOT_RECOGNISED, format!("{text} not recognised in '{block}'{hint}"));
         Ok(())
     }
+}
+
+/// What to do about a code that no row of the machine has: the program is wrong, or the definition lacks it.
+fn remedy(facts: &Facts, text: &str) -> String {
+    if facts.number != diag::UNKNOWN_CODE.number {
+        return String::new();
+    }
+    let text = shortened(text);
+    format!(": correct the word, add a row for {text} to the machine definition, or choose another machine")
 }
 
 fn shortened(text: &str) -> String {

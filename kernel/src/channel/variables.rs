@@ -112,7 +112,7 @@ impl Kernel<'_> {
             1..=33 => Ok(self.variables.local(index)),
             _ if within(&self.machine.variables.shared, index) => {
                 self.flow.pass.polled = true;
-                self.shared(|inner, _| inner.shared.variables.get(&index).copied().unwrap_or(VACANT))
+                self.shared(|order| order.shared.variables.get(&index).copied().unwrap_or(VACANT))
                     .map_err(|_| Fault::Stopped)
             }
             _ if within(&self.machine.variables.channel, index) => {
@@ -140,11 +140,11 @@ impl Kernel<'_> {
             }
             _ if within(&self.machine.variables.shared, index) => {
                 self.flow.pass.effects = true;
-                self.shared(|inner, _| {
+                self.shared(|order| {
                     if is_vacant(value) {
-                        inner.shared.variables.remove(&index);
+                        order.shared.variables.remove(&index);
                     } else {
-                        inner.shared.variables.insert(index, value);
+                        order.shared.variables.insert(index, value);
                     }
                 })
                 .map_err(|_| Fault::Stopped)

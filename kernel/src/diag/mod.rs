@@ -133,6 +133,11 @@ diagnostics! {
     UNKNOWN_MOVES 2900322 8 false "unknown code on a block that moves by the active one";
     ALARM_SOFTENED 2900323 8 false "alarm that is not among the errors of its channel";
     NO_RADIUS 2900324 4 false "compensation by an offset without a radius";
+    REFUSED 2900380 12 true "block that a rule of the control refuses";
+    MINUS_SIGN 2900381 8 false "negative value at an address that takes none";
+    DECIMAL_POINT 2900382 8 false "decimal point at an address that takes none";
+    NO_LEAD 2900383 8 false "thread without a lead";
+    ARC_INCOMPLETE 2900384 8 false "circle without a centre and without a radius";
     OKUMA_NO_MODAL 2900182 4 false "end of a modal call that was not begun (Okuma)";
     GROUP_TWICE 2900350 4 false "G code overridden by a later one of its group";
     MACHINE_INCREMENTAL 2900351 4 false "machine coordinates in incremental mode";

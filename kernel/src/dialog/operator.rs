@@ -1,6 +1,6 @@
 //! Dialogs with somebody who answers while the job runs.
 //!
-//! Invariants: a conversation ends after [`MOST`] answers; an answer that is refused changes nothing and is asked for
+//! Invariants: a conversation ends after `MOST` answers; an answer that is refused changes nothing and is asked for
 //! again with the reason; what the operator answers is all that a run takes from outside, so the same answers give the
 //! same log.
 

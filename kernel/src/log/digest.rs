@@ -7,7 +7,7 @@
 //! The form is made of little-endian words. Each event begins with one word: kind, flags of what is as expected and left
 //! out, axes that change, and how many blocks went before that were as expected (the next line of the file, counted
 //! on, at the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32),
-//! kinds and enums their number as listed in [`kinds`]. A motion says which axes of its start differ from where the
+//! kinds and enums their number as listed in `kinds`. A motion says which axes of its start differ from where the
 //! last motion ended and which of its end differ from its start, and gives only those. Invariant: every field of every
 //! event can be told from the form; numbers already given to a kind or a state never change.
 

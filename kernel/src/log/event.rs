@@ -121,6 +121,18 @@ pub enum Kind {
     Verdict(Box<Verdict>),
 }
 
+impl Kind {
+    /// Bytes of the text that it carries.
+    pub(crate) fn text_bytes(&self) -> usize {
+        match self {
+            Self::Message { text, .. } | Self::Trace { text, .. } | Self::Mode { text } => text.len(),
+            Self::Diagnostic(diagnostic) => diagnostic.text.len(),
+            Self::Call { program, .. } => program.len(),
+            _ => 0,
+        }
+    }
+}
+
 /// Phases in the life of the job and its kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

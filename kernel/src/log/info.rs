@@ -6,8 +6,10 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
+use crate::channel::burden::Shares;
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
+use crate::options::Limits;
 use crate::trace::Letters;
 
 /// Most characters of a block in results.
@@ -32,10 +34,30 @@ pub struct Info {
     pub unit: Unit,
     /// Letters of the trace that the job asks for.
     pub trace: Letters,
+    /// Memory that the results of a channel may take.
+    pub room: Room,
     /// Channels in ascending number, master not included.
     pub channels: Vec<Channel>,
     /// All files the job may read: programs first, in order, then the others by name.
     pub files: Vec<File>,
+}
+
+/// Bytes of memory that the results and the events of one channel may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Room {
+    /// The toolpath.
+    pub path: u64,
+    /// The bars of the timeline.
+    pub bars: u64,
+    /// Events that wait for other channels.
+    pub waiting: u64,
+}
+
+impl Default for Room {
+    /// That of a job with one channel and no limits of its own.
+    fn default() -> Self {
+        Shares::of_channels(&Limits::default(), 1).room()
+    }
 }
 
 /// Unit of length of a machine.

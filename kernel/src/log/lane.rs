@@ -48,7 +48,7 @@ impl Lane {
             info: info.clone(),
             digest: Digest::new(),
             tally: Tally::default(),
-            bars: Bars::default(),
+            bars: Bars::new(info.room.bars),
             track: Track::new(info, channel),
             wait: None,
             stays: Vec::new(),

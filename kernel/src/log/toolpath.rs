@@ -163,7 +163,7 @@ impl Track {
         Self {
             axes: channel.axes.clone(),
             eyes: Eyes::new(channel, view(info)),
-            path: Path::with_capacity(lines as usize),
+            path: Path::with_capacity(lines as usize, info.room.path),
             tool: 0,
             end: None,
         }

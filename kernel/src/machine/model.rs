@@ -90,6 +90,8 @@ pub struct Machine {
     pub dialogs: Vec<crate::dialog::Dialog>,
     /// What the machine changes about diagnostics.
     pub diagnostics: Diagnostics,
+    /// Blocks that the control refuses with an alarm.
+    pub refusals: Vec<super::refusals::Refusal>,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
     /// Dense lookups compiled from the rows.
@@ -120,6 +122,8 @@ pub struct DiagnosticRule {
     pub repeat: Option<u32>,
     /// It stops the channel, or does not; `None` = as `[control] stops` says of alarms.
     pub stops: Option<bool>,
+    /// It is an alarm of this control, also where it is none of the kernel.
+    pub alarm: bool,
 }
 
 /// A file stored with the machine; it is never written.

@@ -337,6 +337,7 @@ mod tests {
             secondary: format,
             increment: None,
             signed: true,
+            pointed: true,
             names: false,
         }
     }

@@ -122,9 +122,9 @@ impl Host for Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         if runtime.shared_globals.is_some_and(|first| index >= first) {
             let place = index as usize;
-            let done = self.shared(|inner, _| {
-                inner.shared.global(place, access);
-                growth > 0 && inner.shared.grown(growth, limit)
+            let done = self.shared(|order| {
+                order.shared.global(place, access);
+                growth > 0 && order.shared.grown(growth, limit)
             });
             match done {
                 Ok(false) => {}
@@ -253,6 +253,18 @@ impl Kernel<'_> {
     /// Says that something is not possible in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
+    }
+
+    /// The innermost running macro is one of those for which no block has been split into codes and data yet.
+    fn before_block(&self) -> bool {
+        let hooks = [
+            Hook::Declaration,
+            Hook::MachineStartup,
+            Hook::ProgramStartup,
+            Hook::PreprocessorStartup,
+            Hook::BlockStartup,
+        ];
+        hooks.into_iter().any(|hook| self.inside(hook))
     }
 
     /// The innermost running macro is the one of this hook.

@@ -216,6 +216,8 @@ pub(crate) struct Runtime {
     pub(crate) made: bool,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
+    /// Functions of which it has been told that there is nothing here for them.
+    pub(crate) without: Vec<&'static str>,
 }
 
 fn limits(memory: u64) -> Limits {
@@ -282,6 +284,7 @@ impl Runtime {
             restart: None,
             made: false,
             closing: false,
+            without: Vec::new(),
         };
         runtime.measure();
         runtime

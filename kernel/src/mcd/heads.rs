@@ -19,7 +19,7 @@ pub(super) fn divide(machine: &Machine, source: &Source, range: Range) -> Result
     let mut found: Vec<(u16, Range)> = Vec::new();
     let scanner = Scanner::new(machine, &[]);
     let mut block = Block::default();
-    for line in range.first..=range.last {
+    for line in source.walk(range.first, range.last) {
         scanner.scan_as(source.line(line), false, &mut block, false);
         let Some(head) = head_of(machine, &block) else { continue };
         match found.last_mut() {

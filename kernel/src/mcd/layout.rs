@@ -7,9 +7,13 @@
 
 use std::sync::{Arc, OnceLock};
 
+use rustc_hash::FxHashSet;
+
 use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
+use crate::channel::burden::Shares;
+use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
 use crate::log::info::{Axis, Channel, File, Info};
@@ -21,11 +25,11 @@ use crate::trace::{Letters, letters};
 /// Characters that the user's parameters of a job may have.
 const MOST_PARAMETERS: usize = 1000;
 
-/// Assigns the programs of a job.
-pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding>> {
+/// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
+pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<Info, Vec<Finding>> {
     let mut findings = Vec::new();
     check_options(spec, &mut findings);
-    let table = file_table(spec, files, &mut findings);
+    let table = file_table(spec, files, stop, &mut findings);
     if spec.programs.is_empty() {
         findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
     }
@@ -46,6 +50,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files) -> Result<Info, Vec<Finding
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
+        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
         channels,
         files: table,
     })
@@ -95,15 +100,17 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     }
 }
 
-fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Vec<File> {
+fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Finding>) -> Vec<File> {
     let mut table: Vec<File> = Vec::new();
+    let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine));
+    let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
     for program in &spec.programs {
-        if table.iter().any(|f| f.name == program.file) {
+        if stop.asked() || !known.insert(program.file.clone()) {
             continue;
         }
         let source = match files.read(&program.file) {
-            Ok(bytes) => Some(Arc::new(Source::shaped(program.file.clone(), bytes, Arc::clone(&shape)))),
+            Ok(bytes) => Some(shaped(&program.file, bytes)),
             Err(error) => {
                 findings.push(Finding::error(program.file.clone(), 0, 0, error.to_string()));
                 None
@@ -116,13 +123,13 @@ fn file_table(spec: &Spec, files: &dyn Files, findings: &mut Vec<Finding>) -> Ve
             findings.push(Finding::error("job", 0, 0, "a job can have 65534 files at most"));
             break;
         }
-        if !table.iter().any(|f| f.name == name) {
+        if !known.contains(&name) {
             table.push(File { name, source: OnceLock::new() });
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
-        let source = Some(Arc::new(Source::shaped(name.clone(), stored.content.clone(), Arc::clone(&shape))));
+        let source = Some(shaped(&name, stored.content.clone()));
         table.push(File { name, source: OnceLock::from(source) });
     }
     table
@@ -146,11 +153,12 @@ impl Candidate<'_> {
 fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
     let callers = Callers::of(&spec.machine);
-    for wish in &spec.programs {
+    // One more than fit is enough to say that there are too many.
+    for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
         let Some(source) = table.get(index).and_then(|f| f.source.get()).and_then(Option::as_deref) else { continue };
         let file = index as u16;
-        if (1..=source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
+        if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
             let text = "the file is empty: a program has at least one block";
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));
             continue;
@@ -311,11 +319,13 @@ pub(crate) fn opening(source: &Source, range: Range, format: &Format) -> Range {
     let first_program = source.programs().first().is_some_and(|r| r.first == range.first);
     let first = if source.is_plain(range) && source.programs().len() < 2 {
         // A text without definition word begins at its first rewind-stop, if that is not its end.
-        (range.first..=range.last)
+        source
+            .walk(range.first, range.last)
             .find(is_stop)
-            .filter(|line| expected || (line + 1..=range.last).any(|n| !is_blank(n)))
+            .filter(|line| expected || source.walk(line + 1, range.last).any(|n| !is_blank(n)))
     } else if first_program {
-        (1..range.first).rev().find(is_stop).or_else(|| (1..range.first).find(|&n| !is_blank(n)))
+        let before = source.walk(1, range.first.saturating_sub(1));
+        before.clone().rev().find(is_stop).or_else(|| before.clone().find(|&n| !is_blank(n)))
     } else {
         None
     };

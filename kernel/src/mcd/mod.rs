@@ -5,3 +5,4 @@ pub(crate) mod layout;
 pub mod program;
 pub mod source;
 pub(crate) mod special;
+pub(crate) mod spot;

@@ -4,7 +4,10 @@
 //! if there is one, is a program of its own without a number; blank lines and comments are no text. Invariant: every
 //! line of text behind that rewind-stop belongs to exactly one program.
 
+use rustc_hash::FxHashSet;
+
 use super::source::Source;
+use super::spot;
 use crate::dialect::okuma;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
@@ -66,6 +69,11 @@ impl Shape {
         }
     }
 
+    /// Where the blocks of a line begin.
+    pub(super) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
+        spot::starts(line, self.eob, self.remarks.iter())
+    }
+
     /// A line is a rewind-stop.
     fn is_stop(&self, line: &[u8]) -> bool {
         !self.rws.is_empty() && line.trim_ascii() == self.rws
@@ -118,7 +126,7 @@ pub(crate) fn program_name(line: &[u8], at: usize) -> Option<usize> {
 pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let mut found: Vec<Range> = Vec::new();
     let last = source.lines();
-    for line in 1..=last {
+    for line in source.walk(1, last) {
         let text = source.line(line);
         let number = leading_number(text, b'O').or_else(|| leading_number(text, b':')).filter(|_| shape.numbers);
         if number.is_some() || shape.name(text).is_some() {
@@ -131,9 +139,9 @@ pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let Some(definition) = found.first().map(|range| range.first) else {
         return if last > 0 { vec![Range { number: None, first: 1, last }] } else { found };
     };
-    let stop = (1..definition).find(|&line| shape.is_stop(source.line(line)));
+    let stop = source.walk(1, definition - 1).find(|&line| shape.is_stop(source.line(line)));
     let first = stop.map_or(1, |line| line + 1);
-    if (first..definition).any(|line| shape.has_text(source.line(line))) {
+    if source.walk(first, definition - 1).any(|line| shape.has_text(source.line(line))) {
         found.insert(0, Range { number: None, first, last: definition - 1 });
     }
     found
@@ -175,8 +183,9 @@ pub(crate) struct Callers {
 /// Programs that a text calls.
 #[derive(Debug, Default)]
 pub(super) struct Called {
-    numbers: Vec<u32>,
-    names: Vec<Vec<u8>>,
+    numbers: FxHashSet<u32>,
+    /// In capitals.
+    names: FxHashSet<Vec<u8>>,
 }
 
 impl Called {
@@ -184,7 +193,7 @@ impl Called {
     pub(super) fn has(&self, source: &Source, range: Range) -> bool {
         match (range.number, source.name_at(range.first)) {
             (Some(number), _) => self.numbers.contains(&number),
-            (None, Some(name)) => self.names.iter().any(|called| called.eq_ignore_ascii_case(name)),
+            (None, Some(name)) => self.names.contains(&name.to_ascii_uppercase()),
             (None, None) => false,
         }
     }
@@ -228,7 +237,7 @@ impl Callers {
 
     /// A line of a range ends a program or returns.
     pub(crate) fn ends_in(&self, source: &Source, range: Range) -> bool {
-        (range.first..=range.last).any(|line| {
+        source.walk(range.first, range.last).any(|line| {
             let text = source.words(line);
             let ends = |&(letter, number): &(u8, u32)| {
                 let at = |at: usize| leading_number(text.get(at..).unwrap_or_default(), letter) == Some(number);
@@ -241,13 +250,13 @@ impl Callers {
 
     /// Programs that the lines of a range call.
     pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
-        for line in range.first..=range.last {
+        for line in source.walk(range.first, range.last) {
             let text = source.words(line);
             if let Some(name) = okuma::called(&text).filter(|_| self.okuma) {
                 match name.parse() {
-                    Ok(number) => into.numbers.push(number),
-                    Err(_) => into.names.push(name.into()),
-                }
+                    Ok(number) => into.numbers.insert(number),
+                    Err(_) => into.names.insert(name.to_ascii_uppercase().into()),
+                };
                 continue;
             }
             if !self.words.iter().any(|word| memchr::memmem::find(&text, word.as_bytes()).is_some()) {
@@ -260,14 +269,14 @@ impl Callers {
             }
             for at in memchr::memchr_iter(b'<', &text) {
                 let name = program_name(&text, at).and_then(|end| text.get(at + 1..end - 1));
-                into.names.extend(name.map(<[u8]>::to_vec));
+                into.names.extend(name.map(<[u8]>::to_ascii_uppercase));
             }
         }
     }
 
     /// The program says itself that it is a subprogram.
     pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
-        self.okuma && (range.first..=range.last).any(|line| okuma::returns(source.line(line)))
+        self.okuma && source.walk(range.first, range.last).any(|line| okuma::returns(source.line(line)))
     }
 
     /// A word by itself calls this program.
@@ -282,6 +291,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::control::Stop;
+    use crate::mcd::spot::Spot;
 
     fn callers() -> Callers {
         let ends = vec![(b'M', 2), (b'M', 30)];
@@ -311,14 +322,15 @@ mod tests {
         let callers = callers();
         let mut called = Called::default();
         callers.called(&source, found[1], &mut called);
-        assert_eq!(called.numbers, [31000, 1000]);
-        assert_eq!(source.sequence_lines(10), [0_u32; 0]);
+        assert_eq!(called.numbers, FxHashSet::from_iter([31000, 1000]));
+        assert!(source.sequences(10).is_empty());
     }
 
     #[test]
     fn programs_by_name() {
         let text = b"O1\nM98 <Face.2>\n<FACE.2> (second)\nM99\n<a b>\n<>\n".as_slice();
-        let source = Source::shaped("t", text.into(), Arc::new(Shape { names: true, ..Shape::default() }));
+        let source =
+            Source::shaped("t", text.into(), Arc::new(Shape { names: true, ..Shape::default() }), Stop::default());
         let found = source.programs();
         assert_eq!(found, [Range { number: Some(1), first: 1, last: 2 }, Range { number: None, first: 3, last: 6 }]);
         assert_eq!(source.named("face.2"), Some(found[1]));
@@ -333,6 +345,6 @@ mod tests {
     fn a_file_without_definition_is_one_program() {
         let source = Source::new("t", b"N10 G1\nN20 M30\n".as_slice().into());
         assert_eq!(source.programs(), [Range { number: None, first: 1, last: 2 }]);
-        assert_eq!(source.sequence_lines(20), [2]);
+        assert_eq!(source.sequences(20), [Spot::line(2)]);
     }
 }

@@ -3,12 +3,15 @@
 //! A byte order mark is no text; UTF-16 becomes UTF-8. Invariant: other bytes are kept as they are; a line ends at LF,
 //! CR LF or a lone CR, and the line's text excludes its end. Lines count from 1.
 
+use std::ops::RangeInclusive;
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use rustc_hash::FxHashMap;
 
 use super::program::{self, Range, Shape};
+use super::spot::Spot;
+use crate::control::Stop;
 
 /// A file of the job.
 #[derive(Debug)]
@@ -19,18 +22,20 @@ pub struct Source {
     /// Start of each line, and one past the end as last entry.
     starts: Vec<u32>,
     shape: Arc<Shape>,
+    stop: Stop,
     programs: OnceLock<Vec<Range>>,
-    sequences: OnceLock<FxHashMap<u32, Vec<u32>>>,
+    sequences: OnceLock<FxHashMap<u32, Vec<Spot>>>,
     /// Whether a byte comes up in the text: the one that was asked for first.
     has: OnceLock<(u8, bool)>,
 }
 
 /// A text without its byte order mark, in UTF-8 if it is UTF-16. UTF-16 without a mark is told by zeros in every second
 /// byte of its first two characters.
-fn plain(bytes: Bytes) -> Bytes {
+fn plain(bytes: Bytes, stop: &Stop) -> Bytes {
     let wide = |from: usize, unit: fn([u8; 2]) -> u16| {
         let pairs = bytes.get(from..).unwrap_or_default().chunks_exact(2);
         let units = pairs.filter_map(|pair| pair.try_into().ok().map(unit));
+        let units = units.take_while(|_| !stop.asked());
         let characters = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
         Bytes::from(characters.collect::<String>())
     };
@@ -48,13 +53,14 @@ impl Source {
     /// Indexes the lines of `bytes`. Files of 4 GiB or more are cut at 4 GiB − 1.
     #[must_use]
     pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
-        Self::shaped(name, bytes, Arc::default())
+        Self::shaped(name, bytes, Arc::default(), Stop::default())
     }
 
-    /// The same for a machine, which may tell its programs apart in a way of its own.
+    /// The same for a machine, which may tell its programs apart in a way of its own. When `stop` is asked for, what is
+    /// looked for in the text ends where it is: nothing may be made of that any more.
     #[must_use]
-    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>) -> Self {
-        let bytes = plain(bytes);
+    pub fn shaped(name: impl Into<String>, bytes: Bytes, shape: Arc<Shape>, stop: Stop) -> Self {
+        let bytes = plain(bytes, &stop);
         let limit = bytes.len().min(u32::MAX as usize - 1);
         let text = bytes.get(..limit).unwrap_or_default();
         let mut starts = Vec::with_capacity(text.len() / 16 + 2);
@@ -64,13 +70,16 @@ impl Source {
                 continue;
             }
             starts.push(at as u32 + 1);
+            if stop.asked() {
+                break;
+            }
         }
         if starts.last().is_some_and(|&last| (last as usize) < limit) {
             starts.push(limit as u32);
         }
         starts.shrink_to_fit();
         let (programs, sequences, has) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { name: name.into(), bytes, starts, shape, programs, sequences, has }
+        Self { name: name.into(), bytes, starts, shape, stop, programs, sequences, has }
     }
 
     /// The whole text.
@@ -79,8 +88,17 @@ impl Source {
     }
 
     /// Whether a byte comes up in the text; the byte that is asked for first is looked for once.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn has(&self, byte: u8) -> bool {
+        match self.has.get() {
+            Some((known, has)) if *known == byte => *has,
+            _ => self.find(byte),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find(&self, byte: u8) -> bool {
         let find = || memchr::memchr(byte, &self.bytes).is_some();
         match *self.has.get_or_init(|| (byte, find())) {
             (known, has) if known == byte => has,
@@ -92,6 +110,11 @@ impl Source {
     #[must_use]
     pub fn lines(&self) -> u32 {
         self.starts.len() as u32 - 1
+    }
+
+    /// The numbers of these lines, as long as nobody wants the job to end.
+    pub(crate) fn walk(&self, first: u32, last: u32) -> impl DoubleEndedIterator<Item = u32> + Clone + '_ {
+        Walk { lines: first..=last, stop: &self.stop }
     }
 
     /// Text of line `number` (from 1) without its end; empty beyond the file.
@@ -146,15 +169,19 @@ impl Source {
         range.number.is_none() && self.name_at(range.first).is_none()
     }
 
-    /// Lines that begin with sequence number `number`, ascending.
+    /// Blocks that begin with sequence number `number`, ascending.
     #[must_use]
-    pub fn sequence_lines(&self, number: u32) -> &[u32] {
+    pub(crate) fn sequences(&self, number: u32) -> &[Spot] {
         self.sequences
             .get_or_init(|| {
-                let mut index: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-                for line in 1..=self.lines() {
-                    if let Some(number) = program::leading_number(self.line(line), b'N') {
-                        index.entry(number).or_default().push(line);
+                let mut index: FxHashMap<u32, Vec<Spot>> = FxHashMap::default();
+                for line in self.walk(1, self.lines()) {
+                    let text = self.line(line);
+                    for offset in self.shape.block_starts(text) {
+                        let block = text.get(offset..).unwrap_or_default();
+                        if let Some(number) = program::leading_number(block, b'N') {
+                            index.entry(number).or_default().push(Spot { line, offset: offset as u32 });
+                        }
                     }
                 }
                 index
@@ -167,6 +194,28 @@ impl Source {
     #[must_use]
     pub fn size(&self) -> usize {
         self.bytes.len()
+    }
+}
+
+/// Lines until somebody wants the job to end.
+#[derive(Debug, Clone)]
+struct Walk<'s> {
+    lines: RangeInclusive<u32>,
+    stop: &'s Stop,
+}
+
+impl Iterator for Walk<'_> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        if self.stop.asked() { None } else { self.lines.next() }
+    }
+}
+
+impl DoubleEndedIterator for Walk<'_> {
+    fn next_back(&mut self) -> Option<u32> {
+        if self.stop.asked() { None } else { self.lines.next_back() }
     }
 }
 
@@ -206,6 +255,18 @@ mod tests {
         // Half a character at the end, and half of a pair, are no reason to give up.
         assert_eq!(read(vec![0xFF, 0xFE, b'G', 0, b'0']), ["G"]);
         assert_eq!(read(vec![0xFE, 0xFF, 0xD8, 0, 0, b'M']), ["\u{fffd}M"]);
+    }
+
+    #[test]
+    fn nothing_is_looked_for_when_the_job_is_to_end() {
+        let stop = Stop::default();
+        let text = Bytes::from_static(b"O1\nN1\nO2\nN2\n");
+        let source = Source::shaped("t", text, Arc::default(), stop.clone());
+        assert_eq!(source.walk(2, 3).collect::<Vec<_>>(), [2, 3]);
+        stop.ask();
+        assert_eq!(source.walk(1, 4).count(), 0);
+        assert!(source.programs().iter().all(|range| range.number.is_none()));
+        assert!(source.sequences(2).is_empty());
     }
 
     #[test]

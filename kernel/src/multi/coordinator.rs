@@ -1,84 +1,49 @@
-//! Shared operations in tag order, waiting, and the end of everything.
+//! The threads and coroutines of a job's kernels, brought into the order of their shared operations.
 //!
-//! Each kernel publishes a lower bound of its future tags once per block. A kernel that wants a shared operation
-//! parks until no running kernel can still come before its tag. Invariants: a shared operation runs under the lock
-//! with the smallest tag of all that are still possible; a blocked kernel wakes only by a shared operation of
-//! another one; `need` of a running kernel is at most the time of any parked tag it still stands before.
+//! What may happen next is the business of [`Order`]; here it is put behind one lock, running kernels publish how far they
+//! have come without taking it, and those that wait are put to sleep and woken. Invariants: an order is changed under the
+//! lock only; `need` of a running kernel is at most the time of any parked tag that it may still act before.
 
-mod ends;
-mod enter;
-pub(crate) mod meet;
-mod pair;
+mod lifecycle;
 mod permits;
+#[cfg(all(test, feature = "shuttle"))]
+mod schedules;
 mod sleep;
 pub(crate) mod switch;
-
-use std::sync::atomic::{
-    AtomicBool, AtomicI64, AtomicU32, AtomicU64,
-    Ordering::{Acquire, Relaxed, Release, SeqCst},
-};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+pub(crate) mod turn;
 
 use crossbeam_channel::Sender;
 
 use super::merge::Message;
+use super::order::{BLOCKED, Effect, Order};
+use super::primitives;
+use super::primitives::atomic::{
+    AtomicBool, AtomicI64, AtomicU32, AtomicU64,
+    Ordering::{Acquire, Relaxed, Release, SeqCst},
+};
+use super::primitives::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
 use super::ranks::Ranks;
 use super::shared::Shared;
 use super::tag::Tag;
-use super::waits::{Waiting, Waits};
+use super::waits::Waits;
 use crate::job::WrittenFiles;
-
-/// Where a kernel stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Status {
-    /// Executing; its bound is in its slot.
-    Running,
-    /// Wants a shared operation.
-    Parked(Tag),
-    /// Stands at a meeting point.
-    Blocked,
-    /// Finished in whatever way.
-    Done,
-}
-
-/// Why a kernel was woken from a wait.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Wake {
-    /// The meeting took place; go on at this tag.
-    Released {
-        /// Where to go on.
-        tag: Tag,
-        /// Ordinal of the meeting.
-        meeting: u64,
-    },
-    /// The control raised an alarm for this wait.
-    Alarm {
-        /// When.
-        tag: Tag,
-        /// Text of the alarm.
-        text: String,
-    },
-    /// Everything has stopped; this wait will never end.
-    Over,
-    /// The job was stopped.
-    Stopped,
-}
 
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
-/// Bound of a kernel that stands at a meeting.
-const STANDS: i64 = i64::MAX - 1;
-/// Bound of a kernel that is done.
-const DONE: i64 = i64::MAX;
+
+/// Where a job stops that is aborted: before everything.
+const ABORT: Tag = Tag { t: i64::MIN, micro: 0, rank: 0 };
 
 /// The job was stopped; the kernel has to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Stopped;
 
+/// What other threads see of a kernel without the lock.
 #[repr(align(128))]
 struct Slot {
-    /// The kernel does nothing before this time; [`STANDS`] or [`DONE`] when it does not run.
+    /// The kernel does nothing before this time.
     bound: AtomicI64,
+    /// A parked kernel wants to hear when the bound passes this time.
     need: AtomicI64,
     /// Counts wake-ups; a kernel spins on it before it sleeps.
     signal: AtomicU32,
@@ -88,19 +53,12 @@ struct Slot {
 }
 
 /// Everything under the lock.
-pub(crate) struct Inner {
-    ranks: Ranks,
-    status: Vec<Status>,
-    wakes: Vec<Option<Wake>>,
-    /// Arrivals of parked kernels that anybody may carry out in their place.
-    arriving: Vec<Option<Waiting>>,
-    /// The merger has been told that the stream is blocked.
-    told: Vec<bool>,
-    pub(crate) shared: Shared,
-    pub(crate) waits: Waits,
-    /// A verdict has been given.
-    pub(crate) judged: bool,
-    stop: Option<Tag>,
+struct Inner {
+    order: Order,
+    /// By kernel: all its events are sent, and it sends none until it is woken.
+    flushed: Vec<bool>,
+    /// By kernel: the merger knows that its stream is blocked.
+    stream_blocked: Vec<bool>,
     permits: usize,
     /// Kernels that wait for a permit, with their bound.
     queue: Vec<(i64, u16)>,
@@ -113,12 +71,6 @@ pub(crate) struct Coordinator {
     ranks: Ranks,
     slots: Box<[Slot]>,
     inner: Mutex<Inner>,
-    /// Where the only two kernels of a job meet.
-    pair: pair::Pair,
-    /// Meetings so far, but for those of a pair since; changed under the lock.
-    meetings: AtomicU64,
-    /// Time from the last arrival to the release, ns.
-    release_ns: i64,
     /// Time of the stop, read by running kernels once per block.
     stop_t: AtomicI64,
     /// Counts when a resume begins to change a bound and when it has.
@@ -132,46 +84,18 @@ pub(crate) struct Coordinator {
     /// All kernels share the thread of the master.
     one_thread: bool,
     spin: u32,
-    /// Waits to come that sleep at once, because other programs want the processors too. It says how to wait, never what
-    /// comes out.
+    /// Waits to come that sleep at once, because other programs want the processors too. It changes how a kernel waits, never
+    /// what comes out.
     crowded: AtomicU32,
 }
 
-/// Lock of a shared operation that may run now.
-pub(crate) type Guard<'a> = MutexGuard<'a, Inner>;
+type Guard<'a> = MutexGuard<'a, Inner>;
 
 impl Inner {
-    fn status(&self, rank: u16) -> Status {
-        self.status.get(self.ranks.index(rank)).copied().unwrap_or(Status::Done)
-    }
-
-    fn set(&mut self, rank: u16, status: Status) {
-        if let Some(slot) = self.status.get_mut(self.ranks.index(rank)) {
-            *slot = status;
-        }
-    }
-
-    fn take_wake(&mut self, rank: u16) -> Option<Wake> {
-        self.wakes.get_mut(self.ranks.index(rank)).and_then(Option::take)
-    }
-
-    fn tell(&self, message: Message) {
+    fn send(&self, message: Message) {
         if let Some(messages) = &self.messages {
             let _ = messages.send(message);
         }
-    }
-
-    /// No other kernel runs or is about to act.
-    pub(crate) fn alone(&self, rank: u16) -> bool {
-        self.status
-            .iter()
-            .zip(self.ranks.numbers())
-            .all(|(s, &r)| r == rank || matches!(s, Status::Blocked | Status::Done))
-    }
-
-    /// Nothing runs, nothing is parked: whoever is blocked stays blocked.
-    fn quiet(&self) -> bool {
-        self.status.iter().all(|s| matches!(s, Status::Blocked | Status::Done))
     }
 }
 
@@ -184,47 +108,37 @@ impl Coordinator {
         waits: Waits,
         messages: Option<Sender<Message>>,
     ) -> Self {
-        let (release_ns, kernels) = (waits.release_ns(), ranks.len());
+        let kernels = ranks.len();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let one_thread = permits <= 1 || cores == 1;
         // On one thread a kernel runs until it has to wait, so nobody needs a permit.
         let permits = if one_thread { kernels } else { permits };
+        let slot = || Slot {
+            bound: AtomicI64::new(0),
+            need: AtomicI64::new(i64::MAX),
+            signal: AtomicU32::new(0),
+            asleep: AtomicBool::new(false),
+            condvar: Condvar::new(),
+        };
         Self {
-            ranks: ranks.clone(),
-            slots: (0..kernels)
-                .map(|_| Slot {
-                    bound: AtomicI64::new(0),
-                    need: AtomicI64::new(i64::MAX),
-                    signal: AtomicU32::new(0),
-                    asleep: AtomicBool::new(false),
-                    condvar: Condvar::new(),
-                })
-                .collect(),
+            slots: (0..kernels).map(|_| slot()).collect(),
             inner: Mutex::new(Inner {
-                ranks,
-                status: vec![Status::Running; kernels],
-                wakes: vec![None; kernels],
-                arriving: vec![None; kernels],
-                told: vec![false; kernels],
-                shared,
-                waits,
-                judged: false,
-                stop: None,
+                order: Order::new(ranks.clone(), shared, waits),
+                flushed: vec![false; kernels],
+                stream_blocked: vec![false; kernels],
                 permits,
                 queue: Vec::new(),
                 messages,
             }),
-            pair: pair::Pair::default(),
-            meetings: AtomicU64::new(0),
-            release_ns,
+            ranks,
             stop_t: AtomicI64::new(i64::MAX),
             resumes: AtomicU64::new(0),
             waiting_permits: AtomicU32::new(0),
             single: AtomicBool::new(false),
             limited: permits < kernels,
             one_thread,
-            spin: if one_thread { 0 } else { 150 },
+            spin: if one_thread { 0 } else { sleep::TURNS },
             crowded: AtomicU32::new(0),
         }
     }
@@ -234,14 +148,14 @@ impl Coordinator {
         self.single.store(true, Relaxed);
     }
 
-    /// All kernels run on the thread of the master, each until it has to wait.
-    pub(crate) fn on_one_thread(&self) -> bool {
-        self.one_thread
-    }
-
     /// Whether only one kernel runs.
     pub(crate) fn is_single(&self) -> bool {
         self.single.load(Relaxed)
+    }
+
+    /// All kernels run on the thread of the master, each until it has to wait.
+    pub(crate) fn on_one_thread(&self) -> bool {
+        self.one_thread
     }
 
     fn slot(&self, rank: u16) -> Option<&Slot> {
@@ -249,13 +163,13 @@ impl Coordinator {
     }
 
     /// The lock; a poisoned one is taken over, since every change under it is complete.
-    pub(crate) fn lock(&self) -> Guard<'_> {
+    fn lock(&self) -> Guard<'_> {
         // What is done under the lock is short: trying for a moment is cheaper than letting the system park a thread.
         for _ in 0..self.spin.min(LOCK_TRIES) {
             match self.inner.try_lock() {
                 Ok(guard) => return guard,
-                Err(std::sync::TryLockError::Poisoned(poisoned)) => return poisoned.into_inner(),
-                Err(std::sync::TryLockError::WouldBlock) => std::hint::spin_loop(),
+                Err(TryLockError::Poisoned(poisoned)) => return poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) => spin_loop(),
             }
         }
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
@@ -268,53 +182,28 @@ impl Coordinator {
             return t <= self.stop_t.load(Relaxed);
         }
         if let Some(slot) = self.slot(rank) {
-            // Whoever asks at this very moment may see the time before this one, and is answered one block later.
+            // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
             slot.bound.store(t, Release);
             if t > slot.need.load(Acquire) {
                 let mut inner = self.lock();
                 slot.need.store(i64::MAX, SeqCst);
-                self.wake_parked(&mut inner);
+                self.settle(&mut inner);
             }
         }
         t <= self.stop_t.load(SeqCst)
     }
 
-    /// Waits for the merger to give chunks back. Meanwhile a running kernel counts as parked at `tag`: it will do
-    /// nothing before that, and whoever stands before it may go, which is what lets the merger move on. A kernel
-    /// that is already blocked at a meeting holds nobody back and keeps its status.
-    pub(crate) fn wait_credit<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
-        let running = {
-            let mut inner = self.lock();
-            let running = inner.status(tag.rank) == Status::Running;
-            if running {
-                inner.set(tag.rank, Status::Parked(tag));
-            }
-            if self.limited {
-                self.release_permit(&mut inner);
-            }
-            self.wake_parked(&mut inner);
-            running
-        };
-        let result = wait();
-        let mut inner = self.acquire_permit(tag.rank, self.lock());
-        if running {
-            inner.set(tag.rank, Status::Running);
-        }
-        self.wake_parked(&mut inner);
-        result
-    }
-
     /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
-    /// all the others are done. A kernel that stands can only be let go by this one, so it holds at this one's time.
+    /// all the others are done. A kernel that is blocked can only be resumed by this one, so it holds at this one's time.
     pub(crate) fn floor(&self, rank: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(self.ranks.numbers()).filter(|(_, other)| **other != rank);
             let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
-            let least = if least == STANDS { self.bound(rank) } else { least };
+            let least = if least == BLOCKED { self.bound(rank) } else { least };
             // A kernel that has stopped the job is done: the stop is looked at after its bound.
             least.min(self.stop_t.load(SeqCst))
         };
-        // Between two looks at the bounds a kernel that stood may have gone on behind the one that let it go.
+        // Between two looks at the bounds a blocked kernel may have continued after the one that resumed it.
         let before = self.resumes.load(SeqCst);
         let floor = least();
         if before.is_multiple_of(2) && self.resumes.load(SeqCst) == before {
@@ -324,61 +213,91 @@ impl Coordinator {
         least()
     }
 
+    pub(crate) fn bound(&self, rank: u16) -> i64 {
+        self.slot(rank).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
+    }
+
     /// The files that macros have written, when no kernel runs any more.
     pub(crate) fn written(&self) -> WrittenFiles {
-        self.lock().shared.files.take()
+        self.lock().order.shared.files.take()
     }
 
     /// Nothing after this tag belongs to the log.
     pub(crate) fn stop_tag(&self) -> Tag {
-        self.lock().stop.unwrap_or(Tag::END)
+        self.lock().order.stopped().unwrap_or(Tag::END)
     }
 
-    pub(crate) fn bound(&self, rank: u16) -> i64 {
-        self.slot(rank).map_or(i64::MAX, |s| s.bound.load(SeqCst))
+    /// The order and what it keeps, while no kernel needs its turn for that: before the first and after the last of them has
+    /// run, or for what may be done in any order.
+    pub(crate) fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
+        let mut inner = self.lock();
+        let result = operation(&mut inner.order);
+        self.apply(&mut inner);
+        result
     }
 
-    /// No other kernel can still act before `tag`.
-    fn eligible(&self, inner: &Inner, tag: Tag) -> bool {
-        inner.status.iter().zip(&self.slots).zip(self.ranks.numbers()).all(|((status, slot), rank)| {
-            *rank == tag.rank
-                || match status {
-                    Status::Running => slot.bound.load(SeqCst) > tag.t,
-                    Status::Parked(other) => *other > tag,
-                    Status::Blocked | Status::Done => true,
+    /// Lets the order take its next steps.
+    fn settle(&self, inner: &mut Inner) {
+        inner.order.hear(self.slots.iter().map(|slot| slot.bound.load(SeqCst)));
+        let waiting = inner.order.settle();
+        self.apply(inner);
+        let Some(tag) = waiting else { return };
+        // Whoever passes the tag at this very moment sees the need with its next block, or settles when it waits or ends.
+        for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
+            slot.need.fetch_min(tag.t, SeqCst);
+        }
+    }
+
+    /// Does what the order has decided.
+    fn apply(&self, inner: &mut Inner) {
+        let mut effects = inner.order.effects();
+        for effect in effects.drain(..) {
+            match effect {
+                Effect::Bound(rank, t) => self.set_bound(rank, t),
+                Effect::Blocked(rank) => self.stream_blocked(inner, rank),
+                Effect::Woken(rank, tag) => {
+                    let index = self.ranks.index(rank);
+                    if let Some(flushed) = inner.flushed.get_mut(index) {
+                        *flushed = false;
+                    }
+                    let blocked = inner.stream_blocked.get_mut(index).is_some_and(std::mem::take);
+                    if let Some(tag) = tag.filter(|_| blocked) {
+                        inner.send(Message::Resumed(rank, tag));
+                    }
+                    self.signal(rank);
                 }
-        })
+                Effect::Stop(tag) => {
+                    self.stop_t.fetch_min(tag.t, SeqCst);
+                    // When a job is aborted, the log ends where its kernels do.
+                    if tag != ABORT {
+                        inner.send(Message::StopAt(tag));
+                    }
+                }
+            }
+        }
+        inner.order.recycle(effects);
     }
 
-    /// Asks every running kernel that still stands before `tag` to report when it has passed it.
-    fn ask(&self, inner: &Inner, tag: Tag) {
-        for ((status, slot), rank) in inner.status.iter().zip(&self.slots).zip(self.ranks.numbers()) {
-            if *rank != tag.rank && *status == Status::Running && slot.bound.load(SeqCst) <= tag.t {
-                slot.need.fetch_min(tag.t, SeqCst);
-            }
+    fn set_bound(&self, rank: u16, t: i64) {
+        let Some(slot) = self.slot(rank) else { return };
+        if slot.bound.load(SeqCst) == BLOCKED {
+            self.resumes.fetch_add(1, SeqCst);
+            slot.bound.store(t, SeqCst);
+            self.resumes.fetch_add(1, SeqCst);
+            slot.need.store(i64::MAX, SeqCst);
+        } else {
+            slot.bound.store(t, SeqCst);
         }
     }
 
-    /// Wakes the kernel with the smallest parked tag if it may go; else makes sure it will hear of it. What it came
-    /// for is carried out in its place if that is a plain arrival.
-    fn wake_parked(&self, inner: &mut Inner) {
-        loop {
-            let parked =
-                inner.status.iter().filter_map(|s| if let Status::Parked(tag) = s { Some(*tag) } else { None });
-            let Some(tag) = parked.min() else { return };
-            self.ask(inner, tag);
-            if !self.eligible(inner, tag) {
-                return;
-            }
-            if inner.stop.is_some() || !self.arrive_for(inner, tag) {
-                self.signal(tag.rank);
-                return;
+    /// The kernel is blocked: the merger hears of it once all events up to here are sent.
+    fn stream_blocked(&self, inner: &mut Inner, rank: u16) {
+        let index = self.ranks.index(rank);
+        if inner.flushed.get(index) == Some(&true) {
+            inner.send(Message::Blocked(rank));
+            if let Some(blocked) = inner.stream_blocked.get_mut(index) {
+                *blocked = true;
             }
         }
-    }
-
-    /// Ends a shared operation: tells parked kernels that this one goes on.
-    pub(crate) fn leave(&self, inner: &mut Inner) {
-        self.wake_parked(inner);
     }
 }

@@ -20,7 +20,12 @@ const PUT_OFF: usize = 16;
 pub(crate) struct Feed {
     pub(crate) rank: u16,
     lane: Lane,
-    waiting: VecDeque<Vec<Event>>,
+    /// Chunks, each with its bytes.
+    waiting: VecDeque<(Vec<Event>, u64)>,
+    /// Bytes that may wait.
+    room: u64,
+    /// Bytes that wait.
+    bytes: u64,
     spare: Vec<Vec<Event>>,
     /// No other kernel stops the job before this time.
     floor: i64,
@@ -31,9 +36,10 @@ pub(crate) struct Feed {
 }
 
 impl Feed {
-    pub(crate) fn new(rank: u16, lane: Lane) -> Self {
+    /// `room`: bytes that may wait for other kernels.
+    pub(crate) fn new(rank: u16, lane: Lane, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
-        Self { rank, lane, waiting, spare, floor: 0, events: 0, last: (0, 0) }
+        Self { rank, lane, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
     }
 
     /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
@@ -50,14 +56,16 @@ impl Feed {
         true
     }
 
-    /// Takes a chunk to be worked on later, and gives another one for it, whatever is in it. Returns `true` when too
-    /// much is waiting for other kernels.
-    pub(crate) fn put(&mut self, chunk: &mut Vec<Event>, floor: impl Fn() -> i64) -> bool {
+    /// Takes a chunk with so many bytes of texts to be worked on later, and gives another one for it, whatever is in it.
+    /// Returns `true` when too much is waiting for other kernels.
+    pub(crate) fn put(&mut self, chunk: &mut Vec<Event>, texts: usize, floor: impl Fn() -> i64) -> bool {
         if chunk.is_empty() {
             return false;
         }
         let next = self.spare.pop().unwrap_or_default();
-        self.waiting.push_back(std::mem::replace(chunk, next));
+        let bytes = (chunk.len() * size_of::<Event>() + texts) as u64;
+        self.bytes += bytes;
+        self.waiting.push_back((std::mem::replace(chunk, next), bytes));
         while self.waiting.len() > PUT_OFF {
             if self.work() {
                 continue;
@@ -70,7 +78,7 @@ impl Feed {
                 break;
             }
         }
-        self.waiting.len() >= MOST
+        self.waiting.len() >= MOST || self.bytes >= self.room
     }
 
     /// No other kernel can stop the job before this time.
@@ -80,11 +88,12 @@ impl Feed {
 
     /// Takes one chunk in that waits, if it may; `false` if there is none.
     pub(crate) fn work(&mut self) -> bool {
-        let may = |events: &Vec<Event>| events.last().map_or(0, |event| event.t_ns) < self.floor;
+        let may = |(events, _): &(Vec<Event>, u64)| events.last().map_or(0, |event| event.t_ns) < self.floor;
         if !self.waiting.front().is_some_and(may) {
             return false;
         }
-        let Some(front) = self.waiting.pop_front() else { return false };
+        let Some((front, bytes)) = self.waiting.pop_front() else { return false };
+        self.bytes -= bytes;
         self.keep(&front);
         self.spare.push(front);
         true
@@ -92,7 +101,7 @@ impl Feed {
 
     /// The job has ended: takes the rest, up to its stop. Gives the lane back.
     pub(crate) fn close(mut self, stop: Tag) -> (Lane, u64, (i64, u32)) {
-        while let Some(events) = self.waiting.pop_front() {
+        while let Some((events, _)) = self.waiting.pop_front() {
             let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
             let end = events.iter().position(after).unwrap_or(events.len());
             self.keep(events.get(..end).unwrap_or_default());

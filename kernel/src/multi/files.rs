@@ -16,7 +16,7 @@ const MOST_FILES: usize = 200;
 const MOST_BYTES: usize = 64 << 20;
 
 /// The files by path; one without a text has been removed.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Written {
     files: BTreeMap<String, Option<Arc<str>>>,
     bytes: usize,

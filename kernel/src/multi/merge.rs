@@ -3,7 +3,8 @@
 //! Each kernel sends chunks in its own order with a promise `upto`: nothing earlier will follow. An event goes out
 //! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
 //! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
-//! later. A kernel may have only [`CREDIT`] chunks on the way; beyond that it waits for empty ones to come back.
+//! later. A kernel may have only [`CREDIT`] chunks on the way, each with [`TEXTS`]
+//! bytes of text; beyond that it waits for empty ones to come back.
 
 use std::collections::VecDeque;
 
@@ -15,8 +16,10 @@ use crate::log::event::{Event, Kind, Phase};
 
 /// Events in a full chunk.
 pub(crate) const CHUNK: usize = 512;
-/// Chunks a kernel may have on the way.
+/// Chunks a kernel may have on the way, less when the memory of the job has no room for them.
 const CREDIT: usize = 8;
+/// Bytes of texts after which a chunk goes out though it is not full.
+pub(crate) const TEXTS: usize = 32 << 10;
 
 /// What kernels tell the merger.
 pub(crate) enum Message {
@@ -45,6 +48,8 @@ pub(crate) struct Feeder {
     pub(crate) messages: Sender<Message>,
     empties: Receiver<Vec<Event>>,
     made: usize,
+    /// Chunks that it may have.
+    credit: usize,
 }
 
 impl Feeder {
@@ -53,7 +58,7 @@ impl Feeder {
         if let Ok(chunk) = self.empties.try_recv() {
             return Some(chunk);
         }
-        if self.made < CREDIT {
+        if self.made < self.credit {
             self.made += 1;
             return Some(Vec::new());
         }
@@ -120,8 +125,10 @@ pub(crate) enum End {
 }
 
 impl Merger {
-    /// A merger for the given ranks, a feeder for each, and a sender for messages about streams.
-    pub(crate) fn new(ranks: impl Iterator<Item = u16>) -> (Self, Vec<Feeder>, Sender<Message>) {
+    /// A merger for the given ranks, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
+    pub(crate) fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+        let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
+        let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
         let (sender, messages) = unbounded();
         let mut streams = Vec::new();
         let mut feeders = Vec::new();
@@ -135,7 +142,7 @@ impl Merger {
                 ended: false,
                 empties: back,
             });
-            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0 });
+            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0, credit });
         }
         (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), end: End::Complete }, feeders, sender)
     }

@@ -9,6 +9,8 @@ pub(crate) mod files;
 mod master;
 pub(crate) mod merge;
 mod one_thread;
+pub(crate) mod order;
+mod primitives;
 pub(crate) mod ranks;
 mod rounds;
 pub(crate) mod shared;
@@ -34,7 +36,7 @@ use crate::channel::{
     carried::{Carried, Lived},
     emit::{Emitter, Target},
     flow::Flow,
-    life, state,
+    state,
     variables::ChannelVariables,
 };
 use crate::control::{Control, Progress, State};
@@ -69,7 +71,8 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
             true
         };
         let starting = shop.begin(&mut now, &mut log);
-        let mut feeds: Vec<Feed> = folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane)).collect();
+        let mut feeds: Vec<Feed> =
+            folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane, job.info().room.waiting)).collect();
         let lived = shop.folded(starting, &mut feeds);
         let stop = coordinator.stop_tag();
         let (mut lanes, mut last) = (Vec::new(), now.at);
@@ -118,7 +121,8 @@ fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink)
     let mut written = WrittenFiles::new();
     let mut log = Log { sink, count: 0, refused: false };
     while let Some(mut now) = round.take() {
-        let (mut merger, feeders, sender) = Merger::new(machine.channels.iter().map(|c| c.number));
+        let (mut merger, feeders, sender) =
+            Merger::new(machine.channels.iter().map(|c| c.number), job.info().room.waiting);
         let coordinator = now.coordinator(job, Some(sender));
         let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
         let starting = shop.begin(&mut now, &mut |event| log.note(event));
@@ -193,8 +197,7 @@ impl<'a> Shop<'a> {
                 None => {
                     progress.set_state(State::NotStarted);
                     log(&Event { channel: channel.number, ..master(0, Kind::Lifecycle(Phase::NotStarted)) });
-                    life::never_started(coordinator, channel.number);
-                    coordinator.closed(channel.number);
+                    coordinator.never_started(channel.number);
                 }
             }
         }
@@ -272,9 +275,6 @@ impl<'a> Shop<'a> {
 
     /// A thread for each kernel; meanwhile this one does something else.
     fn together(self, work: Vec<(Start<'_>, Way<'_>)>, meanwhile: impl FnOnce()) -> Vec<Lived> {
-        if let [(a, _), (b, _)] = &work[..] {
-            self.coordinator.set_pair(a.channel.number, b.channel.number);
-        }
         let (coordinator, control) = (self.coordinator, self.control);
         std::thread::scope(|scope| {
             let mut running = Vec::new();
@@ -293,8 +293,7 @@ impl<'a> Shop<'a> {
                     Err(_) => {
                         // The operating system refuses a thread: the job cannot be run and counts as cancelled.
                         control.cancel();
-                        coordinator.closed(number);
-                        coordinator.done(&mut coordinator.lock(), number);
+                        coordinator.done(number, |_| ());
                     }
                 }
             }
@@ -314,8 +313,7 @@ fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordi
     let rank = kernel.rank;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();
-        coordinator.closed(rank);
-        coordinator.done(&mut coordinator.lock(), rank);
+        coordinator.done(rank, |_| ());
         std::panic::resume_unwind(panic)
     })
 }

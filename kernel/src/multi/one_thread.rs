@@ -88,8 +88,7 @@ impl<'a> Shop<'a> {
             let Ok(stack) = DefaultStack::new(stack) else {
                 // The operating system refuses the memory: the job cannot be run and counts as cancelled.
                 self.control.cancel();
-                self.coordinator.closed(number);
-                self.coordinator.done(&mut self.coordinator.lock(), number);
+                self.coordinator.done(number, |_| ());
                 continue;
             };
             // What a coroutine begins with must be small.
@@ -102,8 +101,7 @@ impl<'a> Shop<'a> {
                 }));
                 if life.is_err() {
                     self.coordinator.abort();
-                    self.coordinator.closed(number);
-                    self.coordinator.done(&mut self.coordinator.lock(), number);
+                    self.coordinator.done(number, |_| ());
                 }
                 life
             };

@@ -7,7 +7,7 @@ use super::coordinator::Coordinator;
 use super::master::{At, Master};
 use super::ranks::Ranks;
 use super::shared::{Shared, Spindle};
-use super::{Shop, Start, life};
+use super::{Shop, Start};
 use crate::channel::carried::{Carried, Lived};
 use crate::channel::{Halt, Kernel};
 use crate::diag;
@@ -58,7 +58,7 @@ impl Round {
         let ranks = Ranks::new(machine.channels.iter().map(|channel| channel.number));
         let waits = Waits::new(ranks.clone(), machine.sync.release_ns);
         let coordinator = Coordinator::new(ranks, usize::from(options.threads), shared, waits, messages);
-        coordinator.go_on_from(self.meetings);
+        coordinator.unordered(|order| order.meetings = self.meetings);
         coordinator
     }
 }
@@ -85,8 +85,7 @@ impl<'a> Shop<'a> {
                 None => {
                     // It may get a program the next time.
                     round.carried.extend(carried);
-                    life::never_started(self.coordinator, channel.number);
-                    self.coordinator.closed(channel.number);
+                    self.coordinator.never_started(channel.number);
                 }
             }
         }
@@ -104,7 +103,7 @@ impl<'a> Shop<'a> {
         log: &mut dyn FnMut(&Event) -> bool,
     ) -> Option<Round> {
         let stop = self.coordinator.stop_tag();
-        self.coordinator.lock().shared.files.close(stop);
+        self.coordinator.unordered(|order| order.shared.files.close(stop));
         let all = lived.iter().all(|one| matches!(one.halt, Halt::End(_)) && ended.contains(&one.rank));
         for Lived { rank, halt, .. } in lived.iter().filter(|one| !ended.contains(&one.rank)) {
             let phase = if *halt == Halt::Blocked { Phase::Blocked } else { Phase::Stopped };
@@ -116,21 +115,23 @@ impl<'a> Shop<'a> {
             () => None,
         };
         let again = self.master_shutdown(&mut round.master, wrong, (t_ns, micro), log);
-        self.coordinator.lock().shared.files.close(Tag::END);
+        self.coordinator.unordered(|order| order.shared.files.close(Tag::END));
         let Some(again) = again.filter(|_| !self.control.cancelled()) else {
             log(&Event { micro, ..super::master(t_ns, Kind::Lifecycle(Phase::MachineEnd)) });
             return None;
         };
         let mut carried = round.carried;
         carried.extend(lived.into_iter().filter_map(|one| one.left).map(|left| *left));
+        let (shared, meetings) =
+            self.coordinator.unordered(|order| (std::mem::take(&mut order.shared), order.meetings));
         Some(Round {
             number: round.number + 1,
             at: (t_ns, micro.saturating_add(1)),
             master: round.master,
             again: Some(again),
             carried,
-            shared: Some(std::mem::take(&mut self.coordinator.lock().shared)),
-            meetings: self.coordinator.meetings(),
+            shared: Some(shared),
+            meetings,
         })
     }
 }

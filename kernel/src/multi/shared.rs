@@ -8,7 +8,7 @@ use crate::channel::burden::Hoard;
 use crate::log::event::Direction;
 
 /// Shared state; touched only inside shared operations.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Shared {
     /// Common variables that have a value.
     pub(crate) variables: FxHashMap<u32, f64>,
@@ -72,11 +72,6 @@ pub(crate) struct Spindle {
 }
 
 impl Shared {
-    /// A spindle has been commanded by a channel that not all of these have met since.
-    pub(crate) fn has_orders(&self, channels: Set) -> bool {
-        self.spindles.iter().any(|spindle| spindle.writer != 0 && spindle.ordered.0 & channels.0 != channels.0)
-    }
-
     /// A meeting orders all earlier commands of the participants before all later ones.
     pub(crate) fn met(&mut self, channels: Set) {
         for spindle in &mut self.spindles {

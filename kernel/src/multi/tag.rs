@@ -1,7 +1,7 @@
 //! The order of everything that channels share: superdense time and rank.
 
 /// `(time, microstep, channel rank)`: shared operations are executed in this order, whatever the threads do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Tag {
     /// Simulated time, ns.
     pub(crate) t: i64,

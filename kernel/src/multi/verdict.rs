@@ -65,7 +65,7 @@ fn end_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
     Some(match finish.how {
         Terminal::Ended => format!("channel {channel} has ended at {}", place(info, finish.file, finish.line)),
         Terminal::Alarmed => {
-            format!("channel {channel} stands on an alarm at {}", place(info, finish.file, finish.line))
+            format!("channel {channel} is stopped by an alarm at {}", place(info, finish.file, finish.line))
         }
         Terminal::Stopped => format!("channel {channel} was stopped at {}", place(info, finish.file, finish.line)),
         Terminal::NeverStarted => format!("channel {channel} has no program"),
@@ -81,7 +81,7 @@ fn hint(dead: Set, waits: &Waits) -> Option<String> {
                 && (other.spec.number == own.spec.number || other.spec.named == own.spec.named)
             {
                 return Some(format!(
-                    "channel {channel} stands at {} and channel {partner} at {}: the nearest that could fit",
+                    "did you mean the same code? channel {channel} waits at {}, channel {partner} at {}",
                     own.spec.text(),
                     other.spec.text()
                 ));

@@ -105,12 +105,6 @@ impl Spec {
         out
     }
 
-    /// The code in one word; equal words mean equal codes of one form.
-    pub(crate) fn code(&self) -> u64 {
-        let form = u64::from(self.style == Style::Listed) << 3 | self.primitive as u64;
-        u64::from(self.number) << 32 | u64::from(self.letter) << 4 | form
-    }
-
     fn matches(&self, other: &Self) -> bool {
         self.primitive == other.primitive
             && self.letter == other.letter
@@ -178,7 +172,7 @@ pub(crate) enum Arrival {
 }
 
 /// All waits of the job.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Waits {
     ranks: Ranks,
     waiting: Vec<Option<Waiting>>,
@@ -197,11 +191,6 @@ impl Waits {
     pub(crate) fn new(ranks: Ranks, release_ns: i64) -> Self {
         let channels = ranks.len();
         Self { ranks, waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
-    }
-
-    /// Time from the last arrival to the release, ns.
-    pub(crate) fn release_ns(&self) -> i64 {
-        self.release_ns
     }
 
     /// The wait of a channel.

@@ -14,6 +14,7 @@ pub use letters::Letters;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
+use crate::channel::burden::shortened;
 use crate::log::event::Kind;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
@@ -53,7 +54,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if self.traces(letter) {
-            let text = line(self).into();
+            let text = shortened(&line(self)).into();
             self.emit(0, Kind::Trace { letter, text });
         }
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::info::Info;
 use tokio::sync::watch;
@@ -42,6 +42,8 @@ pub(crate) struct Live {
     record: Mutex<Record>,
     state: watch::Sender<State>,
     cancel: AtomicBool,
+    /// The run is to end, for whatever reason.
+    stop: Mutex<Stop>,
     pub(crate) tail: Arc<Tail>,
     run: Mutex<Option<Arc<Run>>>,
     finished: OnceLock<Arc<Finished>>,
@@ -65,6 +67,7 @@ impl Live {
             id: record.id.clone(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
+            stop: Mutex::default(),
             desk: Arc::new(Desk::new(&record.answers)),
             record: Mutex::new(record),
             tail: Arc::new(Tail::new()),
@@ -105,17 +108,21 @@ impl Live {
         drop(self.end_log());
         self.tail.begin_again();
         *lock(&self.run) = None;
+        *lock(&self.stop) = Stop::default();
         self.desk.begin_again(&self.record().answers);
     }
 
     /// Sets what a run has; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
-        let control = run.control.clone();
         *lock(&self.run) = Some(Arc::new(run));
         if self.cancelled() || self.reached().is_some() {
-            control.cancel();
-            self.desk.close();
+            self.interrupt();
         }
+    }
+
+    /// What ends the run, from before it is prepared.
+    pub(crate) fn stop(&self) -> Stop {
+        lock(&self.stop).clone()
     }
 
     /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files.
@@ -170,9 +177,7 @@ impl Live {
 
     /// Stops the run without a cancel on the record: the job will be run again.
     pub(crate) fn interrupt(&self) {
-        if let Some(run) = self.run() {
-            run.control.cancel();
-        }
+        self.stop().ask();
         self.desk.close();
     }
 

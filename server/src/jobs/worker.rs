@@ -5,11 +5,14 @@
 //! another.
 
 use std::any::Any;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
@@ -78,6 +81,23 @@ fn refused(findings: Vec<Finding>) -> Change {
     })
 }
 
+/// The server is going down: the next one runs the job.
+fn queued_again() -> Change {
+    Box::new(|record| {
+        record.state = State::Queued;
+        record.attempt = record.attempt.saturating_sub(1);
+    })
+}
+
+/// The run has reached a limit of the server before it was prepared.
+fn late(limit: String) -> Change {
+    Box::new(|record| {
+        record.state = State::Failed;
+        record.verdict.clone_from(&limit);
+        record.limit = limit;
+    })
+}
+
 fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
@@ -102,7 +122,7 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     core.again(live, record.host_failures);
 }
 
-/// Time between two attempts to make the end of a job durable.
+/// Time between two attempts to make the end of a job durable, and between two looks at whether it is to end.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Makes the end durable, then visible. It waits for a ledger that cannot be written, until the server drains: then
@@ -158,15 +178,23 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         or_most(record.wall_ms, core.options.max_wall_ms),
         or_most(record.max_job_bytes, core.options.max_job_bytes),
     );
+    // A cancel that came while the job waited for another run.
+    let stop = live.stop();
+    if live.cancelled() {
+        stop.ask();
+    }
     let files = Sandbox::new(core.blobs.clone(), &record.files);
-    let prepared = prepare(core, &record, &files)?;
+    let prepared = prepare(core, &record, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
         Ok(prepared) => prepared,
+        Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = State::Cancelled))),
+        Err(_) if live.reached().is_some() => return Ok(Ran::Over(late(live.reached().unwrap_or_default()))),
+        Err(_) if stop.asked() => return Ok(Ran::Over(queued_again())),
         Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
-    let mut control = Control::new(info.channels.len());
+    let mut control = Control::new(info.channels.len()).with_stop(stop);
     if record.options.attended {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
@@ -190,10 +218,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
     files.trouble()?;
     let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
     if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
-        return Ok(Ran::Over(Box::new(|record| {
-            record.state = State::Queued;
-            record.attempt -= 1;
-        })));
+        return Ok(Ran::Over(queued_again()));
     }
     let limit = limit.unwrap_or_default();
     let finished = Finished::new(folds.finish(&outcome), written, &limit);
@@ -202,7 +227,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
 
 impl Through {
     /// Stores log and results; a log that is small goes into the ledger with the end of the job.
-    fn store(self, core: &Core, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
+    fn store(self, core: &Arc<Core>, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
         let Self { outcome, finished, limit, writer } = self;
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
@@ -238,35 +263,62 @@ pub(crate) fn prepare(
     core: &Core,
     record: &Record,
     files: &Sandbox,
+    stop: &Stop,
 ) -> Result<Result<Box<dyn Prepared>, Vec<Finding>>, Refusal> {
     let checked = core.machines.load(&record.machine)?;
     let Some(machine) = checked.machine else { return Ok(Err(checked.findings)) };
     let task = Task { machine, programs: record.programs.clone(), options: record.options.clone() };
-    Ok(core.runner.prepare(task, files))
+    Ok(core.runner.prepare(task, files, stop))
 }
 
 /// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.
 const RESULTS_FROM: u64 = 1 << 20;
 
-/// Stores the results that cannot be made from the log in no time, and keeps all in memory for a while. `bytes`: of
-/// the log.
-fn keep(core: &Core, live: &Live, mut finished: Finished, bytes: u64) -> Result<Arc<Finished>, Refusal> {
+/// Stores what cannot be made from the log in no time, and keeps all results in memory for a while. `bytes`: of the log.
+fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<Arc<Finished>, Refusal> {
     let folder = core.store.job(&live.id);
-    finished.bytes = bytes;
-    for document in Document::ALL {
-        let stored = match document {
-            Document::Files => !finished.files.is_empty(),
-            _ => bytes >= RESULTS_FROM,
-        };
-        if !stored || core.options.ephemeral {
-            continue;
+    let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
+    finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);
+    let finished = Arc::new(finished);
+    live.keep(finished.clone());
+    if core.options.ephemeral {
+        return Ok(finished);
+    }
+    if let Some(files) = files {
+        core.store.write(&folder.join(Document::Files.file()), &files)?;
+    }
+    if bytes >= RESULTS_FROM {
+        let (core, finished) = (core.clone(), finished.clone());
+        store_results(live, move || store(&core, &folder, &finished));
+    }
+    Ok(finished)
+}
+
+/// Stores results that can be made again. That may take long: when the run is to end meanwhile, it continues by itself
+/// after the end of the job. Results that cannot be stored are made from the log when asked for.
+fn store_results(live: &Live, work: impl FnOnce() -> io::Result<()> + Send + 'static) {
+    let (done, stored) = channel::<()>();
+    let work = move || {
+        if let Err(error) = work() {
+            tracing::warn!(%error, "results are not stored; they will be made from the log");
         }
+        drop(done);
+    };
+    if let Err(error) = std::thread::Builder::new().name("results".to_owned()).spawn(work) {
+        tracing::warn!(%error, "results are not stored; they will be made from the log");
+    }
+    while let Err(RecvTimeoutError::Timeout) = stored.recv_timeout(LOOK) {
+        if live.stop().asked() {
+            return;
+        }
+    }
+}
+
+fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<()> {
+    for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
         if let Some(text) = finished.document(document) {
-            finished.bytes += text.len() as u64;
             core.store.write(&folder.join(document.file()), &text)?;
         }
     }
-    let finished = Arc::new(finished);
-    live.keep(finished.clone());
-    Ok(finished)
+    Ok(())
 }

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
+use counterpoint_kernel::control::Stop;
 use counterpoint_kernel::files::Files as _;
 use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::info::Info;
@@ -193,7 +194,7 @@ impl Ended {
             let sandbox = Sandbox::new(core.blobs.clone(), &record.files);
             let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
                 Some(info) => info,
-                None => match worker::prepare(&core, &record, &sandbox)? {
+                None => match worker::prepare(&core, &record, &sandbox, &Stop::default())? {
                     Ok(prepared) => prepared.info().clone(),
                     Err(_) => return Err(Refusal::NoResults(id)),
                 },

@@ -62,6 +62,25 @@ async fn running_and_queued_jobs_can_be_cancelled_and_deleted() {
     server.stop().await;
 }
 
+/// Long programs take long to prepare: cancel ends that, and a drain gives the job to the next server.
+#[tokio::test]
+async fn a_job_that_is_being_prepared_can_be_cancelled_and_drained() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
+    let job = server.submit("r-1", "SLOW").await;
+    server.until(&job, v1::JobState::Running).await;
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: job.clone() }).await.unwrap();
+    let status = server.wait(&job).await;
+    assert_eq!((status.state(), status.findings.len(), status.error.as_str()), (v1::JobState::Cancelled, 0, ""));
+    let drained = server.submit("r-2", "SLOW").await;
+    server.until(&drained, v1::JobState::Running).await;
+    server.stop().await;
+    let server = Server::start(options(folder.path())).await;
+    server.until(&drained, v1::JobState::Running).await;
+    assert_eq!(server.status(&drained).await.attempt, 1, "a drain is no failed attempt");
+    server.stop().await;
+}
+
 pub fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {

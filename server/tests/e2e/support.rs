@@ -1,6 +1,7 @@
 //! A server in process with a scripted runner, and a client for it.
 //!
-//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `ALARM`, `ASK name` (a dialog; what
+//! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until
+//! it is stopped), `ALARM`, `ASK name` (a dialog; what
 //! is pressed becomes a diagnostic), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::Path;
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoint_kernel::control::Control;
+use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::dialog::Dialog;
 use counterpoint_kernel::dialog::operator::Question;
 use counterpoint_kernel::files::Files;
@@ -56,7 +57,7 @@ struct Ready {
 }
 
 impl Runner for Script {
-    fn prepare(&self, task: Task, files: &dyn Files) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+    fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
         *self.limits.lock().unwrap() = Some(task.options.limits.clone());
         let program = &task.programs[0];
         let read = files.read(&program.file);
@@ -64,6 +65,12 @@ impl Runner for Script {
         let script = String::from_utf8_lossy(&bytes).into_owned();
         if script.contains("REFUSE") {
             return Err(vec![Finding::error(&program.file, 1, 1, "refused")]);
+        }
+        if script.contains("SLOW") {
+            while !stop.asked() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            return Err(vec![Finding::error(&program.file, 0, 0, "stopped")]);
         }
         let axis = |name: &str| Axis { name: name.into(), rotary: false, diameter: false };
         let channel = |number| Channel {
@@ -86,6 +93,7 @@ impl Runner for Script {
             machine_file: "lathe2/machine.toml".into(),
             parameters: String::new(),
             trace: Default::default(),
+            room: Default::default(),
             unit: Unit::Mm,
             channels: vec![channel(1), channel(2)],
             files: vec![file],

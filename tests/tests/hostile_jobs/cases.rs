@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::dialog::operator::Operator;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
@@ -9,39 +11,75 @@ use counterpoint_kernel::options::Options;
 use counterpoint_tests::Work;
 
 /// Limit of the job.
-const LIMIT: u32 = 2_900_070;
+pub const LIMIT: u32 = 2_900_070;
 /// Block that is too long.
-const LONG: u32 = 2_900_014;
+pub const LONG: u32 = 2_900_014;
 /// Statement that cannot be read.
-const SYNTAX: u32 = 2_900_060;
+pub const SYNTAX: u32 = 2_900_060;
 /// Levels of brackets that the control does not have.
-const BRACKETS: u32 = 2_900_354;
+pub const BRACKETS: u32 = 2_900_354;
 /// Macro that used up its steps.
-const STEPS: u32 = 2_910_055;
+pub const STEPS: u32 = 2_910_055;
 
 /// A job.
+#[derive(Clone)]
 pub struct Case {
     pub name: &'static str,
     machine: Arc<Machine>,
     programs: Vec<String>,
+    /// Other files of the job, without text.
+    files: Vec<String>,
+    /// Who answers dialogs.
+    operator: Option<Arc<dyn Operator>>,
+    /// What is special about its options.
+    options: fn(&mut Options),
     /// Diagnostics of which one has to come when the limits are small.
     pub ends_with: &'static [u32],
 }
 
 impl Case {
-    /// Channels of its machine.
-    pub fn channels(&self) -> usize {
-        self.machine.channels.len()
+    pub fn new(name: &'static str, machine: Arc<Machine>, programs: Vec<String>, ends_with: &'static [u32]) -> Self {
+        Self { name, machine, programs, files: Vec::new(), operator: None, options: |_| {}, ends_with }
+    }
+
+    /// Somebody answers its dialogs.
+    pub fn attended(mut self, operator: Arc<dyn Operator>) -> Self {
+        self.operator = Some(operator);
+        self.with_options(|options| options.attended = true)
+    }
+
+    /// Something is special about its options.
+    pub fn with_options(mut self, options: fn(&mut Options)) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// The job has these files, too.
+    pub fn with_files(mut self, files: Vec<String>) -> Self {
+        self.files = files;
+        self
+    }
+
+    /// A control for it.
+    pub fn control(&self) -> Control {
+        let control = Control::new(self.machine.channels.len());
+        match &self.operator {
+            Some(operator) => control.with_operator(Arc::clone(operator)),
+            None => control,
+        }
     }
 
     /// The job with these options.
-    pub fn work(&self, options: Options) -> Work {
-        Work::texts(Arc::clone(&self.machine), &self.programs, options)
+    pub fn work(&self, mut options: Options) -> Work {
+        (self.options)(&mut options);
+        let mut work = Work::texts(Arc::clone(&self.machine), &self.programs, options);
+        self.files.iter().for_each(|name| work.files.insert(name.as_str(), ""));
+        work
     }
 }
 
 /// A machine that extends a shipped one, with files beside it.
-fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
+pub fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
     let mut user = Memory::default();
     user.insert("hostile/machine.toml", format!("extends = \"{base}\"\n\n[ce]\nname = \"hostile\"\n{toml}"));
     for (name, text) in files {
@@ -51,23 +89,23 @@ fn machine(base: &str, toml: &str, files: &[(&str, &str)]) -> Arc<Machine> {
     loaded.machine.map(Arc::new).unwrap_or_else(|| panic!("{toml}: {:#?}", loaded.findings))
 }
 
-const SIEMENS: &str =
+pub const SIEMENS: &str =
     "preprocessor = \"siemens\"\n\n[format]\nrws = \"\"\nrws_at = \"none\"\ncomment = [\";\", \"\"]\n";
-const OKUMA: &str = "preprocessor = \"okuma\"\n";
-const HEIDENHAIN: &str = "preprocessor = \"heidenhain\"\n";
+pub const OKUMA: &str = "preprocessor = \"okuma\"\n";
+pub const HEIDENHAIN: &str = "preprocessor = \"heidenhain\"\n";
 
 /// A macro that runs before every block; the program loops without time.
-fn block_macro(name: &'static str, text: &str, ends_with: &'static [u32]) -> Case {
+pub fn block_macro(name: &'static str, text: &str, ends_with: &'static [u32]) -> Case {
     let machine = machine("fanuc-mill", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", text)]);
-    Case { name, machine, programs: vec!["N1 G90\nG91\nGOTO1\n".to_owned()], ends_with }
+    Case::new(name, machine, vec!["N1 G90\nG91\nGOTO1\n".to_owned()], ends_with)
 }
 
-fn fanuc(name: &'static str, text: String, ends_with: &'static [u32]) -> Case {
-    Case { name, machine: machine("fanuc-mill", "", &[]), programs: vec![text], ends_with }
+pub fn fanuc(name: &'static str, text: String, ends_with: &'static [u32]) -> Case {
+    Case::new(name, machine("fanuc-mill", "", &[]), vec![text], ends_with)
 }
 
-fn dialect(name: &'static str, toml: &str, text: String, ends_with: &'static [u32]) -> Case {
-    Case { name, machine: machine("fanuc-mill", toml, &[]), programs: vec![text], ends_with }
+pub fn dialect(name: &'static str, toml: &str, text: String, ends_with: &'static [u32]) -> Case {
+    Case::new(name, machine("fanuc-mill", toml, &[]), vec![text], ends_with)
 }
 
 /// Text that is doubled a number of times: `10 << times` characters.
@@ -75,7 +113,7 @@ fn doubled(times: u32) -> String {
     format!("T='0123456789'\nDO/I=1,{times}\nT=T//T\nENDOF/DO\n")
 }
 
-fn endless(before: &str, body: &str) -> String {
+pub fn endless(before: &str, body: &str) -> String {
     format!("{before}\nWHILE/1.EQ.1\n{body}\nENDOF/WHILE\n")
 }
 
@@ -146,12 +184,7 @@ fn recursion() -> Case {
     }
     let toml = "[macros]\nblock_startup = \"m.mac\"\nfunctions = [\"f.mac\"]\n";
     let machine = machine("fanuc-mill", toml, &[("m.mac", "A=F0(1)\n"), ("f.mac", &text)]);
-    Case {
-        name: "macro: calls within calls",
-        machine,
-        programs: vec!["N1 G90\nGOTO1\n".to_owned()],
-        ends_with: &[STEPS, LIMIT],
-    }
+    Case::new("macro: calls within calls", machine, vec!["N1 G90\nGOTO1\n".to_owned()], &[STEPS, LIMIT])
 }
 
 fn many_arrays() -> String {
@@ -164,13 +197,13 @@ fn both_channels() -> Case {
     let machine = machine("fanuc-2path-lathe", "[macros]\nblock_startup = \"m.mac\"\n", &[("m.mac", &hoard)]);
     let program = "N1 G4 P10\nGOTO1\n".to_owned();
     let programs = vec![program.clone(), program.replace("P10", "P15")];
-    Case { name: "macro: GLOBAL variables of two channels", machine, programs, ends_with: &[LIMIT] }
+    Case::new("macro: GLOBAL variables of two channels", machine, programs, &[LIMIT])
 }
 
 fn rules(name: &'static str, find: &str, replace: &str, text: &str, ends_with: &'static [u32]) -> Case {
     let rule = format!("[[tape_editor]]\nfind = \"{find}\"\nreplace = \"{replace}\"\n");
     let machine = machine("fanuc-mill", &rule.repeat(24), &[]);
-    Case { name, machine, programs: vec![text.repeat(1000)], ends_with }
+    Case::new(name, machine, vec![text.repeat(1000)], ends_with)
 }
 
 fn programs() -> Vec<Case> {
@@ -328,5 +361,6 @@ fn labels() -> String {
 pub fn all() -> Vec<Case> {
     let mut all = macros();
     all.append(&mut programs());
+    all.append(&mut super::storms::all());
     all
 }

@@ -1,16 +1,17 @@
 //! Jobs that do as much as they can in every unit of work: each ends within its limits and its memory, and each can be
 //! cancelled wherever it is.
 //!
-//! With `COUNTERPOINT_MEASURE=1` and `--nocapture` it prints what each takes.
+//! With `TIMES=1` and `--nocapture` it prints what each takes.
 
 mod cases;
+mod storms;
 
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use cases::Case;
-use counterpoint_kernel::control::{Control, State};
+use counterpoint_kernel::control::Control;
 use counterpoint_kernel::job::{Job, Sink, Spec};
 use counterpoint_kernel::log::event::{Event, VerdictKind};
 use counterpoint_kernel::log::fold::Folds;
@@ -23,11 +24,19 @@ const MEMORY: u64 = 512 << 20;
 const WATCHDOG: Duration = Duration::from_secs(10);
 
 /// Feeds results, keeps no event.
-struct Quiet(Folds);
+struct Quiet {
+    folds: Folds,
+    /// As if somebody kept the log.
+    logged: bool,
+}
 
 impl Sink for Quiet {
+    fn folds(&mut self) -> Option<&mut Folds> {
+        (!self.logged).then_some(&mut self.folds)
+    }
+
     fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.0.event(event));
+        batch.iter().for_each(|event| self.folds.event(event));
         true
     }
 }
@@ -49,18 +58,23 @@ fn large() -> Limits {
     Limits { memory: 128 << 20, block_length: 1 << 20, ..Limits::MOST }
 }
 
-fn run(case: &Case, limits: Limits, control: &Control) -> Summary {
+/// Runs a case from its programs to its results; nothing comes out when it is cancelled before it begins.
+fn run(case: &Case, limits: Limits, control: &Control, logged: bool) -> Option<Summary> {
     let options = Options { limits, ..Options::default() };
     let work = case.work(options);
     let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
-    let job = Job::prepare(spec, &work.files).unwrap_or_else(|error| panic!("{}: {error}", case.name));
-    let mut sink = Quiet(Folds::new(job.info()));
+    let job = match Job::prepare_until(spec, &work.files, control.stop()) {
+        Ok(job) => job,
+        Err(error) if error.cancelled => return None,
+        Err(error) => panic!("{}: {error}", case.name),
+    };
+    let mut sink = Quiet { folds: Folds::new(job.info()), logged };
     let outcome = job.run(&work.files, control, &mut sink);
-    sink.0.finish(&outcome).summary
+    Some(sink.folds.finish(&outcome).summary)
 }
 
 fn measured() -> bool {
-    std::env::var_os("COUNTERPOINT_MEASURE").is_some()
+    std::env::var_os("TIMES").is_some()
 }
 
 /// Most memory that the process has had since the last call, none where the system does not say.
@@ -78,8 +92,7 @@ fn every_hostile_job_ends_within_its_limits() {
     for case in cases::all() {
         peak();
         let start = Instant::now();
-        let control = Control::new(case.channels());
-        let summary = run(&case, small(), &control);
+        let summary = run(&case, small(), &case.control(), true).expect("nobody cancels it");
         let memory = peak();
         let mut numbers: Vec<u32> = summary.diagnostics.iter().map(|diagnostic| diagnostic.number).collect();
         numbers.sort_unstable();
@@ -99,46 +112,61 @@ fn every_hostile_job_ends_within_its_limits() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Cancels a job so long after it was asked for; gives the time from there to its end, nothing if it ended before.
+fn cancelled(case: Case, after: Duration, logged: bool) -> Option<Duration> {
+    let control = Arc::new(case.control());
+    let (ended, end) = channel();
+    let (name, job) = (case.name, Arc::clone(&control));
+    let thread = std::thread::spawn(move || {
+        run(&case, large(), &job, logged);
+        // Nobody listens once the watchdog has given up.
+        let _ = ended.send(());
+    });
+    let early = end.recv_timeout(after).is_ok();
+    control.cancel();
+    let since = Instant::now();
+    assert!(
+        early || end.recv_timeout(WATCHDOG).is_ok(),
+        "{name}: it has not ended {} s after it was cancelled, at block {:?}",
+        WATCHDOG.as_secs(),
+        control.progress()
+    );
+    let took = since.elapsed();
+    thread.join().unwrap_or_else(|_| panic!("{name}: it panicked"));
+    (!early).then_some(took)
+}
+
+/// Cancelled at several moments of its life: while it is prepared, at its start, at its work; with a log and without.
 #[test]
 fn every_hostile_job_can_be_cancelled() {
+    let mut worst = (Duration::ZERO, String::new());
     for case in cases::all() {
-        let control = Arc::new(Control::new(case.channels()));
-        let (ended, end) = channel();
-        let (case, job) = (Arc::new(case), Arc::clone(&control));
-        let running = Arc::clone(&case);
-        let thread = std::thread::spawn(move || {
-            run(&running, large(), &job);
-            // Nobody listens once the watchdog has given up.
-            let _ = ended.send(());
-        });
-        // It is cancelled when it has come to its work, if it does not end before.
-        let started = Instant::now();
-        let begun = || control.progress().iter().any(|channel| channel.state() != State::Ready);
-        while !begun() && started.elapsed() < WATCHDOG {
-            std::thread::sleep(Duration::from_millis(1));
+        let name = case.name;
+        let mut times = Vec::new();
+        for (after, logged) in [(20, true), (60, false), (250, true)] {
+            times.push(cancelled(case.clone(), Duration::from_millis(after), logged));
         }
-        let early = end.recv_timeout(Duration::from_millis(200)).is_ok();
-        control.cancel();
-        let cancelled = Instant::now();
-        assert!(
-            early || end.recv_timeout(WATCHDOG).is_ok(),
-            "{}: it has not ended {} s after it was cancelled, at block {:?}",
-            case.name,
-            WATCHDOG.as_secs(),
-            control.progress()
-        );
         if measured() {
-            let how = if early { "ended by itself" } else { "cancelled" };
-            println!("{:40} {how} after {:6.1} ms", case.name, cancelled.elapsed().as_secs_f64() * 1e3);
+            let shown = times.iter().map(|time| match time {
+                Some(time) => format!("{:8.1} ms", time.as_secs_f64() * 1e3),
+                None => "  ended before".to_owned(),
+            });
+            println!("{name:50} {}", shown.collect::<Vec<_>>().join(" "));
         }
-        thread.join().unwrap_or_else(|_| panic!("{}: it panicked", case.name));
+        let longest = times.into_iter().flatten().max().unwrap_or_default();
+        if longest > worst.0 {
+            worst = (longest, name.to_owned());
+        }
+    }
+    if measured() {
+        println!("longest from cancel to end: {:.1} ms, {}", worst.0.as_secs_f64() * 1e3, worst.1);
     }
 }
 
 #[test]
 fn the_verdict_names_who_keeps_most() {
     let case = cases::all().into_iter().find(|case| case.name == "macro: OBJECT sequence of texts").unwrap();
-    let summary = run(&case, small(), &Control::new(case.channels()));
+    let summary = run(&case, small(), &case.control(), false).unwrap();
     let verdict = summary.verdict.expect("a verdict");
     assert_eq!(verdict.kind, VerdictKind::Limit);
     assert!(verdict.text.contains("the OBJECT variable HOARD"), "{}", verdict.text);
@@ -168,4 +196,41 @@ fn limits_beyond_the_most_count_as_the_most() {
     let capped = &job.spec().options.limits;
     assert_eq!((capped.diagnostics, capped.block_length), (10_000, 1 << 20));
     assert_eq!(capped.memory, Limits::MOST.memory);
+}
+
+/// Bytes of memory, a program, and what the verdict names.
+#[test]
+fn results_count_as_memory() {
+    let moves = "F9999.\nN1 G91 G2 X.01 I.005\nG2 X-.01 I-.005\nGOTO1\n";
+    for (memory, named) in
+        [(100 << 10, "the toolpath"), (40 << 10, "the toolpath"), (64 << 20, "more than 20000 blocks")]
+    {
+        let limits = Limits { memory, ..small() };
+        let options = Options { limits, ..Options::default() };
+        let work = counterpoint_tests::Work::texts(counterpoint_tests::machine("fanuc-mill", ""), &[moves], options);
+        for threads in [0, 1] {
+            let mut work = work.clone();
+            work.options.threads = threads;
+            let logged = work.run(None).unwrap().summary;
+            let verdict = logged.verdict.clone().expect("a verdict");
+            assert_eq!(verdict.kind, VerdictKind::Limit);
+            assert!(verdict.text.contains(named), "{memory}: {}", verdict.text);
+            assert_eq!(work.results(None).unwrap().0.summary, logged);
+        }
+    }
+}
+
+/// A path takes no more than its part, however many arcs there are: it becomes coarser.
+#[test]
+fn a_path_has_no_more_than_its_part_of_the_memory() {
+    let arcs = "F9999.\nN1 G91 G2 X.01 I.005\nG1 Y.01\nG2 X-.01 I-.005\nG1 Y.01\nGOTO1\n";
+    let limits = Limits { memory: 4 << 20, ..small() };
+    let work = counterpoint_tests::Work::texts(
+        counterpoint_tests::machine("fanuc-mill", ""),
+        &[arcs],
+        Options { limits, ..Options::default() },
+    );
+    let path = &work.results(None).unwrap().0.toolpath.channels[0].path;
+    let bytes = size_of_val(path.moves.as_slice()) + size_of_val(path.curves.as_slice());
+    assert!(bytes > 100 << 10 && bytes <= 512 << 10, "{bytes}");
 }

@@ -225,12 +225,28 @@ pub enum Fast {
         b: Near,
         target: Target,
     },
+    /// Compares a shared variable with `b` and jumps unless that holds.
+    UnlessShared {
+        relation: Relation,
+        home: Near,
+        shared: u8,
+        b: Near,
+        target: Target,
+    },
     /// Calls a function.
     Call {
         to: Near,
         callee: u16,
         list: u16,
     },
+    /// Calls a small function, whose forms run in registers of the caller: position in
+    /// [`Code::bodies`](super::Code::bodies).
+    Inline {
+        to: Near,
+        body: u16,
+    },
+    /// Ends such a function.
+    Leave,
     /// Ends a function.
     Return,
     Jump {

@@ -73,6 +73,7 @@ impl Finder<'_> {
 
     fn form(&self, at: usize) -> Option<Fast> {
         let longer = self.update(at).or_else(|| self.element_then(at)).or_else(|| self.unless_element(at));
+        let longer = longer.or_else(|| self.unless_shared(at));
         longer.or_else(|| self.two(at)).or_else(|| self.element(at)).or_else(|| self.single(at))
     }
 
@@ -218,6 +219,17 @@ impl Finder<'_> {
             (index, None) => Fast::UnlessElement { relation, array, index, b, target },
             (row, Some(column)) => Fast::UnlessCell { relation, array, row, column, b, target },
         })
+    }
+
+    /// `IF/V.EQ.B` of a shared variable.
+    fn unless_shared(&self, at: usize) -> Option<Fast> {
+        let Op::ReadShared { to, shared } = self.op(at)? else { return None };
+        let Op::JumpUnlessCompare { relation, a, b, target } = self.op(at + 1)? else { return None };
+        if a != to || b == to || !self.dead(to, at + 2) {
+            return None;
+        }
+        let (home, shared) = self.home(shared)?;
+        Some(Fast::UnlessShared { relation, home, shared, b: near(b)?, target })
     }
 
     fn two(&self, at: usize) -> Option<Fast> {

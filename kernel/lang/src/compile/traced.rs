@@ -21,7 +21,7 @@ pub fn traced(program: &Program, environment: &mut dyn Environment) -> Program {
     // With trace instructions a macro may have become too large; then it goes without.
     for (traced, plain) in again.macros.iter_mut().zip(&program.macros) {
         if traced.ops.is_empty() {
-            *traced = Arc::clone(plain);
+            *traced = Arc::new(super::inline::undone(plain));
         }
     }
     again

@@ -305,6 +305,9 @@ pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
             return Ok(Value::Real(part));
         }
     }
+    if let Some(other) = arguments.get(1) {
+        return Err(Fault::kind("TRANS, ROTATE, SCALE or MIRROR", other));
+    }
     let sum: f64 = parts.iter().map(|(_, part)| part).sum();
     Ok(Value::Real(if sum == 0.0 && shape == Shape::Plain { 1.0 } else { sum }))
 }

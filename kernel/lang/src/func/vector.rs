@@ -102,16 +102,25 @@ fn turned(v: &[f64], axis: &[f64], degrees: f64) -> Vec<f64> {
     v.iter().zip(around).zip(&axis).map(|((x, r), k)| x * c + r * s + k * inside).collect()
 }
 
-fn three(mut v: Vec<f64>) -> (Vec<f64>, usize) {
+/// A vector of two or three elements as one of three, with its length; none for other lengths.
+fn three(mut v: Vec<f64>) -> Option<(Vec<f64>, usize)> {
     let length = v.len();
     v.resize(3, 0.0);
-    (v, length)
+    matches!(length, 2 | 3).then_some((v, length))
+}
+
+/// As many elements as came in, unless the vector was turned out of the plane: then all three.
+fn as_long(result: &[f64], length: usize) -> Value {
+    let (kept, rest) = result.split_at_checked(length).unwrap_or((result, &[]));
+    Value::numbers(if rest.iter().all(|part| *part == 0.0) { kept } else { result })
 }
 
 /// The fraction 1 or −1 gives the direction of the second vector, whatever the angle; a negative fraction goes the other
 /// way round.
-pub(super) fn turn_toward(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    let ((a, length), (b, _)) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?));
+pub(super) fn turn_toward(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let (Some((a, length)), Some((b, _))) = (three(numbers(arguments, 0)?), three(numbers(arguments, 1)?)) else {
+        return impossible_size(context);
+    };
     let fraction = number(arguments, 2)?;
     let axis = cross(&a, &b);
     let result = if fraction.abs() == 1.0 && norm(&b) > 0.0 {
@@ -122,14 +131,16 @@ pub(super) fn turn_toward(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<V
         let angle = unsigned_angle(&a, &b);
         turned(&a, &axis, if fraction < 0.0 { 360.0 - angle } else { angle } * fraction)
     };
-    Ok(Value::numbers(result.get(..length).unwrap_or(&result)))
+    Ok(as_long(&result, length))
 }
 
-pub(super) fn turn_about(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
-    let ((v, length), (axis, _)) = (three(numbers(arguments, 1)?), three(numbers(arguments, 2)?));
+pub(super) fn turn_about(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
+    let (Some((v, length)), Some((axis, _))) = (three(numbers(arguments, 1)?), three(numbers(arguments, 2)?)) else {
+        return impossible_size(context);
+    };
     let tolerance = if arguments.len() > 3 { number(arguments, 3)? } else { 0.0001 };
     let between = unsigned_angle(&v, &axis);
     let parallel = between.min(180.0 - between) <= tolerance;
     let result = if parallel || norm(&axis) == 0.0 { v } else { turned(&v, &axis, number(arguments, 0)?) };
-    Ok(Value::numbers(result.get(..length).unwrap_or(&result)))
+    Ok(as_long(&result, length))
 }

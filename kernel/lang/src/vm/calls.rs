@@ -161,16 +161,12 @@ fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result
 #[inline(always)]
 fn clear(code: &Code, registers: &mut [Value]) {
     for slot in &code.locals {
-        match registers.get_mut(usize::from(*slot)) {
-            Some(Value::Unset) | None => {}
-            Some(register @ (Value::Real(_) | Value::Logical(_) | Value::Null)) => *register = Value::Unset,
-            Some(register) => run::replace(register, Value::Unset),
+        if let Some(register) = registers.get_mut(usize::from(*slot)) {
+            run::become_plain(register, Value::Unset);
         }
     }
-    match code.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
-        Some(Value::Null) | None => {}
-        Some(register @ (Value::Real(_) | Value::Logical(_))) => *register = Value::Null,
-        Some(register) => run::replace(register, Value::Null),
+    if let Some(register) = code.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
+        run::become_plain(register, Value::Null);
     }
 }
 

@@ -9,7 +9,7 @@ use super::{State, memory};
 use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{Code, Relation, Slot};
 use crate::func::{Function, Way};
-use crate::value::{Array, Kind, Value};
+use crate::value::{Array, Kind, Value, padded};
 use std::sync::Arc;
 
 /// Bytes of a text from which on looking at it or copying it costs steps.
@@ -19,9 +19,15 @@ const LONG: usize = 64;
 /// left; nothing was done if it is the same instruction.
 #[allow(clippy::too_many_lines, reason = "one arm per form")]
 #[inline(never)]
-pub(super) fn step(code: &Code, state: &mut State, window: &mut Window, at: usize, ticks: u64) -> (usize, u64) {
+pub(super) fn step(
+    (code, forms): (&Code, &[Fast]),
+    state: &mut State,
+    window: &mut Window,
+    at: usize,
+    ticks: u64,
+) -> (usize, u64) {
     let not_taken = (at, ticks);
-    let Some(form) = code.fast.get(at) else { return not_taken };
+    let Some(form) = forms.get(at) else { return not_taken };
     macro_rules! did {
         ($outcome:expr) => {
             if $outcome.is_some() { (at + 1, ticks) } else { not_taken }
@@ -36,10 +42,10 @@ pub(super) fn step(code: &Code, state: &mut State, window: &mut Window, at: usiz
         };
     }
     macro_rules! unless {
-        ($holds:expr, $instructions:expr, $target:expr) => {
+        ($holds:expr, $target:expr) => {
             match $holds {
-                Some(true) => (at + $instructions, ticks),
-                Some(false) => match passed(at + $instructions - 1, $target, ticks) {
+                Some(true) => (at + 1, ticks),
+                Some(false) => match passed(at, $target, ticks) {
                     Some(left) => (usize::from($target), left),
                     None => not_taken,
                 },
@@ -90,30 +96,15 @@ pub(super) fn step(code: &Code, state: &mut State, window: &mut Window, at: usiz
         Fast::SetCell { array, row, column, a } => {
             did!(set_element(window, array, (number!(row), Some(number!(column))), a))
         }
-        // The jump is the second of the two instructions.
-        Fast::UnlessElement { relation, array, index, b, target } => {
-            let index = (number!(index), None);
-            unless!(element_related(window, relation, array, index, b), 2, target)
-        }
-        Fast::UnlessCell { relation, array, row, column, b, target } => {
-            let indices = (number!(row), Some(number!(column)));
-            unless!(element_related(window, relation, array, indices, b), 2, target)
-        }
-        Fast::UnlessEqual { a, b, target } => unless!(compared(window, Relation::Equal, a, b), 1, target),
-        Fast::UnlessNotEqual { a, b, target } => unless!(compared(window, Relation::NotEqual, a, b), 1, target),
-        Fast::UnlessLess { a, b, target } => unless!(compared(window, Relation::Less, a, b), 1, target),
-        Fast::UnlessLessEqual { a, b, target } => unless!(compared(window, Relation::LessEqual, a, b), 1, target),
-        Fast::UnlessGreater { a, b, target } => unless!(compared(window, Relation::Greater, a, b), 1, target),
-        Fast::UnlessGreaterEqual { a, b, target } => {
-            unless!(compared(window, Relation::GreaterEqual, a, b), 1, target)
-        }
-        Fast::IfWhen { a, b, target } => {
-            unless!(same(window, a, b).map(|equal| !equal), 1, target)
-        }
+        Fast::UnlessLess { a, b, target } => unless!(compared(window, Relation::Less, a, b), target),
+        Fast::UnlessLessEqual { a, b, target } => unless!(compared(window, Relation::LessEqual, a, b), target),
+        Fast::UnlessGreater { a, b, target } => unless!(compared(window, Relation::Greater, a, b), target),
+        Fast::UnlessGreaterEqual { a, b, target } => unless!(compared(window, Relation::GreaterEqual, a, b), target),
+        Fast::IfWhen { a, b, target } => unless!(same(window, a, b).map(|equal| !equal), target),
         Fast::DoStart { variable, end, step, target } => {
             let (value, last, step) = (number!(variable), number!(end), number!(step));
             let passes = if step == 0.0 { None } else { Some(!super::run::past(value, last, step)) };
-            unless!(passes, 1, target)
+            unless!(passes, target)
         }
         _ => not_taken,
     }
@@ -145,12 +136,9 @@ fn put_truth(window: &mut Window, to: Near, truth: bool) -> Option<()> {
 }
 
 /// Compares two registers.
-#[inline]
-fn compared(window: &Window, relation: Relation, a: Near, b: Near) -> Option<bool> {
-    match (window.get(usize::from(a))?, window.get(usize::from(b))?) {
-        (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
-        (a, b) => related(relation, a, b),
-    }
+#[inline(never)]
+pub(super) fn compared(window: &Window, relation: Relation, a: Near, b: Near) -> Option<bool> {
+    values_related(relation, window.get(usize::from(a))?, window.get(usize::from(b))?)
 }
 
 /// Tells whether a value is a single one that can be copied and compared for nothing.
@@ -267,21 +255,55 @@ fn takes(target: &Value, value: &Value) -> bool {
     }
 }
 
-/// Compares light values of one type.
+/// Equality of light values of one type that are not both numbers.
 #[inline(never)]
-fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
-    if let (Value::Text(x), Value::Text(y)) = (a, b)
-        && x.len() == y.len()
-        && x.len() < LONG
-        && matches!(relation, Relation::Equal | Relation::NotEqual)
-    {
-        return Some((x == y) == (relation == Relation::Equal));
+pub(super) fn equal(a: &Value, b: &Value) -> Option<bool> {
+    match (a, b) {
+        (Value::Logical(a), Value::Logical(b)) => Some(a == b),
+        (Value::Text(a), Value::Text(b)) => equal_texts(a, b),
+        _ if is_light(a) && is_light(b) => a.equals(b),
+        _ => None,
     }
-    if !is_light(a) || !is_light(b) {
+}
+
+/// Equality of short texts; the same memory holds the same text.
+#[inline]
+fn equal_texts(a: &Arc<String>, b: &Arc<String>) -> Option<bool> {
+    let (x, y) = (a.as_bytes(), b.as_bytes());
+    if x.len() >= LONG || y.len() >= LONG {
         return None;
     }
-    if matches!(relation, Relation::Equal | Relation::NotEqual) {
-        return a.equals(b).map(|equal| equal == (relation == Relation::Equal));
+    if x.len() != y.len() {
+        return Some(padded(a, b).is_eq());
+    }
+    Some(Arc::ptr_eq(a, b) || same_bytes(x, y))
+}
+
+/// Equality of bytes of one length, a few of which are compared faster in place than by a call.
+#[inline]
+fn same_bytes(x: &[u8], y: &[u8]) -> bool {
+    match (x.first_chunk::<8>(), y.first_chunk::<8>(), x.first_chunk::<4>(), y.first_chunk::<4>()) {
+        (Some(a), Some(b), ..) if x.len() <= 16 => a == b && x.last_chunk::<8>() == y.last_chunk::<8>(),
+        (None, None, Some(a), Some(b)) => a == b && x.last_chunk::<4>() == y.last_chunk::<4>(),
+        (None, None, None, None) => x.iter().zip(y).all(|(a, b)| a == b),
+        _ => x == y,
+    }
+}
+
+/// Compares values that are not both numbers.
+#[inline]
+fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+    match relation {
+        Relation::Equal => equal(a, b),
+        Relation::NotEqual => equal(a, b).map(|equal| !equal),
+        _ => ordered(relation, a, b),
+    }
+}
+
+#[inline(never)]
+fn ordered(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+    if !is_light(a) || !is_light(b) {
+        return None;
     }
     let order = a.order(b)?;
     Some(match relation {
@@ -293,15 +315,33 @@ fn related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
 }
 
 /// Compares an element with a register.
-#[inline(always)]
-fn element_related(
+#[inline(never)]
+pub(super) fn element_related(window: &Window, relation: Relation, array: Near, index: f64, b: Near) -> Option<bool> {
+    let element = match window.get(usize::from(array))? {
+        Value::Sequence(elements) => elements.get(position(index))?,
+        Value::Array(array) if array.sizes.len() == 1 => array.elements.get(position(index))?,
+        _ => return None,
+    };
+    values_related(relation, element, window.get(usize::from(b))?)
+}
+
+/// Compares an element with two indices with a register.
+#[inline(never)]
+pub(super) fn cell_related(
     window: &Window,
     relation: Relation,
     array: Near,
-    indices: (f64, Option<f64>),
+    (row, column): (f64, f64),
     b: Near,
 ) -> Option<bool> {
-    match (look(window, array, indices)?, window.get(usize::from(b))?) {
+    let Value::Array(array) = window.get(usize::from(array))? else { return None };
+    let element = array.elements.get(cell(array, row, column)?)?;
+    values_related(relation, element, window.get(usize::from(b))?)
+}
+
+#[inline(always)]
+fn values_related(relation: Relation, a: &Value, b: &Value) -> Option<bool> {
+    match (a, b) {
         (Value::Real(a), Value::Real(b)) => Some(super::run::relate(relation, *a, *b)),
         (a, b) => related(relation, a, b),
     }

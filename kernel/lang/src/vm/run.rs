@@ -63,7 +63,16 @@ pub(super) fn put(register: &mut Value, number: f64) {
 #[cold]
 #[inline(never)]
 fn become_number(register: &mut Value) {
-    *register = Value::Real(0.0);
+    become_plain(register, Value::Real(0.0));
+}
+
+/// Replaces a value by one that holds no memory. Most of those that were there before do not hold any either.
+#[inline(always)]
+pub(super) fn become_plain(register: &mut Value, value: Value) {
+    match register {
+        Value::Text(_) | Value::Sequence(_) | Value::Array(_) => replace(register, value),
+        _ => std::mem::forget(std::mem::replace(register, value)),
+    }
 }
 
 /// Replaces a value that may have to give memory back.

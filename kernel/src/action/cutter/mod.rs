@@ -264,6 +264,10 @@ impl Kernel<'_> {
 
     /// Takes a move: it may wait for the next one.
     pub(super) fn compensate(&mut self, step: Step) -> Acted {
+        self.check_stop()?;
+        if !matches!(step.shape, Shape::Rapid) {
+            self.check_feed(step.feed)?;
+        }
         if self.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
@@ -276,6 +280,7 @@ impl Kernel<'_> {
             return self.on_contour(&step);
         }
         let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
+        self.check_stop()?;
         let rapid = matches!(step.shape, Shape::Rapid);
         let round = matches!(step.shape, Shape::Circle { .. });
         let rules = self.machine.compensation;
@@ -288,6 +293,7 @@ impl Kernel<'_> {
             Stage::Start if first => self.tell_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
         }
+        self.check_stop()?;
         self.next_element(Some(&element))?;
         self.come_to(&step, &element)?;
         self.wait(step, Some(element));
@@ -379,6 +385,8 @@ impl Kernel<'_> {
             return halt;
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
+            // What was programmed before the alarm is carried out.
+            self.clear_stop();
             let settled = self.settle();
             self.forget_cutter();
             return settled.err().unwrap_or(halt);

@@ -18,6 +18,7 @@ pub(crate) use state::{Height, State};
 
 use super::Action;
 use crate::channel::block::Firing;
+use crate::channel::burden::BLOCK;
 use crate::channel::state::group;
 use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
@@ -166,6 +167,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
         return Ok(());
     }
     let from = kernel.programmed();
+    kernel.check_feed(kernel.cycle.feed.0)?;
     let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {
@@ -182,11 +184,13 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
     Ok(())
 }
 
-/// Between two holes of a block: others see how far this kernel is, and the limits of the job count.
+/// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is
+/// as much work as a block.
 pub(super) fn further(kernel: &mut Kernel<'_>) -> Acted {
     if !kernel.coordinator.publish(kernel.rank, kernel.clock) || kernel.control.cancelled() {
         return Err(Halt::Stopped);
     }
+    kernel.work(BLOCK)?;
     kernel.check_limits()
 }
 

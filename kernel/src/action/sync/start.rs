@@ -7,7 +7,7 @@ use super::{heads, pass, passes, stand, woken};
 use crate::channel::{Acted, Kernel};
 use crate::log::event::{Kind, Release};
 use crate::machine::model::SyncDialect;
-use crate::multi::coordinator::Wake;
+use crate::multi::order::Wake;
 use crate::multi::waits::{Set, Spec, Waiting};
 
 /// Carries out the start by a head.
@@ -31,10 +31,10 @@ fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
 fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
     tell(kernel, &Spec::start(kernel.rank, heads), "set");
     let tag = kernel.tag();
-    kernel.shared(|inner, coordinator| {
-        if let Some(released) = inner.waits.start(tag, heads) {
-            let meeting = coordinator.count_meeting(inner, Set::default().with(tag.rank).with(released.rank));
-            coordinator.resume(inner, released.rank, Wake::Released { tag: released, meeting });
+    kernel.shared(|order| {
+        if let Some(released) = order.waits.start(tag, heads) {
+            let meeting = order.count_meeting(Set::default().with(tag.rank).with(released.rank));
+            order.resume(released.rank, Wake::Released { tag: released, meeting, all: false });
         }
     })
 }
@@ -45,13 +45,13 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
     let (since_ns, tag) = (kernel.clock, kernel.tag());
     let (file, line, info) = (kernel.file, kernel.line, kernel.info);
     let waiting = Waiting { spec: spec.clone(), tag, file, line };
-    let stands = kernel.shared(|inner, coordinator| {
-        if inner.waits.started(by) {
+    let stands = kernel.shared(|order| {
+        if order.waits.started(by) {
             return None;
         }
-        inner.waits.stand(waiting);
-        let verdict = if inner.waits.hopeful(tag.rank) { None } else { inner.judge(tag.t, info) };
-        coordinator.block(inner, tag.rank);
+        order.waits.stand(waiting);
+        let verdict = if order.waits.hopeful(tag.rank) { None } else { order.judge(tag.t, info) };
+        order.block(tag.rank);
         Some(verdict)
     })?;
     let Some(verdict) = stands else {
@@ -66,5 +66,5 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
     }
     let wake = stand(kernel, tag, &wait);
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
-    woken(kernel, wake, false, release)
+    woken(kernel, wake, release)
 }

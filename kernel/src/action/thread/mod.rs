@@ -72,7 +72,7 @@ pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) ->
     }
     let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(kernel, sides, &target) };
     if let Some(pitch) = pitch {
-        kernel.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        kernel.remember_lead(pitch);
     }
     let screw = Screw { lead: pitch.unwrap_or(0.0) * starts, change: change * starts, along };
     kernel.cut(coded, target, &screw)?;
@@ -88,12 +88,13 @@ pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
 /// The pitch, and those that count along X and Z alone.
 fn take_pitch(kernel: &mut Kernel<'_>) -> (Option<f64>, [Option<f64>; 2]) {
     let pitch = kernel.take(data::INTERP_THREAD_PITCH).map(|datum| datum.value);
-    if pitch.is_some() {
+    if let Some(lead) = pitch {
+        kernel.remember_lead(lead);
         return (pitch, [None; 2]);
     }
     let sides =
         [data::INTERP_THREAD_PITCH_X, data::INTERP_THREAD_PITCH_Z].map(|id| kernel.take(id).map(|datum| datum.value));
-    (kernel.modal.value(data::INTERP_THREAD_PITCH), sides)
+    (kernel.remembered_lead(), sides)
 }
 
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
@@ -148,7 +149,34 @@ fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
     starts
 }
 
+/// What is said of a block that an alarm stops.
+const NOT_DONE: &str = "nothing of the block is done";
+
 impl Kernel<'_> {
+    /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
+    pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
+        if screw.lead > 0.0 || self.goes_on_at(&diag::NO_LEAD) {
+            return Ok(());
+        }
+        let text = format!("thread without a lead in '{}', {NOT_DONE}", self.block_text());
+        self.diagnose(&diag::NO_LEAD, text);
+        self.check_stop()
+    }
+
+    /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
+    pub(super) fn remember_lead(&mut self, pitch: f64) {
+        self.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        if self.plan.lead_is_feed {
+            self.modal.remember(data::FEED_UPR, pitch);
+        }
+    }
+
+    /// The lead last programmed, or the feed per revolution where that is the same word.
+    pub(super) fn remembered_lead(&self) -> Option<f64> {
+        let feed = if self.plan.lead_is_feed { self.modal.value(data::FEED_UPR) } else { None };
+        feed.or_else(|| self.modal.value(data::INTERP_THREAD_PITCH))
+    }
+
     /// One thread move to a programmed point.
     pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
         let target = self.work_point(&target);
@@ -173,8 +201,9 @@ impl Kernel<'_> {
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
         let from = self.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let text = format!("thread without a lead in '{}', the move is timed as rapid", self.block_text());
-            self.diagnose(&diag::DATA_MISSING, text);
+            let done = if self.goes_on_at(&diag::NO_LEAD) { "the move is timed as rapid" } else { NOT_DONE };
+            let text = format!("thread without a lead in '{}', {done}", self.block_text());
+            self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
         }
         let Some(turning) = self.spindle_speed()? else {

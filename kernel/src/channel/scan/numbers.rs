@@ -2,6 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
 
+use crate::channel::block::odd;
 use crate::dialect::fanuc::Number;
 use crate::machine::model::{NumberFormat, Point, Zeros};
 
@@ -70,22 +71,28 @@ pub(super) struct Read {
     room: f64,
     /// The same without a written point: an implied one leaves room for the fraction too.
     room_without_point: f64,
+    /// What is odd about a negative value, and about a written point.
+    sign: u8,
+    pointed: u8,
 }
 
 impl Read {
-    pub(super) fn new(format: NumberFormat) -> Self {
+    /// For one of the formats of a register; what is odd about a negative value, and about a written point.
+    pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
         let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
         let implied = format.point == Point::Omit;
         let room = power(format.whole);
         let room_without_point = if implied { power(format.whole.saturating_add(format.frac)) } else { room };
-        Self { format, implied, room, room_without_point }
+        Self { format, implied, room, room_without_point, sign, pointed }
     }
 
-    /// Value of a number, and whether it has more digits than the format.
+    /// Value of a number, and what is odd about it, bit by bit.
     #[inline(always)]
-    pub(super) fn value(&self, number: Number) -> (f64, bool) {
+    pub(super) fn value(&self, number: Number) -> (f64, u8) {
         let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
-        (value, number.value.abs() >= if number.point { self.room } else { self.room_without_point })
+        let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
+        let digits = u8::from(too_long) * odd::DIGITS;
+        (value, digits | u8::from(number.value < 0.0) * self.sign | u8::from(number.point) * self.pointed)
     }
 }
 

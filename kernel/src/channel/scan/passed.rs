@@ -5,6 +5,7 @@
 
 use super::{Scanner, marks};
 use crate::channel::block::{Block, odd};
+use crate::mcd::spot::{self, Remark};
 
 impl Scanner {
     /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
@@ -92,51 +93,27 @@ impl Scanner {
 
     /// Place of the first character that ends a block, outside comments and messages.
     pub(in crate::channel) fn block_end(&self, line: &[u8]) -> Option<usize> {
-        // Most lines have none.
-        memchr::memchr(self.eob?, line)?;
-        let mut at = 0;
-        while let Some(&byte) = line.get(at) {
-            if Some(byte) == self.eob {
-                return Some(at);
-            }
-            at = match byte {
-                // Embedded code is a text of its own.
-                b'{' => closing_brace(line, at).map_or(at + 1, |close| close + 1),
-                _ => self.comment_end(line, at).unwrap_or(at + 1),
-            };
-        }
-        None
+        spot::block_end(line, self.eob, self.delimiters())
+    }
+
+    /// Where the blocks of a line begin.
+    pub(in crate::channel) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
+        spot::starts(line, self.eob, self.delimiters())
+    }
+
+    fn delimiters(&self) -> impl Iterator<Item = &Remark> + Clone {
+        [&self.comment, &self.message].into_iter().flatten()
     }
 
     /// Position after the comment or message that begins at `at`: a mark inside is none.
     pub(super) fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
-        let rest = line.get(at..)?;
-        let starts = |(start, _): &&(Vec<u8>, Vec<u8>)| !start.is_empty() && rest.starts_with(start);
-        let (start, end) = [&self.comment, &self.message].into_iter().flatten().find(starts)?;
-        let close = if end.is_empty() { None } else { find(line, at + start.len(), end) };
-        Some(close.map_or(line.len(), |close| close + end.len()))
+        spot::remark_end(line, at, self.delimiters())
     }
 
     pub(super) fn starts_comment(&self, line: &[u8], at: usize) -> bool {
-        [&self.comment, &self.message]
-            .into_iter()
-            .flatten()
+        self.delimiters()
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
-}
-
-/// The brace that closes the one at `at`.
-fn closing_brace(line: &[u8], at: usize) -> Option<usize> {
-    let mut depth = 0_usize;
-    for (offset, byte) in line.get(at..)?.iter().enumerate() {
-        match byte {
-            b'{' => depth += 1,
-            b'}' if depth <= 1 => return Some(at + offset),
-            b'}' => depth -= 1,
-            _ => {}
-        }
-    }
-    None
 }
 
 pub(super) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {

@@ -3,28 +3,29 @@
 use rustc_hash::FxHashMap;
 
 use super::statement::Statement;
+use crate::mcd::spot::Spot;
 
-/// Partners of the bracketing statements of a program, by line.
+/// Partners of the bracketing statements of a program, by block.
 #[derive(Debug, Default)]
 pub(crate) struct Pairs {
-    /// Line of `WHILE … DO m` or `DO m` → line of its `END m`, and back.
-    loops: FxHashMap<u32, u32>,
-    /// Line of a block `IF` or `ELSE` → line of its `ELSE` or `ENDIF`.
-    branches: FxHashMap<u32, u32>,
+    /// `WHILE … DO m` or `DO m` → its `END m`, and back.
+    loops: FxHashMap<Spot, Spot>,
+    /// A block `IF` or `ELSE` → its `ELSE` or `ENDIF`.
+    branches: FxHashMap<Spot, Spot>,
 }
 
 impl Pairs {
-    /// Pairs the statements of a program given in line order.
-    pub(crate) fn of(statements: impl Iterator<Item = (u32, Statement)>) -> Self {
+    /// Pairs the statements of a program given in their order.
+    pub(crate) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
         let mut pairs = Self::default();
-        let mut open: Vec<(u8, u32)> = Vec::new();
-        let mut ifs: Vec<u32> = Vec::new();
+        let mut open: Vec<(u8, Spot)> = Vec::new();
+        let mut ifs: Vec<Spot> = Vec::new();
         // How many of `open` have each number: what is not there is not looked for.
         let mut waiting = [0_u32; 256];
-        for (line, statement) in statements {
+        for (spot, statement) in statements {
             match statement {
                 Statement::While(_, number) | Statement::Do(number) => {
-                    open.push((number, line));
+                    open.push((number, spot));
                     if let Some(count) = waiting.get_mut(usize::from(number)) {
                         *count += 1;
                     }
@@ -35,22 +36,22 @@ impl Pairs {
                             *count -= 1;
                         }
                         if other == number {
-                            pairs.loops.insert(start, line);
-                            pairs.loops.insert(line, start);
+                            pairs.loops.insert(start, spot);
+                            pairs.loops.insert(spot, start);
                             break;
                         }
                     }
                 }
-                Statement::IfBlock(_) => ifs.push(line),
+                Statement::IfBlock(_) => ifs.push(spot),
                 Statement::Else => {
                     if let Some(start) = ifs.pop() {
-                        pairs.branches.insert(start, line);
-                        ifs.push(line);
+                        pairs.branches.insert(start, spot);
+                        ifs.push(spot);
                     }
                 }
                 Statement::EndIf => {
                     if let Some(start) = ifs.pop() {
-                        pairs.branches.insert(start, line);
+                        pairs.branches.insert(start, spot);
                     }
                 }
                 _ => {}
@@ -61,16 +62,16 @@ impl Pairs {
 
     /// Bytes that they take, about.
     pub(crate) fn bytes(&self) -> usize {
-        (self.loops.len() + self.branches.len()) * 20
+        (self.loops.len() + self.branches.len()) * 36
     }
 
     /// Partner of a loop statement.
-    pub(crate) fn of_loop(&self, line: u32) -> Option<u32> {
-        self.loops.get(&line).copied()
+    pub(crate) fn of_loop(&self, spot: Spot) -> Option<Spot> {
+        self.loops.get(&spot).copied()
     }
 
     /// Where a block `IF` or `ELSE` leads when its branch is not taken.
-    pub(crate) fn of_branch(&self, line: u32) -> Option<u32> {
-        self.branches.get(&line).copied()
+    pub(crate) fn of_branch(&self, spot: Spot) -> Option<Spot> {
+        self.branches.get(&spot).copied()
     }
 }

@@ -45,7 +45,7 @@ pub(super) struct Frame {
 /// Labels of a file; blocks that cannot be read have none.
 fn labels(source: &Source) -> Labels {
     let mut labels = Labels::default();
-    for line in 1..=source.lines() {
+    for line in source.walk(1, source.lines()) {
         let text = source.line(line);
         let may = |word: &[u8]| memchr::memmem::find(text, word).is_some();
         if !(may(b"LBL") || may(b"lbl") || may(b"Lbl") || may(b"98")) {
@@ -187,7 +187,7 @@ impl Heidenhain {
             Some("I") => true,
             Some("H") => false,
             _ => host.source(file).is_some_and(|source| {
-                let first = (1..=source.lines()).map(|line| source.line(line).trim_ascii());
+                let first = source.walk(1, source.lines()).map(|line| source.line(line).trim_ascii());
                 first.into_iter().find(|line| !line.is_empty()).is_some_and(|line| line.starts_with(b"%"))
             }),
         }

@@ -42,7 +42,7 @@ impl Index {
     pub(super) fn of(source: &Source) -> Self {
         let mut index = Self::default();
         let mut open = false;
-        for line in 1..=source.lines() {
+        for line in source.walk(1, source.lines()) {
             let text = source.line(line);
             if is_header(text) {
                 open = false;

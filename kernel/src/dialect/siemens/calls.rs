@@ -122,7 +122,7 @@ impl Siemens {
     /// PROC of a subprogram: its first block.
     fn header_of(&mut self, host: &dyn Host, file: FileId, range: Range) -> Option<Header> {
         let source = host.source(file)?;
-        for line in range.first..=range.last.min(source.lines()) {
+        for line in source.walk(range.first, range.last.min(source.lines())) {
             let text = String::from_utf8_lossy(source.line(line));
             let text = bare(&text).trim();
             if text.is_empty() || super::jumps::is_head(text) {

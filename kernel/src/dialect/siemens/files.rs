@@ -180,7 +180,7 @@ impl Siemens {
         let Some(source) = host.source(file) else { return Ok(()) };
         let before = std::mem::replace(&mut self.settings.global, true);
         let mut done = Ok(());
-        for line in 1..=source.lines() {
+        for line in source.walk(1, source.lines()) {
             let text = String::from_utf8_lossy(source.line(line)).into_owned();
             let mut cursor = Cursor::new(bare(&text));
             head(&mut cursor);

@@ -93,7 +93,7 @@ impl Places {
     fn of(source: &Source) -> Self {
         let mut places = Self::default();
         let mut open: Vec<(Kind, Partners)> = Vec::new();
-        for line in 1..=source.lines() {
+        for line in source.walk(1, source.lines()) {
             let text = String::from_utf8_lossy(source.line(line));
             let text = bare(&text);
             if let Some(name) = text.trim_start().strip_prefix('%').filter(|_| is_head(text)) {

@@ -1,6 +1,7 @@
 //! The bars of one channel.
 //!
-//! Invariant: never more than twice [`MOST`] bars in memory, [`MOST`] at the end. Beyond that the shortest neighbours
+//! Invariant: never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has no
+//! room for them. Beyond that the shortest neighbours
 //! become one bar, of the kind that took the largest part of it.
 
 use std::sync::Arc;
@@ -57,14 +58,22 @@ impl Bar {
 }
 
 /// Collects bars.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Bars {
     bars: Vec<Bar>,
+    /// At the end.
+    most: usize,
     /// Bars shorter than this are joined with the next one.
     grain_ns: i64,
 }
 
 impl Bars {
+    /// No bar yet; all of them may take so many bytes.
+    pub(crate) fn new(room: u64) -> Self {
+        let most = usize::try_from(room / (2 * size_of::<Bar>() as u64)).unwrap_or(MOST).min(MOST);
+        Self { bars: Vec::new(), most, grain_ns: 0 }
+    }
+
     /// A stretch of work that follows all others.
     #[inline]
     pub(crate) fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, line: u32) {
@@ -91,7 +100,7 @@ impl Bars {
 
     fn add(&mut self, bar: Bar) {
         self.bars.push(bar);
-        if self.bars.len() >= 2 * MOST {
+        if self.bars.len() >= 2 * self.most {
             self.thin();
         }
     }
@@ -112,7 +121,7 @@ impl Bars {
     }
 
     fn thin(&mut self) {
-        while self.bars.len() > MOST {
+        while self.bars.len() > self.most {
             // Some of them are enough to tell what is short, and are done with in a moment: others wait meanwhile.
             let step = self.bars.len().div_ceil(SAMPLES);
             let mut durations: Vec<i64> = self.bars.iter().step_by(step).map(|b| b.dur_ns).collect();

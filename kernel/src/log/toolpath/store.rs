@@ -1,6 +1,6 @@
 //! The path of one channel in memory: a flat list of moves.
 //!
-//! Invariant: at most [`MOST`] moves. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
+//! Invariant: at most [`MOST`] moves, and no more than the memory of the job has room for. A longer path is thinned: moves of one kind shorter than a tolerance, which grows
 //! up to a five-hundredth of the path's extent, become one; what then still does not fit is left out.
 
 use crate::log::event::FileId;
@@ -137,6 +137,10 @@ pub struct Path {
     /// The end of the path is missing.
     pub truncated: bool,
     tolerance: f64,
+    /// Tool and file of the last mark, 0 before the first one.
+    marked: u64,
+    /// Bytes that it may take.
+    room: usize,
 }
 
 impl Path {
@@ -146,9 +150,17 @@ impl Path {
         self.curves.get(of.curve()?)
     }
 
-    /// A path of about so many moves to come.
-    pub(super) fn with_capacity(moves: usize) -> Self {
-        Self { moves: Vec::with_capacity(moves.min(MOST)), ..Self::default() }
+    /// A path of about so many moves to come, which may take so many bytes.
+    pub(super) fn with_capacity(moves: usize, room: u64) -> Self {
+        let room = usize::try_from(room).unwrap_or(usize::MAX);
+        Self { moves: Vec::with_capacity(moves.min(MOST).min(room / size_of::<Move>())), room, ..Self::default() }
+    }
+
+    /// Bytes that it takes.
+    fn bytes(&self) -> usize {
+        self.moves.len() * size_of::<Move>()
+            + self.curves.len() * size_of::<Curve>()
+            + self.marks.len() * size_of::<Mark>()
     }
 
     /// The next move starts here, wherever the last one ended.
@@ -160,9 +172,19 @@ impl Path {
     }
 
     /// The moves that follow are those of this tool, their lines of this file.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mark(&mut self, tool: u32, file: FileId) {
-        if self.marks.last().is_none_or(|last| (last.tool, last.file) != (tool, file)) && !self.truncated {
+        let key = 1 << 63 | u64::from(tool) << 16 | u64::from(file);
+        if self.marked != key {
+            self.marked = key;
+            self.mark_here(tool, file);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn mark_here(&mut self, tool: u32, file: FileId) {
+        if !self.truncated {
             let from = self.moves.len() as u32;
             self.marks.pop_if(|last| last.from == from);
             self.marks.push(Mark { from, tool, file });
@@ -188,7 +210,7 @@ impl Path {
             self.curves.push(curve);
         }
         self.moves.push(to);
-        if self.moves.len() >= MOST {
+        if self.moves.len() >= MOST || self.bytes() >= self.room {
             self.thin();
         }
     }
@@ -205,7 +227,7 @@ impl Path {
 
     fn thin(&mut self) {
         let extent = self.extent();
-        while self.moves.len() > MOST / 4 * 3 {
+        while self.moves.len() > MOST / 4 * 3 || self.bytes() > self.room / 4 * 3 {
             if self.tolerance >= extent / COARSEST {
                 self.truncated = true;
                 return;

@@ -5,8 +5,8 @@
 use super::chain::Merged;
 use super::names::Names;
 use super::{
-    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, initial,
-    kinematics, macros, output, overlap, paths, pump, registers,
+    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, idle,
+    initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
 };
 use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
 use crate::files::Files;
@@ -58,10 +58,12 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     let storage = storage::read(&mut top, files);
     let mut shown = Vec::new();
     let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
+    idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
     overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
     let diagnostics = diagnostics::read(&mut top, files);
+    let refusals = refusals::read(&mut top, &names, &codes);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -103,6 +105,7 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tape_editor,
         dialogs,
         diagnostics,
+        refusals,
         storage,
         tables,
     }

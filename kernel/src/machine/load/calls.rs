@@ -4,6 +4,7 @@
 //! is a common one of the machine. Facts: reference control-emulator.md 5.4 (calls by G M T S B); that a word calls is
 //! a parameter of the control, so the machine says it.
 
+use super::digits;
 use super::word::{self, Word, Wrong};
 use crate::machine::ident::codes;
 use crate::machine::model::{CallHow, CodeRow, Preprocessor, Register, Variables, WordCall};
@@ -75,7 +76,13 @@ fn read_word(row: &mut Section<'_>, registers: &[Register]) -> Option<Word> {
         None => word::parse(text, registers),
     };
     match parsed {
-        Ok(word) => Some(word),
+        Ok(word) => {
+            let register = registers.get(usize::from(word.register));
+            if let Some(complaint) = digits::complaint(text, word.min, register) {
+                row.warning("word", complaint);
+            }
+            Some(word)
+        }
         Err(Wrong::Form(text)) => {
             row.error("word", text);
             None

@@ -120,6 +120,7 @@ pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
             Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
         }
         "subprograms.calls" => row.text("word").map(str::to_owned),
+        "refusals" => row.text("name").or_else(|| row.text("alarm")).map(str::to_owned),
         "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
         "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" | "tool.data" => {
             match &row.get("number")?.value {

@@ -5,6 +5,7 @@
 use crate::log::event::MAX_AXES;
 use crate::machine::model::{Axis, Channel, Spindle};
 use crate::machine::toml::check::Check;
+use crate::machine::toml::node::{Node, Value};
 use crate::machine::toml::section::Section;
 use crate::machine::toml::suggest::did_you_mean;
 
@@ -25,6 +26,7 @@ pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], c
     if channels.is_empty() && top.node("channels").is_some() {
         check.missing(top.place_of("channels"), "a machine needs at least one channel");
     }
+    check_idle(top, &channels, axes, check);
     channels.sort_by_key(|channel| channel.number);
     channels
 }
@@ -96,6 +98,24 @@ fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usiz
         }
     }
     own
+}
+
+/// Warns about axes that no channel has, unless a mistake may be the reason; those of a family cannot be taken away.
+fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &[Axis], check: &Check) {
+    if check.has_errors() {
+        return;
+    }
+    let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
+    for (index, axis) in axes.iter().enumerate() {
+        if channels.is_empty() || channels.iter().any(|channel| channel.axes.contains(&index)) {
+            continue;
+        }
+        let of_axis = |row: &&Node| matches!(&row.value, Value::Table(row) if row.text("name") == Some(&axis.name));
+        if let Some(row) = rows.iter().find(of_axis).filter(|row| row.place.file == top.place().file) {
+            let text = format!("no channel has the axis {}, so nothing can move it; `axes` of [[channels]]", axis.name);
+            check.idle(&row.place, text);
+        }
+    }
 }
 
 fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &[Axis]) {

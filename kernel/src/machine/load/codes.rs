@@ -4,6 +4,7 @@
 //! control-emulator.md 1.2.
 
 use super::defaults;
+use super::digits;
 use super::names::Names;
 use super::word::{self, Wrong};
 use crate::machine::ident;
@@ -140,6 +141,10 @@ fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
         }
     };
     let (register, min, max) = (word.register, word.min, word.max);
+    let known = names.registers.get(usize::from(register));
+    if let Some(text) = digits::complaint(written, min, known) {
+        section.warning("word", text);
+    }
     match data {
         None => Some(CodeForm::Register { register, min, max }),
         Some(data) => Some(CodeForm::RegisterAsData { register, min, max, data: data? }),

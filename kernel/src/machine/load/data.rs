@@ -3,6 +3,7 @@
 //! Invariant: an identifier and a register meet in one row only. Facts: reference control-emulator.md 1.3.
 
 use super::defaults;
+use super::digits;
 use super::names::Names;
 use crate::log::info::Unit;
 use crate::machine::model::{DataRow, Dimension};
@@ -40,6 +41,15 @@ fn read_row(section: &mut Section<'_>, names: &mut Names<'_>, unit: Unit) -> Opt
         && min > max
     {
         section.error("max", format!("`max` {max} is less than `min` {min}"));
+    }
+    let known = register.flatten().and_then(|at| names.registers.get(usize::from(at)));
+    for (key, limit) in [("min", min.filter(|min| *min > 0.0)), ("max", max.filter(|max| *max < 0.0))] {
+        if let (Some(limit), Some(register)) = (limit, known)
+            && digits::out_of_reach(limit, register)
+        {
+            let shown = digits::shown(register);
+            section.warning(key, format!("no number can be within `{key}` {limit}: {shown}"));
+        }
     }
     let mut mul = super::values::factor(section);
     let add = section.number("add").unwrap_or(0.0);

@@ -28,8 +28,9 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Diagnostics {
         let enable = row.flag("enable").unwrap_or(true);
         let repeat = row.integer("repeat", 0..=i64::from(u32::MAX)).map(|repeat| repeat as u32);
         let stops = row.flag("stops");
+        let alarm = row.flag("alarm").unwrap_or(false);
         if let Some(number) = number {
-            let rule = DiagnosticRule { number, severity, text, enable, repeat, stops };
+            let rule = DiagnosticRule { number, severity, text, enable, repeat, stops, alarm };
             if rules.iter().skip(from_file).any(|other: &DiagnosticRule| other.number == number) {
                 row.error("number", format!("number {number} already has a row"));
             }
@@ -50,7 +51,7 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Diagnostics {
 fn wrong(rule: &DiagnosticRule) -> Option<String> {
     let known = diag::ALL.iter().find(|facts| facts.number == rule.number);
     let silenced = !rule.enable || rule.repeat == Some(0);
-    if silenced && rule.stops.unwrap_or(known.is_some_and(|facts| facts.alarm)) {
+    if silenced && rule.stops.unwrap_or(rule.alarm || known.is_some_and(|facts| facts.alarm)) {
         return Some(format!("{:08} is an alarm that stops the channel, it cannot be switched off", rule.number));
     }
     if known.is_none() && rule.enable && (rule.text.is_none() || rule.severity.is_none()) {
@@ -123,5 +124,5 @@ fn parse(definition: &str) -> Option<DiagnosticRule> {
     let severity = words.next()?.parse().ok().filter(|severity| *severity <= 99)?;
     let text = words.collect::<Vec<_>>().join(" ");
     let text = (!text.is_empty()).then_some(text);
-    Some(DiagnosticRule { number, severity: Some(severity), text, enable, repeat: None, stops: None })
+    Some(DiagnosticRule { number, severity: Some(severity), text, enable, repeat: None, stops: None, alarm: false })
 }

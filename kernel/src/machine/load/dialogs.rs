@@ -103,6 +103,43 @@ fn check_variables(dialog: &[Field], named: &[Named], macros: Option<&Macros>, c
     }
 }
 
+/// Fields that take a value of the same variable at the same time: only the last one would count.
+fn check_twins(fields: &[Field], named: &[Named], check: &Check) {
+    for (index, field) in fields.iter().enumerate().filter(|(_, field)| !field.variable.is_empty()) {
+        let name = &field.variable;
+        if field.enabled.as_ref().is_some_and(|(variable, _)| variable.eq_ignore_ascii_case(name)) {
+            let place = named.iter().find(|(variable, _, decides)| *decides && variable.eq_ignore_ascii_case(name));
+            if let Some((_, place, _)) = place {
+                check.error(place, format!("{name} is the variable of this field, another one has to decide about it"));
+            }
+        }
+        let twin = |other: &&Field| other.variable.eq_ignore_ascii_case(name) && other.enabled == field.enabled;
+        if fields.iter().take(index).any(|other| twin(&other)) {
+            let mut places =
+                named.iter().filter(|(variable, _, decides)| !decides && variable.eq_ignore_ascii_case(name));
+            if let Some((_, place, _)) = places.next_back() {
+                check
+                    .error(place, format!("another field of this dialog sets {name} too, and only one value can stay"));
+            }
+        }
+    }
+}
+
+/// Keys that a field of its kind does not look at.
+fn check_keys(row: &Section<'_>, kind: i32, given: &[&'static str]) {
+    for key in given {
+        let (of, wanted): (&[i32], _) = match *key {
+            "min" | "max" | "whole" => (&[2], "\"number\""),
+            "longest" => (&[1], "\"text\""),
+            "choices" => (&[4], "\"choice\""),
+            _ => (&[1, 2, 3, 4], "\"text\", \"number\", \"check\" or \"choice\""),
+        };
+        if !of.contains(&kind) {
+            row.error(key, format!("`{key}` belongs to a field of kind {wanted}, this one ignores it"));
+        }
+    }
+}
+
 fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> Option<(Dialog, Place)> {
     row.require("name", "the name of the dialog");
     let name = row.name("name", 64).map(str::to_owned);
@@ -111,6 +148,7 @@ fn read_dialog(mut row: Section<'_>, macros: Option<&Macros>, check: &Check) -> 
     let fields = row.rows("fields", "a field", MOST);
     let fields: Vec<Field> = fields.into_iter().filter_map(|field| read_field(field, &mut named, check)).collect();
     check_variables(&fields, &named, macros, check);
+    check_twins(&fields, &named, check);
     let mut buttons: Vec<Button> = row.rows("buttons", "a button", MOST).into_iter().filter_map(read_button).collect();
     if buttons.is_empty() {
         buttons.push(Button { label: "OK".into(), kind: ButtonKind::Ok });
@@ -156,12 +194,18 @@ fn read_field(mut row: Section<'_>, named: &mut Vec<Named>, check: &Check) -> Op
     if variable.is_empty() && kind != 0 {
         row.error("kind", "a field needs `variable`, the macro variable that it sets");
     }
+    let keys = ["min", "max", "whole", "longest", "choices", "default", "required", "when", "unless", "variable"];
+    let given: Vec<&'static str> = keys.into_iter().filter(|key| row.node(key).is_some()).collect();
+    check_keys(&row, kind, &given);
     let longest = row.integer("longest", 1..=1000).unwrap_or(250) as usize;
     let (min, max) = (row.number("min").unwrap_or(f64::MIN), row.number("max").unwrap_or(f64::MAX));
     if min > max {
         row.error("max", format!("`max` {max} is less than `min` {min}"));
     }
     let whole = row.flag("whole").unwrap_or(false);
+    if whole && min <= max && min.ceil() > max.floor() {
+        row.error("whole", format!("no whole number is from {min} to {max}"));
+    }
     let choices = choices(&mut row, check);
     let required = row.flag("required").unwrap_or(false);
     let default = row.node("default").and_then(|node| value(node, check));
@@ -211,8 +255,28 @@ fn choices(row: &mut Section<'_>, check: &Check) -> Vec<(String, Value)> {
             }
             _ => out.extend(value(item, check).map(|value| (value.to_string(), value))),
         }
+        check_choice(&out, item, check);
     }
     out
+}
+
+/// The last choice differs from those before it.
+fn check_choice(choices: &[(String, Value)], item: &Node, check: &Check) {
+    let Some(((label, value), before)) = choices.split_last() else { return };
+    let by_label = |text: &str, value: &Value| matches!(value, Value::Text(other) if other == text);
+    if before.iter().any(|(other, _)| other == label) {
+        check.error(&item.place, format!("another choice of this field has the label \"{label}\""));
+    } else if let Some((other, _)) = before.iter().find(|(_, known)| known == value) {
+        let text =
+            format!("the choices \"{other}\" and \"{label}\" have the same value {value}: the first one is shown");
+        check.warning(&item.place, text);
+    } else if let Some((other, _)) =
+        before.iter().find(|(other, known)| by_label(other, value) || by_label(label, known))
+    {
+        let text =
+            format!("what is the value of one of the choices \"{other}\" and \"{label}\" is the label of the other");
+        check.warning(&item.place, text);
+    }
 }
 
 fn value(node: &Node, check: &Check) -> Option<Value> {

@@ -22,6 +22,11 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     // A semicolon begins their comments.
     format.eob = section.character("eob").flatten().filter(|eob| *eob != ';' || !comments);
     format.rws = section.text("rws").unwrap_or_default().to_owned();
+    if !format.rws.is_empty() && section.node("rws_at").is_none() {
+        let text =
+            "`rws` says nothing without `rws_at`, the place of the rewind-stop; \"start\" or \"optional\" is expected";
+        check.idle(section.place_of("rws"), text);
+    }
     let places = [("none", RewindStop::None), ("start", RewindStop::Start), ("optional", RewindStop::Optional)];
     format.rws_at = section.choice("rws_at", &places).unwrap_or(RewindStop::None);
     if format.rws.is_empty() && format.rws_at != RewindStop::None {
@@ -42,6 +47,9 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
     if let Some(mut opskip) = section.table("opskip", "opskip of [format]") {
         format.opskip_mark = opskip.character("mark").flatten();
         format.opskip_default = opskip.integer("default", 1..=9).unwrap_or(1) as u8;
+        if opskip.node("mark").is_none() && opskip.node("default").is_some() {
+            check.idle(opskip.place_of("default"), "`default` says nothing without `mark`, the mark of optional skip");
+        }
         opskip.finish();
     }
     clashes(&section, &format, check);

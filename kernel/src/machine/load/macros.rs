@@ -166,6 +166,11 @@ impl Compiler<'_, '_> {
         for mut row in section.rows(key, title, MOST) {
             let place = u16::try_from(rows.len()).unwrap_or(u16::MAX);
             if let Some((named, firing)) = self.row(&mut row, of_codes, ids) {
+                if row.node("name").is_some() && rows.iter().any(|other: &Named| other.name == named.name) {
+                    let text =
+                        format!("another macro of {title} has the name \"{}\"; names tell them apart", named.name);
+                    row.error("name", text);
+                }
                 for at in firing {
                     if let Some(list) = by.get_mut(usize::from(at))
                         && list.last() != Some(&place)
@@ -278,6 +283,9 @@ impl Compiler<'_, '_> {
             let id = self.names.data(name, place)?;
             if !self.data.iter().any(|row| row.id == id && row.enable) {
                 let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
+                self.names.check.warning(place, text);
+            } else if !self.data.iter().any(|row| row.id == id && row.enable && row.process) {
+                let text = format!("the rows of {upper} say `process = false`: it is dropped and no macro sees it");
                 self.names.check.warning(place, text);
             }
             return Some(Item::Data(id));

@@ -43,17 +43,24 @@ fn read_row(mut row: Section<'_>, known: &[Register], check: &Check) -> Option<R
     }
     let before = special_text(&mut row, "before").or_else(|| name.as_deref().map(characters));
     let after = special_text(&mut row, "after").unwrap_or_default();
+    let same = |other: &&Register| Some(&other.before) == before.as_ref() && other.after == after;
+    if let Some(other) = known.iter().find(same).filter(|other| Some(&other.name) != name.as_ref()) {
+        let around = "the same texts around its number, so that nobody can tell them apart";
+        row.error("before", format!("register {} has {around}", other.name));
+    }
     let second = second.as_deref().map(characters);
     let format = number_format(&mut row);
     let secondary = secondary_format(&mut row, format);
     let increment = row.above_zero("increment");
     let signed = row.flag("signed").unwrap_or(false);
+    let pointed = row.flag("pointed").unwrap_or(true);
     let names = row.flag("names").unwrap_or(false);
     if names && (after.is_empty() || before.as_deref().is_none_or(str::is_empty)) {
         row.error("names", "a register of names needs `before` and `after`, the texts around the name");
     }
     row.finish();
-    Some(Register { index, name: name?, second, before: before?, after, format, secondary, increment, signed, names })
+    let (name, before) = (name?, before?);
+    Some(Register { index, name, second, before, after, format, secondary, increment, signed, pointed, names })
 }
 
 /// Text around the number of a special register; the empty text is one.

@@ -4,6 +4,7 @@ mod chains;
 mod contradictions;
 mod diagnostics;
 mod dialogs;
+mod doubles;
 mod macros;
 mod mistakes;
 mod mistakes_in_rows;

@@ -2,6 +2,7 @@
 //!
 //! Invariant: an M number with a time has a code row of its own that carries it.
 
+use super::digits;
 use super::names::Names;
 use crate::machine::ident::{self, codes, data};
 use crate::machine::model::{CodeForm, CodeRow, Modality, RapidPath, Time};
@@ -29,10 +30,25 @@ pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<Code
         if register.is_none() {
             names.check.missing(section.place_of("m_codes"), "`m_codes` needs a register M");
         }
+        let mut seen: Vec<(u32, &Entry)> = Vec::new();
         for entry in &table.entries {
-            if let (Some((number, seconds)), Some(register)) = (read_entry(entry, names), register) {
-                give(entry, register, number, seconds, names, rows);
+            let (Some((number, seconds)), Some(register)) = (read_entry(entry, names), register) else { continue };
+            if let Some((_, other)) = seen.iter().find(|(known, _)| *known == number) {
+                let Entry { key, place, .. } = other;
+                let text = format!(
+                    "M{number} already has its seconds at {}:{} as \"{key}\"; one key for each M number is expected",
+                    place.file, place.line
+                );
+                names.check.error(&entry.place, text);
+                continue;
             }
+            seen.push((number, entry));
+            let written = format!("M{number}");
+            let known = names.registers.get(usize::from(register));
+            if let Some(text) = digits::complaint(&written, f64::from(number), known) {
+                names.check.warning(&entry.place, text);
+            }
+            give(entry, register, number, seconds, names, rows);
         }
     }
     section.finish();

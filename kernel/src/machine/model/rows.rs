@@ -25,6 +25,8 @@ pub struct Register {
     pub increment: Option<f64>,
     /// Values may be negative.
     pub signed: bool,
+    /// Numbers may have a decimal point.
+    pub pointed: bool,
     /// The text between `before` and `after` may be a tool's name.
     pub names: bool,
 }

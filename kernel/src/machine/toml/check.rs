@@ -45,6 +45,18 @@ impl Check {
         }
     }
 
+    /// A warning because something else is not there, under the same condition.
+    pub(in crate::machine) fn idle(&self, place: &Place, text: impl Into<String>) {
+        if !self.incomplete.get() {
+            self.warning(place, text);
+        }
+    }
+
+    /// Whether there is an error so far.
+    pub(in crate::machine) fn has_errors(&self) -> bool {
+        self.findings.borrow().iter().any(|finding| finding.error)
+    }
+
     /// Says that what is read is not the whole definition.
     pub(in crate::machine) fn set_incomplete(&self) {
         self.incomplete.set(true);

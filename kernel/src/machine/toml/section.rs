@@ -53,6 +53,11 @@ impl<'a> Section<'a> {
         self.check.error(self.place_of(key), text);
     }
 
+    /// A warning at a key.
+    pub(in crate::machine) fn warning(&self, key: &str, text: impl Into<String>) {
+        self.check.warning(self.place_of(key), text);
+    }
+
     /// An error at another place, for files that a key names.
     pub(in crate::machine) fn error_at(&self, place: &Place, text: impl Into<String>) {
         self.check.error(place, text);

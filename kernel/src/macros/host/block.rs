@@ -44,9 +44,10 @@ impl Kernel<'_> {
             None => 0.0,
             Some(value) => value.as_real().ok_or_else(|| Fault::kind("a number", value))?,
         };
-        if let Some(id) = code_id(item) {
-            return Ok(Value::Logical(self.add_code(id, value)));
+        if let Value::Code(_) = item {
+            return Ok(Value::Logical(code_id(item).is_some_and(|id| self.add_code(id, value))));
         }
+        let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
         let known = data_id(item).filter(|id| self.knows_data(*id));
         if let Some(id) = known {
             self.block.added.push((id, value));
@@ -120,9 +121,13 @@ impl Kernel<'_> {
         }
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
         let Some(id) = data_id(item) else { return Ok(Value::Null) };
+        let named = |code: &i32| ident::minor_name(*code).filter(|name| ["MODAL", "LAST"].contains(name));
         let mode = match arguments.get(1) {
-            Some(Value::Keyword(code)) => ident::minor_name(*code).unwrap_or(""),
-            _ => "",
+            None => "",
+            Some(Value::Keyword(code)) => {
+                named(code).ok_or_else(|| Fault::kind("MODAL or LAST", &Value::Keyword(*code)))?
+            }
+            Some(other) => return Err(Fault::kind("MODAL or LAST", other)),
         };
         if mode != "LAST"
             && let Some(value) = self.data_on_block(id, take)

@@ -16,6 +16,9 @@ use crate::dialog::operator::Question;
 use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
 use crate::macros::system;
 
+/// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
+const DIALOG_TICKS: usize = 100;
+
 /// A variable that a field may be bound to.
 #[derive(Clone, Copy)]
 enum Bound {
@@ -31,6 +34,11 @@ fn from_dialog(value: answers::Value) -> Value {
         answers::Value::Number(number) => Value::Real(number),
         answers::Value::Text(text) => Value::text(text),
     }
+}
+
+/// Bytes of a text.
+fn length(value: &answers::Value) -> usize {
+    if let answers::Value::Text(text) = value { text.len() } else { 0 }
 }
 
 fn to_dialog(value: &Value) -> Option<answers::Value> {
@@ -83,15 +91,20 @@ impl Kernel<'_> {
                 _ => Some(value),
             }
         };
+        let mut asked = DIALOG_TICKS;
         let shown = match operator {
             Some(operator) if answer.is_none() => {
                 let mut ask = |dialog: &Dialog, values: &[(String, answers::Value)], problem: Option<&str>| {
-                    operator.ask(&Question { channel, file, line, dialog, values, problem })
+                    let answer = operator.ask(&Question { channel, file, line, dialog, values, problem })?;
+                    let values = values.iter().map(|(_, value)| value).chain(answer.values.values());
+                    asked = values.map(length).fold(asked.saturating_add(DIALOG_TICKS), usize::saturating_add);
+                    Some(answer)
                 };
                 dialog::operator::converse(&machine.dialogs, name, &mut ask, &mut current)
             }
             _ => dialog::show(&machine.dialogs, name, answer, &mut current),
         };
+        state.spend(asked)?;
         let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
         for (variable, value) in shown.values {
             let Some(at) = self.bound(&variable) else {

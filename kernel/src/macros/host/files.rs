@@ -75,7 +75,7 @@ impl Kernel<'_> {
 
     /// Works on the files that macros have written, in its turn.
     pub(super) fn job_files<R>(&mut self, work: impl FnOnce(&mut Written) -> R) -> Result<R, i32> {
-        self.shared(|inner, _| work(&mut inner.shared.files)).map_err(|halt| {
+        self.shared(|order| work(&mut order.shared.files)).map_err(|halt| {
             self.keep_halt(halt);
             FAILED
         })
@@ -103,7 +103,7 @@ impl Shelf for Kernel<'_> {
         }
         if self.macros.as_deref().is_some_and(|runtime| runtime.leaving) {
             let tag = self.tag();
-            self.coordinator.lock().shared.files.leave(tag, path, Some(text));
+            self.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
             return Ok(());
         }
         let limit = self.shares().common;
@@ -145,6 +145,6 @@ impl Shelf for Kernel<'_> {
     fn remove(&mut self, path: &str) {
         // Only temporary files are removed, and they are there until all kernels have ended.
         let tag = self.tag();
-        self.coordinator.lock().shared.files.leave(tag, path, None);
+        self.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
     }
 }

@@ -16,7 +16,7 @@ use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
-use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
 
@@ -53,6 +53,7 @@ impl Kernel<'_> {
                 let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
                 at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
+            "$FCEADD" | "$FCEGET" | "$FCESEEK" if self.before_block() => return Self::not_here(function.name),
             "$FCEADD" => self.add_item(arguments)?,
             "$FCEGET" => self.get_item(arguments, true)?,
             "$FCESEEK" => self.get_item(arguments, false)?,
@@ -64,11 +65,7 @@ impl Kernel<'_> {
             "$FCEPP" => self.preprocessor_setting(state, arguments),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             "$FCERST" => self.restart_with(state, arguments)?,
-            "$FAPPLY" | "$FCETIMESYNC" | "$FPAUSE" | "$FDOC" => {
-                let message = format!("{} does nothing here", function.name);
-                state.warn(Fault::new(Number::NO_MODEL, message));
-                nothing(function)
-            }
+            "$FAPPLY" | "$FCETIMESYNC" | "$FPAUSE" | "$FDOC" => self.without(state, function, "does nothing here"),
             "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
             "$FDK" => self.forward(arguments)?,
             "$FIK" => self.backward(arguments)?,
@@ -85,14 +82,23 @@ impl Kernel<'_> {
             "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
             "$FMSLCS" => self.give_frame(arguments)?,
             name if name.starts_with("$FMS") => {
-                let message = format!("{name} needs a machine model, and there is none here");
-                state.warn(Fault::new(Number::NO_MODEL, message));
-                nothing(function)
+                self.without(state, function, "needs a machine model, and there is none here")
             }
             name => {
                 return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control")));
             }
         })
+    }
+
+    /// The answer of a function that has nothing to work on, which is told once for each function.
+    fn without(&mut self, state: &mut State, function: &'static Function, why: &str) -> Value {
+        if let Some(runtime) = self.macros.as_deref_mut()
+            && !runtime.without.contains(&function.name)
+        {
+            runtime.without.push(function.name);
+            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name)));
+        }
+        nothing(function)
     }
 
     /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
@@ -133,9 +139,11 @@ impl Kernel<'_> {
             }
             return Ok(Value::sequence(found));
         }
+        // Ones of the mask ask for macros of the control, tens for those of a model, which is not there.
+        let wanted = arguments.get(1).and_then(Value::as_real).is_none_or(|mask| (mask % 10.0).trunc() == 1.0);
         let pattern = state.pattern(expression)?;
         let mut budget = STEPS;
-        for (_, id, name) in all {
+        for (_, id, name) in all.filter(|_| wanted) {
             state.spend(1 + name.len())?;
             if pattern.find(name, 0, &mut budget)?.is_some() {
                 found.extend([Value::Real(f64::from(id)), Value::text(name)]);
@@ -173,7 +181,11 @@ impl Kernel<'_> {
             Value::Text(text) => {
                 let text = text.trim();
                 let exact = registers.iter().position(|register| register.name == text);
-                exact.or_else(|| registers.iter().position(|r| !text.is_empty() && r.name.starts_with(text)))
+                let described = |register: &MachineRegister| {
+                    let format = descriptor(&register.format);
+                    format!("{}{}", register.name, format.trim_matches(['!', '(', ')'])).starts_with(text)
+                };
+                exact.or_else(|| registers.iter().position(|register| !text.is_empty() && described(register)))
             }
             _ => None,
         }

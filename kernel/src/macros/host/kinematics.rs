@@ -3,13 +3,14 @@
 //! Facts: reference functions.md 10. Machine positions are those of `$XM`, so neither tools nor fixtures count, but that the
 //! part lies where the fixture offset has put it. Decision: what cannot be reached is `$NULL`.
 
+use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use super::rotary::{Named, is};
 use crate::channel::Kernel;
 use crate::channel::frames::affine::Point;
-use crate::channel::frames::kinematics::{Angles, Joint, unit};
+use crate::channel::frames::kinematics::{Angles, Chain, Joint, unit};
 use crate::log::event::{MAX_AXES, Position};
 
 /// Six numbers by the elements of `$AXES`, or position and direction.
@@ -105,13 +106,22 @@ impl Kernel<'_> {
         };
         let (point, direction) = halves(numbers(given, now)?);
         let number = number.and_then(Value::as_real).unwrap_or(0.0);
+        if ![0.0, 1.0, 2.0].contains(&number) {
+            return Err(Fault::new(Number::OUT_OF_RANGE, format!("a solution is 0, 1 or 2, not {number}")));
+        }
         let chain = self.chain();
         let all: Vec<Angles> = if chain.tables.is_empty() && chain.heads.is_empty() {
             vec![Vec::new()]
         } else {
             chain.solve(direction).iter().map(|one| self.near(one)).collect()
         };
-        let Some(solution) = self.chosen(&all, number) else { return Ok(Value::Null) };
+        let reached: Vec<Six> = all.iter().map(|solution| self.machine_positions(&chain, solution, point)).collect();
+        let chosen = self.chosen(&all, &reached, number).and_then(|at| reached.get(at));
+        Ok(chosen.map_or(Value::Null, |six| Value::numbers(six)))
+    }
+
+    /// Machine positions of a solution, by the elements of `$AXES`.
+    fn machine_positions(&self, chain: &Chain, solution: &Angles, point: Point) -> Six {
         let fixture = self.fixture();
         let mut joints = self.machine_now();
         for (slot, fixture) in joints.iter_mut().zip(fixture) {
@@ -141,19 +151,28 @@ impl Kernel<'_> {
         for (slot, value) in six.iter_mut().zip(self.programmed_units(linear)) {
             *slot = value;
         }
-        Ok(Value::numbers(&six))
+        six
     }
 
-    /// The solution that a number asks for: 0 the first one within the limits, 1 the one with the least turning, 2 the
-    /// other one.
-    fn chosen<'s>(&self, all: &'s [Angles], number: f64) -> Option<&'s Angles> {
+    /// The solution that a number asks for: 0 the first one within the limits, 1 the one with the least turning, of
+    /// equals the one with the shortest way of the linear axes, 2 the other one.
+    fn chosen(&self, all: &[Angles], reached: &[Six], number: f64) -> Option<usize> {
         if number != 1.0 && number != 2.0 {
-            return all.iter().find(|one| self.within(one)).or(all.first());
+            return all.iter().position(|one| self.within(one)).or((!all.is_empty()).then_some(0));
         }
-        let mut sorted: Vec<&Angles> = all.iter().collect();
-        sorted.sort_by(|a, b| self.turned(a).total_cmp(&self.turned(b)));
+        let [x, y, z, ..] = self.by_elements(&self.machine_now());
+        let way = |[a, b, c, ..]: &Six| (a - x).hypot(b - y).hypot(c - z);
+        // Differences of rounding decide nothing.
+        let rounded = |value: f64| (value * 1e6).round();
+        let mut sorted: Vec<(f64, f64, usize)> = all
+            .iter()
+            .zip(reached)
+            .enumerate()
+            .map(|(at, (one, six))| (rounded(self.turned(one)), rounded(way(six)), at))
+            .collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let wanted = if number == 2.0 { sorted.last() } else { sorted.first() };
-        wanted.copied()
+        wanted.map(|(.., at)| *at)
     }
 
     /// Takes over changed kinematics; the machine stands still. `false` if tool tip control could not go on.
@@ -213,6 +232,9 @@ impl Kernel<'_> {
         while at < arguments.len() {
             match self.named_axis(arguments, at) {
                 Some((Named::Axis(axis), count)) if self.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                    if chosen.contains(&axis) {
+                        return Value::Real(0.0);
+                    }
                     chosen.push(axis);
                     at += count;
                 }

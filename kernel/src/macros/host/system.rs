@@ -10,6 +10,7 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
+use crate::channel::burden::shortened;
 use crate::files::Bytes;
 use crate::log::event::Kind;
 use crate::system::{Answer, Call};
@@ -54,7 +55,7 @@ impl Kernel<'_> {
             self.diagnose(&crate::diag::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.emit(0, Kind::Message { text: line.into(), printed: false });
+            self.emit(0, Kind::Message { text: shortened(line).into(), printed: false });
         }
         Ok(status)
     }

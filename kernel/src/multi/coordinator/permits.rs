@@ -2,7 +2,7 @@
 //!
 //! Invariant: a free permit goes to the waiting kernel that is furthest behind in simulated time.
 
-use std::sync::atomic::Ordering::SeqCst;
+use super::primitives::atomic::Ordering::SeqCst;
 
 use super::switch::Switch;
 use super::{Coordinator, Guard, Inner};

@@ -7,8 +7,9 @@ use std::ops::Deref;
 
 use corosensei::Yielder;
 
-use super::meet::Met;
-use super::{Coordinator, Guard, Stopped, Wake};
+use super::turn::{Met, Turn, Waiter};
+use super::{Coordinator, Stopped};
+use crate::multi::order::Wake;
 use crate::multi::tag::Tag;
 use crate::multi::waits::Waiting;
 
@@ -28,6 +29,11 @@ pub(crate) enum Switch<'a> {
     Thread,
     /// Its thread runs another kernel.
     Coroutine(&'a Yielder<(), Pause>),
+}
+
+/// There is nothing to do meanwhile.
+fn no_work<S>(_: &mut S, _: bool) -> bool {
+    false
 }
 
 /// The coordinator as one kernel reaches it.
@@ -50,49 +56,44 @@ impl<'a> Port<'a> {
         Self { core, switch }
     }
 
-    /// The coordinator itself.
-    pub(crate) fn core(self) -> &'a Coordinator {
-        self.core
-    }
-
-    /// See [`Coordinator::enter`].
+    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long.
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub(crate) fn enter(self, tag: Tag) -> Result<Guard<'a>, Stopped> {
-        self.core.enter(tag, self.switch)
+    pub(crate) fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
+        self.core.enter(tag, self.waiter(tag.rank, state, flush, no_work::<S>))
     }
 
-    /// See [`Coordinator::wait`].
-    pub(crate) fn wait(self, rank: u16) -> Wake {
-        self.core.wait(rank, self.switch)
+    /// Waits until another kernel resumes this one, which is blocked.
+    pub(crate) fn wait<S>(self, rank: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
+        self.core.wait(self.waiter(rank, state, flush, no_work::<S>))
     }
 
-    /// See [`Coordinator::meet`] and [`Coordinator::meet_on_one_thread`]. `stand` is called before this thread runs other
-    /// kernels: it sends the events so far. `work` is done while the thread waits for others.
+    /// Arrives at a wait. `flush` sends the events so far, if nobody comes soon; `work` is done for a moment while this
+    /// thread waits.
     pub(crate) fn meet<S>(
         self,
-        waiting: &Waiting,
+        waiting: Waiting,
         state: &mut S,
-        stand: impl FnOnce(&mut S),
+        flush: impl FnOnce(&mut S),
         work: impl Fn(&mut S, bool) -> bool,
-    ) -> Met {
-        match self.switch {
-            Switch::Thread => self.core.meet(waiting, |look| work(state, look)),
-            Switch::Coroutine(_) => self.core.meet_on_one_thread(waiting, self.switch, || stand(state)),
-        }
+    ) -> Met<'a> {
+        let rank = waiting.tag.rank;
+        self.core.meet(waiting, self.waiter(rank, state, flush, work))
     }
 
-    /// Lets all other kernels come up to `tag`, if this one is running.
+    fn waiter<S, F, W>(self, rank: u16, state: S, flush: F, work: W) -> Waiter<'a, S, F, W> {
+        Waiter { rank, switch: self.switch, state, flush, work }
+    }
+
+    /// Lets all other kernels come up to `tag`, if this one is free to wait.
     pub(crate) fn catch_up(self, tag: Tag) {
-        let running = self.core.lock().status(tag.rank) == super::Status::Running;
-        if running && let Ok(mut guard) = self.enter(tag) {
-            self.leave(&mut guard);
+        if self.core.is_free(tag.rank) {
+            let _ = self.enter(tag, &mut (), |()| ());
         }
     }
 
-    /// Waits for the merger to give chunks back: `try_now` asks for one, `wait` waits for one on a thread of its own. See
-    /// [`Coordinator::wait_credit`].
+    /// Waits for the merger to give chunks back: `try_now` asks for one, `wait` waits for one on a thread of its own.
     pub(crate) fn wait_chunk<R, S>(
         self,
         tag: Tag,
@@ -100,7 +101,7 @@ impl<'a> Port<'a> {
         mut try_now: impl FnMut(&mut S) -> Option<R>,
         wait: impl FnOnce(&mut S) -> R,
     ) -> R {
-        self.core.wait_credit(tag, || match self.switch {
+        self.core.away(tag, || match self.switch {
             Switch::Thread => wait(source),
             Switch::Coroutine(yielder) => loop {
                 if let Some(chunk) = try_now(source) {

@@ -150,7 +150,10 @@ fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
     }
     let (end, taper) = (cycle.end, cycle.taper);
     match words::thread(kernel, kind, axes, (start, end, offset, taper), screw) {
-        Some(thread) => kernel.pass(&thread, thread.root, 0.0),
+        Some(thread) => {
+            kernel.check_lead(&thread.screw)?;
+            kernel.pass(&thread, thread.root, 0.0)
+        }
         None => Ok(()),
     }
 }
@@ -178,6 +181,7 @@ fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
         return Ok(());
     }
     let Some(thread) = words::thread(kernel, kind, axes, (start, end, offset, taper), screw) else { return Ok(()) };
+    kernel.check_lead(&thread.screw)?;
     kernel.all_passes(&thread)
 }
 

@@ -156,9 +156,9 @@ pub(super) fn screw(
 ) -> Screw {
     let own = kernel.take(pitch).or_else(|| kernel.take(data::INTERP_THREAD_PITCH)).map(|datum| datum.value);
     if let Some(pitch) = own {
-        kernel.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        kernel.remember_lead(pitch);
     }
-    let pitch = kernel.modal.value(data::INTERP_THREAD_PITCH).unwrap_or(0.0);
+    let pitch = kernel.remembered_lead().unwrap_or(0.0);
     let change = kernel.take(change).map_or(0.0, |datum| datum.value);
     kernel.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
     kernel.take(data::INTERP_THREAD_ANGLE);

@@ -165,7 +165,7 @@ fn custom_names_follow_the_built_in_ones() {
 #[test]
 fn offsets_have_a_value_per_axis_of_the_machine() {
     let machine = machine(
-        "[[axes]]\nname = \"X2\"\nrapid = 1\n[tool]\n[[tool.offsets]]\nnumber = 2\nvalues = { X2 = -1.5 }\n\
+        "[[axes]]\nname = \"X2\"\nrapid = 1\n[[channels]]\nnumber = 2\naxes = [\"X2\"]\n[tool]\n[[tool.offsets]]\nnumber = 2\nvalues = { X2 = -1.5 }\n\
          [[tool.offsets]]\nnumber = 1\nradius = 0.4\ntip = 3\n[[work_offsets]]\nnumber = 8\nvalues = { X1 = 7 }",
     );
     let offsets = &machine.tool.offsets;

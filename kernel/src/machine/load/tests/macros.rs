@@ -6,6 +6,9 @@ use crate::macros::model::Hook;
 fn family() -> Memory {
     let mut files = Memory::default();
     let rows = r#"
+[[codes]]
+id = "CODE_TOOL_LOAD"
+word = "M6"
 [macros]
 declaration = "declare.mac"
 functions = ["sub/functions.mac"]

@@ -307,7 +307,10 @@ rapid = 1"#
 name = "Q"
 rapid = 1"#
         ),
-        ["1:1: warning: no word can move axis Q: no row of [[data]] has REG_AXIS_Q"]
+        [
+            "1:1: warning: no word can move axis Q: no row of [[data]] has REG_AXIS_Q",
+            "1:1: warning: no channel has the axis Q, so nothing can move it; `axes` of [[channels]]"
+        ]
     );
     assert_eq!(
         after(
@@ -315,7 +318,10 @@ rapid = 1"#
 name = "Z"
 rapid = 1"#
         ),
-        ["1:1: warning: no word can move axis Z: no row of [[data]] has REG_AXIS_Z"]
+        [
+            "1:1: warning: no word can move axis Z: no row of [[data]] has REG_AXIS_Z",
+            "1:1: warning: no channel has the axis Z, so nothing can move it; `axes` of [[channels]]"
+        ]
     );
     assert_eq!(
         after(

@@ -193,11 +193,14 @@ impl Kernel<'_> {
                     return Ok(Which::All);
                 }
                 let named = LETTERS.iter().position(|letter| is(&format!("{letter}AXIS")));
+                if named.is_none() && !["QUILL", "RAM", "ORIENT"].into_iter().any(is) {
+                    return Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"));
+                }
                 Ok(Which::One(named.and_then(axis)))
             }
             Some(value) => match value.as_real() {
                 Some(index) if (1.0..=ALL_AXES as f64).contains(&index) => Ok(Which::One(axis(index as usize - 1))),
-                _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword or ALL")),
+                _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL")),
             },
         }
     }

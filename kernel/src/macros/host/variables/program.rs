@@ -9,7 +9,7 @@ use crate::channel::Kernel;
 use crate::log::info::Unit;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
-use crate::machine::model::Preprocessor;
+use crate::machine::model::{MachineKind, Preprocessor};
 use crate::macros::host::code_value;
 
 fn number(value: impl Into<f64>) -> Value {
@@ -41,21 +41,30 @@ fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Val
     })
 }
 
-/// The first block from a line on that is not blank.
-fn block_from(kernel: &Kernel<'_>, forward: bool) -> Value {
-    let Some(frame) = kernel.flow.frames.last() else { return Value::text("") };
-    let Some(source) = kernel.info.source(frame.file) else { return Value::text("") };
-    let is_block = |line: &u32| !source.line(*line).trim_ascii().is_empty();
-    let found = if forward {
-        (frame.next..=frame.range.last).find(is_block)
-    } else {
-        (frame.range.first..kernel.line).rev().find(is_block)
-    };
-    Value::text(found.map_or_else(String::new, |line| String::from_utf8_lossy(source.line(line)).into_owned()))
+/// The block before or behind the current one.
+fn neighbour(kernel: &Kernel<'_>, behind: bool) -> Value {
+    Value::text(kernel.neighbour(behind).unwrap_or_default())
 }
 
+/// What the machine is: its type, positioning modes and units.
 fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    Value::text(kernel.machine.description.as_str())
+    let machine = kernel.machine;
+    let kind = match machine.kind {
+        MachineKind::Mill => "MILL",
+        MachineKind::Lathe => "LATHE",
+        MachineKind::MergingLathe => "MERGING LATHE",
+        MachineKind::Composite => "COMPOSITE",
+    };
+    let has = |id| machine.codes.iter().any(|row| row.enable && row.id == id);
+    let letters = machine.registers.iter().any(|register| register.second.is_some());
+    let incremental = has(codes::POSITION_RELATIVE) || letters;
+    let (first, second) = if machine.unit == Unit::Inch { ("INCH", "MM") } else { ("MM", "INCH") };
+    let mut text = format!("{kind} ABSOLUTE{}", if incremental { " INCREMENTAL" } else { "" });
+    for unit in [Some(first), has(codes::UNITS_SECONDARY).then_some(second)].into_iter().flatten() {
+        text.push(' ');
+        text.push_str(unit);
+    }
+    Value::text(text)
 }
 
 fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
@@ -102,8 +111,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$CECODE" => (|k, _| code_value(kept(k, |store| store.code).flatten()), None),
         "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.text_bytes())), None),
-        "$LMCD" => (|k, _| block_from(k, false), None),
-        "$NMCD" => (|k, _| block_from(k, true), None),
+        "$LMCD" => (|k, _| neighbour(k, false), None),
+        "$NMCD" => (|k, _| neighbour(k, true), None),
         "$MCDNO" => (|k, _| number(kept(k, |store| store.number).filter(|number| *number > 0).unwrap_or(k.line)), None),
         "$SEQNO" => (
             |k, _| number(k.block.sequence.unwrap_or(0)),

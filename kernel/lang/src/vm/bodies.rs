@@ -1,0 +1,88 @@
+//! Beginning and end of functions that are carried out in registers of their callers.
+//!
+//! Invariant: nothing but registers of the body changes until its result is given; see [`Body`].
+
+use super::fast::Window;
+use crate::bytecode::Code;
+use crate::bytecode::body::Body;
+use crate::bytecode::fast::Near;
+use crate::value::{Kind, Value};
+
+/// A call whose body runs.
+#[derive(Clone, Copy)]
+pub(super) struct Running<'p> {
+    /// The caller, and its instruction.
+    pub(super) code: &'p Code,
+    pub(super) at: usize,
+    /// Ticks before the call.
+    pub(super) ticks: u64,
+    /// Register for the result.
+    pub(super) to: Near,
+    pub(super) body: &'p Body,
+}
+
+/// Makes the registers of a body ready; false if the arguments are not what it is for.
+#[inline(always)]
+pub(super) fn begin(window: &mut Window, body: &Body) -> bool {
+    let is_plain = body.typed.is_empty() & body.copied.is_empty() & body.cleared.is_empty() & !body.is_null_first;
+    is_plain || prepare(window, body)
+}
+
+#[inline(never)]
+fn prepare(window: &mut Window, body: &Body) -> bool {
+    for (argument, kind) in &body.typed {
+        if window.get(usize::from(*argument)).and_then(Value::kind) != Some(*kind) {
+            return false;
+        }
+    }
+    for (parameter, argument) in &body.copied {
+        copy(window, *parameter, *argument);
+    }
+    for variable in &body.cleared {
+        if let Some(register) = window.get_mut(usize::from(*variable)) {
+            super::run::become_plain(register, Value::Unset);
+        }
+    }
+    if body.is_null_first
+        && let Some(register) = window.get_mut(usize::from(body.result))
+    {
+        super::run::become_plain(register, Value::Null);
+    }
+    true
+}
+
+fn copy(window: &mut Window, to: Near, from: Near) {
+    let Some(value) = window.get(usize::from(from)) else { return };
+    let value = value.clone();
+    if let Some(register) = window.get_mut(usize::from(to)) {
+        *register = value;
+    }
+}
+
+/// Gives the result of a body to its caller; false if it is not of its type.
+#[inline(always)]
+pub(super) fn give(window: &mut Window, running: &Running<'_>) -> bool {
+    match window.get(usize::from(running.body.result)) {
+        Some(Value::Real(number)) if matches!(running.body.kind, None | Some(Kind::Real)) => {
+            let number = *number;
+            if let Some(register) = window.get_mut(usize::from(running.to)) {
+                super::run::put(register, number);
+            }
+            true
+        }
+        _ => give_any(window, running),
+    }
+}
+
+#[inline(never)]
+fn give_any(window: &mut Window, running: &Running<'_>) -> bool {
+    let Some(value) = window.get(usize::from(running.body.result)) else { return false };
+    if !matches!(value, Value::Null) && running.body.kind.is_some_and(|kind| value.kind() != Some(kind)) {
+        return false;
+    }
+    let value = value.clone();
+    if let Some(register) = window.get_mut(usize::from(running.to)) {
+        *register = value;
+    }
+    true
+}

@@ -1,0 +1,143 @@
+//! Blocks that the control refuses by rules of the machine, looked at before anything of them acts.
+//!
+//! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
+//! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
+
+use super::block::Firing;
+use super::{Acted, Kernel};
+use crate::diag;
+use crate::machine::Machine;
+use crate::machine::model::CodeRow;
+use crate::machine::refusals::{Active, Refusal, WordRule, Written};
+use crate::machine::tables::form_range;
+
+/// The rules of a machine, by what they look for.
+#[derive(Debug)]
+pub(crate) struct Refusals {
+    /// A rule looks for this code row.
+    rows: Vec<bool>,
+    /// Registers of data words that rules without codes look for, bit by register.
+    registers: u128,
+}
+
+impl Refusals {
+    /// `None` where the machine has no rules.
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
+        if machine.refusals.is_empty() {
+            return None;
+        }
+        let looks = |row: &CodeRow| {
+            machine.refusals.iter().any(|rule| {
+                let word = rule.word.filter(|_| rule.codes.is_empty());
+                let own = word.is_some_and(|word| form_range(&row.form).is_some_and(|(at, ..)| at == word.register));
+                own || rule.codes.iter().any(|code| may_be(code, row))
+            })
+        };
+        let free = machine.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
+        let registers = free.fold(0, |bits, word| bits | 1 << word.register);
+        Some(Box::new(Self { rows: machine.codes.iter().map(looks).collect(), registers }))
+    }
+}
+
+/// Some value of the row is what the rule names.
+fn may_be(code: &Written, row: &CodeRow) -> bool {
+    match *code {
+        Written::Id(id) => row.id == id,
+        Written::Word { register, min, max } => {
+            form_range(&row.form).is_some_and(|(own, from, to)| own == register && from <= max && min <= to)
+        }
+    }
+}
+
+impl Kernel<'_> {
+    /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
+    #[inline(always)]
+    pub(super) fn check_refused(&mut self) -> Acted {
+        if self.block.present & self.place.foreign != 0 {
+            self.foreign_axis()?;
+        }
+        let Some(refusals) = self.plan.refusals.as_deref() else { return Ok(()) };
+        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(false);
+        if self.block.firings.iter().any(looked) || self.block.present & refusals.registers != 0 {
+            return self.refused();
+        }
+        Ok(())
+    }
+
+    /// A word of an axis that the channel does not have; a code of the block may ignore it.
+    #[cold]
+    fn foreign_axis(&mut self) -> Acted {
+        let machine = self.machine;
+        let rows = || self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let wrong = |register: u8| self.place.foreign & 1 << register != 0 && self.block.has(register);
+        let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
+        let mut words = self.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
+        let Some(word) = words.next() else { return Ok(()) };
+        let word = self.span_text((word.start, word.end));
+        let text = format!(
+            "channel {} has no axis for {word} in '{}'; nothing of the block is done",
+            self.rank,
+            self.block_text()
+        );
+        Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
+    }
+
+    #[inline(never)]
+    fn refused(&mut self) -> Acted {
+        let machine = self.machine;
+        let words = self.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
+        let Some(rule) = machine.refusals.iter().find(|rule| self.is_refused_by(rule, words)) else { return Ok(()) };
+        let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
+        Err(self.alarm(&diag::REFUSED, text))
+    }
+
+    fn is_refused_by(&self, rule: &Refusal, words: u128) -> bool {
+        if rule.with != 0 && words & rule.with == 0 || words & rule.without != 0 {
+            return false;
+        }
+        if rule.word.is_some_and(|word| words & 1 << word.register == 0 || !self.is_wrong(&word)) {
+            return false;
+        }
+        let mut firings = self.block.firings.iter().filter(|firing| rule.implied && !firing.fragile || !firing.implied);
+        let trigger = firings.find(|firing| rule.codes.iter().any(|code| self.is_written(code, firing)));
+        if trigger.is_none() && !rule.codes.is_empty() {
+            return false;
+        }
+        let on = |state: &Active| self.is_on(state, trigger);
+        (rule.active.is_empty() || rule.active.iter().any(on)) && !rule.inactive.iter().any(on)
+    }
+
+    /// The block's words of a register are not as the rule wants them.
+    fn is_wrong(&self, rule: &WordRule) -> bool {
+        let mut count = 0_usize;
+        let mut wrong = false;
+        for word in self.block.words.iter().filter(|word| word.register == rule.register) {
+            count += 1;
+            let value = word.value;
+            wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
+        }
+        wrong || rule.most.is_some_and(|most| count > usize::from(most))
+    }
+
+    fn is_written(&self, code: &Written, firing: &Firing) -> bool {
+        let row = self.machine.codes.get(usize::from(firing.row));
+        row.is_some_and(|row| match *code {
+            Written::Id(id) => row.id == id,
+            Written::Word { register, min, max } => {
+                let own = form_range(&row.form).filter(|(own, ..)| *own == register);
+                // What is not written has the value of its row.
+                own.is_some_and(|(_, first, _)| {
+                    (min..=max).contains(if firing.implied { &first } else { &firing.value })
+                })
+            }
+        })
+    }
+
+    /// A code is active before the block, and no other one of its group on the block ends it.
+    fn is_on(&self, state: &Active, trigger: Option<&Firing>) -> bool {
+        let others = self.block.firings.iter().filter(|firing| !firing.implied && Some(*firing) != trigger);
+        let mut rows = others.filter_map(|firing| self.machine.codes.get(usize::from(firing.row)));
+        let ended = rows.any(|row| row.group == state.group && row.id != state.id);
+        !ended && self.modal.code(state.group) == Some(state.id)
+    }
+}

@@ -1,0 +1,76 @@
+//! Blocks that a control refuses with an alarm of its own: what may not stand together, what is missing, what is out of
+//! its range, what may not come while something else is active.
+//!
+//! Facts: reference fanuc-variables-and-alarms.md 3. Invariant: a row has a code or a register that it looks for, so a
+//! block that has neither costs nothing.
+
+use super::ident::CodeId;
+
+/// A rule of the control: it refuses a block for which all that the row says is true.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// Name of the row.
+    pub name: String,
+    /// Number of the alarm as the control shows it.
+    pub alarm: String,
+    /// What the alarm is about.
+    pub text: String,
+    /// One of these codes is on the block; empty: any block.
+    pub codes: Vec<Written>,
+    /// The code counts also where it acts without being written, on a block without other codes.
+    pub implied: bool,
+    /// One of these registers is on the block, bit by register; 0: any block.
+    pub with: u128,
+    /// None of these registers is on the block, bit by register.
+    pub without: u128,
+    /// One of these codes is active when the block begins, and the block makes no other of its group active.
+    pub active: Vec<Active>,
+    /// None of these codes is.
+    pub inactive: Vec<Active>,
+    /// The word of a register is not as it should be.
+    pub word: Option<WordRule>,
+    /// Line in `file` where the row is.
+    pub line: u32,
+    /// File of the row.
+    pub file: String,
+}
+
+/// A code as a row names it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Written {
+    /// By its identifier, however it is written.
+    Id(CodeId),
+    /// By its word, or a range of words.
+    Word {
+        /// Index into the registers.
+        register: u8,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+}
+
+/// A code of a modal group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Active {
+    /// Its group.
+    pub group: u16,
+    /// The code.
+    pub id: CodeId,
+}
+
+/// What a word should be; the rule refuses a block whose word is not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WordRule {
+    /// Index into the registers.
+    pub register: u8,
+    /// Smallest value as written.
+    pub min: f64,
+    /// Largest value as written.
+    pub max: f64,
+    /// It is a whole number.
+    pub whole: bool,
+    /// Most words of the register on one block.
+    pub most: Option<u8>,
+}

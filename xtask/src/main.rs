@@ -1,0 +1,76 @@
+//! `cargo xtask TASK`: the chores of the repository, each in one command.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use xtask::tidy;
+
+const HELP: &str = "\
+Usage: cargo xtask TASK
+
+  ci      Run everything a change must pass (.ci/run)
+  spec    Run the specification pages and scenarios only
+  bench   Run the benchmarks of the kernel
+  tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
+  doc     Build the documentation of the code, with warnings as errors
+";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+fn run(program: &str, arguments: &[&str], variable: Option<(&str, &str)>) -> bool {
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(root()).envs(variable);
+    match command.status() {
+        Ok(status) => status.success(),
+        Err(error) => {
+            complain(&format!("'{program}' cannot be started: {error}"));
+            false
+        }
+    }
+}
+
+fn cargo(arguments: &[&str]) -> bool {
+    run("cargo", arguments, None)
+}
+
+#[allow(clippy::print_stderr, reason = "a command line tool")]
+fn complain(text: &str) {
+    eprintln!("{text}");
+}
+
+fn tidied(update: bool) -> bool {
+    match tidy::check(&root(), update) {
+        Ok(findings) => {
+            findings.iter().for_each(|finding| complain(finding));
+            findings.is_empty()
+        }
+        Err(error) => {
+            complain(&error);
+            false
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words[..] {
+        ["ci"] => run("bash", &[".ci/run"], None),
+        ["spec"] => {
+            let pages = ["--test", "emulator", "--test", "tables_spec", "--test", "scenarios"];
+            let kernel = [&["test", "--package", "counterpoint-tests"], &pages[..]].concat();
+            cargo(&kernel) && cargo(&["test", "--package", "counterpoint-lang", "--test", "spec"])
+        }
+        ["bench"] => cargo(&["bench", "--package", "counterpoint-kernel"]),
+        ["tidy"] => tidied(false),
+        ["tidy", "--update"] => tidied(true),
+        ["doc"] => run("cargo", &["doc", "--workspace", "--no-deps"], Some(("RUSTDOCFLAGS", "-D warnings"))),
+        _ => {
+            complain(HELP);
+            matches!(words[..], ["--help" | "-h" | "help"])
+        }
+    };
+    if done { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
