@@ -147,7 +147,7 @@ impl StorageBackend for Frozen {
         let mut pages = self.pages();
         pages.kept = pages.kept.min(len);
         if len < pages.length {
-            if len % PAGE != 0 {
+            if !len.is_multiple_of(PAGE) {
                 let mut page = pages.page(len / PAGE)?;
                 page.iter_mut().skip((len % PAGE) as usize).for_each(|byte| *byte = 0);
                 pages.changed.insert(len / PAGE, page);
