@@ -62,10 +62,10 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         state: state(record.state).into(),
         machine: record.machine_name,
         programs: record.programs.into_iter().map(program).collect(),
-        attempt: record.attempt,
+        attempt: record.runs.attempt,
         cancel_requested: record.cancel,
         submitted_ms: record.submitted_ms,
-        started_ms: record.started_ms,
+        started_ms: record.runs.started_ms,
         ended_ms: record.ended_ms,
         events: record.events,
         makespan_ns: record.makespan_ns,
@@ -74,7 +74,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         error: record.error,
         findings: record.findings.into_iter().map(finding).collect(),
         log_digest: record.log_digest,
-        host_failures: record.host_failures,
-        host_failure: record.host_failure,
+        host_failures: record.runs.host_failures,
+        host_failure: record.runs.host_failure,
     }
 }

@@ -74,12 +74,12 @@ impl Core {
     pub(crate) fn open(options: Options, runner: Box<dyn Runner>, disk: Disk) -> Result<Arc<Self>, Refusal> {
         let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
         let blobs = match options.ephemeral {
-            true => Blobs::in_memory(options.max_blob_bytes),
-            false => Blobs::new(store.clone(), options.max_blob_bytes),
+            true => Blobs::in_memory(options.maxima.max_blob_bytes),
+            false => Blobs::new(store.clone(), options.maxima.max_blob_bytes),
         };
         let core = Arc::new(Self {
             ledger: Ledger::open(&store)?,
-            machines: Machines::new(blobs.clone(), options.max_machine_bytes),
+            machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             store,
             blobs,
             runner,
@@ -87,7 +87,10 @@ impl Core {
             live: DashMap::new(),
             queue: Mutex::default(),
             recent: Mutex::default(),
-            uploads: Arc::new(Places::new(options.max_uploads, options.max_uploads_per_connection)),
+            uploads: Arc::new(Places::new(
+                options.connections.max_uploads,
+                options.connections.max_uploads_per_connection,
+            )),
             running: watch::Sender::new(0),
             options,
         });
@@ -100,7 +103,7 @@ impl Core {
         let mut marks: HashMap<String, u32> = self.store.marks()?.into_iter().collect();
         for record in &mut unfinished {
             if let Some(attempt) = marks.remove(&record.id) {
-                (record.state, record.attempt) = (State::Running, attempt);
+                (record.state, record.runs.attempt) = (State::Running, attempt);
             }
         }
         // Marks of jobs that have ended.
@@ -109,7 +112,7 @@ impl Core {
         for record in unfinished {
             let before = record.state;
             let record = recovered(record, alone, self.options.attempts);
-            tracing::info!(job = record.id, state = ?record.state, suspect = record.suspect, "recovered");
+            tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             if record.state != before {
                 self.ledger.update_blocking(record.clone())?;
                 self.store.unmark(&record.id);
@@ -203,7 +206,7 @@ impl Core {
     fn admit(&self, live: Arc<Live>) {
         self.live.insert(live.id.clone(), live.clone());
         let mut queue = lock(&self.queue);
-        match live.record().suspect {
+        match live.record().runs.suspect {
             true => queue.push_suspect(live),
             false => queue.push(live),
         }

@@ -85,7 +85,7 @@ fn refused(findings: Vec<Finding>) -> Change {
 fn queued_again() -> Change {
     Box::new(|record| {
         record.state = State::Queued;
-        record.attempt = record.attempt.saturating_sub(1);
+        record.runs.attempt = record.runs.attempt.saturating_sub(1);
     })
 }
 
@@ -94,7 +94,7 @@ fn late(limit: String) -> Change {
     Box::new(|record| {
         record.state = State::Failed;
         record.verdict.clone_from(&limit);
-        record.limit = limit;
+        record.runs.limit = limit;
     })
 }
 
@@ -113,13 +113,13 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     }
     let record = live.change(|record| {
         if std::mem::replace(&mut record.state, State::Queued) == State::Running {
-            record.attempt = record.attempt.saturating_sub(1);
+            record.runs.attempt = record.runs.attempt.saturating_sub(1);
         }
-        record.host_failures = record.host_failures.saturating_add(1);
-        record.host_failure = trouble;
+        record.runs.host_failures = record.runs.host_failures.saturating_add(1);
+        record.runs.host_failure = trouble;
     });
     core.store.unmark(&live.id);
-    core.again(live, record.host_failures);
+    core.again(live, record.runs.host_failures);
 }
 
 /// Time between two attempts to make the end of a job durable, and between two looks at whether it is to end.
@@ -130,7 +130,7 @@ const LOOK: Duration = Duration::from_millis(50);
 fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
     let mut record = live.record();
     change(&mut record);
-    record.suspect = false;
+    record.runs.suspect = false;
     if record.state.ended() {
         record.ended_ms = now_ms();
     }
@@ -168,15 +168,15 @@ enum Ran {
 
 fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
     // A run that takes the server down has left its mark.
-    core.store.mark(&live.id, live.record().attempt + 1)?;
+    core.store.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {
-        (record.state, record.started_ms) = (State::Running, now_ms());
-        record.attempt += 1;
+        (record.state, record.runs.started_ms) = (State::Running, now_ms());
+        record.runs.attempt += 1;
     });
     let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
     live.set_limits(
-        or_most(record.wall_ms, core.options.max_wall_ms),
-        or_most(record.max_job_bytes, core.options.max_job_bytes),
+        or_most(record.runs.wall_ms, core.options.maxima.max_wall_ms),
+        or_most(record.runs.max_job_bytes, core.options.maxima.max_job_bytes),
     );
     // A cancel that came while the job waited for another run.
     let stop = live.stop();
@@ -247,8 +247,8 @@ impl Through {
                 summary::State::Succeeded => State::Succeeded,
             };
             record.events = outcome.events;
-            record.limit = limit;
-            record.has_files = has_files;
+            record.runs.limit = limit;
+            record.runs.has_files = has_files;
             record.makespan_ns = summary.makespan_ns;
             record.log_digest.clone_from(&summary.log_digest);
             record.highest_severity = summary.highest_severity;

@@ -382,17 +382,17 @@ fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
 pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Record {
     let suspect = record.state == State::Running;
     if suspect && alone {
-        record.crashes += 1;
+        record.runs.crashes += 1;
     }
     if record.cancel {
         record.state = State::Cancelled;
         record.ended_ms = record::now_ms();
-    } else if suspect && alone && record.crashes >= attempts.max(1) {
+    } else if suspect && alone && record.runs.crashes >= attempts.max(1) {
         record.state = State::Failed;
         record.ended_ms = record::now_ms();
-        record.error = format!("poison: the server died {} times while this job ran alone", record.crashes);
+        record.error = format!("poison: the server died {} times while this job ran alone", record.runs.crashes);
     } else {
-        record.suspect |= suspect;
+        record.runs.suspect |= suspect;
         record.state = State::Queued;
     }
     record

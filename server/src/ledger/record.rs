@@ -56,6 +56,32 @@ impl From<Finding> for Reason {
     }
 }
 
+/// The runs of a job: what they may take, and how they went.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Runs {
+    /// Runs begun.
+    pub attempt: u32,
+    /// When the last one began, milliseconds since 1970; 0 = never.
+    pub started_ms: i64,
+    /// Times the server died while this job was the only one that ran.
+    pub crashes: u32,
+    /// It was running when the server died, and has not ended since: it runs alone.
+    pub suspect: bool,
+    /// Runs that the host failed (disk, descriptors, memory of the system); none of them is an attempt.
+    pub host_failures: u32,
+    /// What failed the last of them; empty = none.
+    pub host_failure: String,
+    /// Longest run by the clock that was asked for, ms; 0 = the server's.
+    pub wall_ms: u64,
+    /// Most bytes of log and files that were asked for; 0 = the server's.
+    pub max_job_bytes: u64,
+    /// Which of the two stopped the job, as a text; empty = neither.
+    pub limit: String,
+    /// Its macros have written files.
+    pub has_files: bool,
+}
+
 /// A job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -80,38 +106,13 @@ pub struct Record {
     pub answers: Vec<(u16, Option<Answer>)>,
     /// State.
     pub state: State,
-    /// Runs begun.
-    pub attempt: u32,
-    /// Times the server died while this job was the only one that ran.
-    #[serde(default)]
-    pub crashes: u32,
-    /// It was running when the server died, and has not ended since: it runs alone.
-    #[serde(default)]
-    pub suspect: bool,
-    /// Runs that the host failed (disk, descriptors, memory of the system); none of them is an attempt.
-    #[serde(default)]
-    pub host_failures: u32,
-    /// What failed the last of them; empty = none.
-    #[serde(default)]
-    pub host_failure: String,
-    /// Longest run by the clock that was asked for, ms; 0 = the server's.
-    #[serde(default)]
-    pub wall_ms: u64,
-    /// Most bytes of log and files that were asked for; 0 = the server's.
-    #[serde(default)]
-    pub max_job_bytes: u64,
-    /// Which of the two stopped the job, as a text; empty = neither.
-    #[serde(default)]
-    pub limit: String,
-    /// Its macros have written files.
-    #[serde(default)]
-    pub has_files: bool,
+    /// Its runs.
+    #[serde(flatten)]
+    pub runs: Runs,
     /// A cancel was accepted.
     pub cancel: bool,
     /// Milliseconds since 1970.
     pub submitted_ms: i64,
-    /// Likewise; 0 = never.
-    pub started_ms: i64,
     /// Likewise; 0 = not ended.
     pub ended_ms: i64,
     /// Events in the log.
@@ -153,18 +154,9 @@ pub(crate) mod tests {
             options: Options::default(),
             answers: Vec::new(),
             state: State::Queued,
-            attempt: 0,
-            crashes: 0,
-            suspect: false,
-            host_failures: 0,
-            host_failure: String::new(),
-            wall_ms: 0,
-            max_job_bytes: 0,
-            limit: String::new(),
-            has_files: false,
+            runs: Runs::default(),
             cancel: false,
             submitted_ms: 0,
-            started_ms: 0,
             ended_ms: 0,
             events: 0,
             makespan_ns: 0,

@@ -58,10 +58,12 @@ pub(crate) async fn serve(
     options: &Options,
     mut closing: watch::Receiver<bool>,
 ) {
-    let most = options.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
-    let places = Arc::new(Places::new(most, options.max_connections_per_address));
-    let patience =
-        Patience { preface: Duration::from_secs(options.preface_s), idle: Duration::from_secs(options.idle_s) };
+    let most = options.connections.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
+    let places = Arc::new(Places::new(most, options.connections.max_connections_per_address));
+    let patience = Patience {
+        preface: Duration::from_secs(options.connections.preface_s),
+        idle: Duration::from_secs(options.connections.idle_s),
+    };
     let connections = watch::Sender::new(());
     loop {
         let accepted = tokio::select! {

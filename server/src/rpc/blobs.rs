@@ -47,7 +47,7 @@ impl Service for Blobs {
         request: Request<Streaming<v1::UploadRequest>>,
     ) -> Result<Response<v1::UploadResponse>, Status> {
         let _place = self.0.uploads.take(request.remote_addr()).ok_or(Refusal::TooManyUploads)?;
-        let patience = self.0.options.upload_stall_s;
+        let patience = self.0.options.connections.upload_stall_s;
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();
         let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());

@@ -96,8 +96,8 @@ fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<
     if !is_name(&name) {
         return Err(Refusal::field("name", "must be 1 to 64 characters of A-Z a-z 0-9 . _ - and not begin with a dot"));
     }
-    if files.is_empty() || files.len() > core.options.max_files {
-        return Err(Refusal::field("files", format!("must be 1 to {}", core.options.max_files)));
+    if files.is_empty() || files.len() > core.options.maxima.max_files {
+        return Err(Refusal::field("files", format!("must be 1 to {}", core.options.maxima.max_files)));
     }
     for (i, file) in files.iter().enumerate() {
         submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;

@@ -138,7 +138,7 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
         let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
         let text = match kept.or_else(live) {
             Some(text) => text,
-            None if record.has_files => {
+            None if record.runs.has_files => {
                 let text = "the files that macros have written are gone; submit the job again, it writes them again";
                 return Err(Refusal::DataLoss(text.to_owned()));
             }
@@ -206,7 +206,7 @@ impl Ended {
     }
 
     fn source(&self) -> Source<'_> {
-        let limit = self.record.limit.as_str();
+        let limit = self.record.runs.limit.as_str();
         let cancelled = self.record.state == State::Cancelled || !limit.is_empty();
         let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
         Source { info: &self.info, outcome, log: &self.log, limit }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::blobs::{digest, is_digest};
 use crate::jobs::Core;
-use crate::ledger::record::{Record, State, now_ms};
+use crate::ledger::record::{Record, Runs, State, now_ms};
 use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
 use crate::store::path_is_clean;
@@ -28,7 +28,7 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     let mut options = options(asked)?;
     let content = content(&request.machine, &programs, &files, &options, (wall_ms, max_job_bytes));
     // The maxima of the server are not part of what was submitted.
-    options.limits = core.options.capped(&options.limits);
+    options.limits = core.options.maxima.capped(&options.limits);
     let machine = machine(core, &request.machine)?;
     let missing: Vec<String> = files.iter().filter(|(_, d)| !core.blobs.has(d)).map(|(_, d)| d.clone()).collect();
     if !missing.is_empty() {
@@ -46,18 +46,9 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
         options,
         answers: Vec::new(),
         state: State::Queued,
-        attempt: 0,
-        crashes: 0,
-        suspect: false,
-        host_failures: 0,
-        host_failure: String::new(),
-        wall_ms,
-        max_job_bytes,
-        limit: String::new(),
-        has_files: false,
+        runs: Runs { wall_ms, max_job_bytes, ..Runs::default() },
         cancel: false,
         submitted_ms: now_ms(),
-        started_ms: 0,
         ended_ms: 0,
         events: 0,
         makespan_ns: 0,
@@ -92,8 +83,8 @@ pub(super) fn check_file(field: &str, path: &str, digest: &str) -> Result<(), Re
 }
 
 fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>, Refusal> {
-    if files.len() > core.options.max_files {
-        return Err(Refusal::field("files", format!("at most {} are allowed", core.options.max_files)));
+    if files.len() > core.options.maxima.max_files {
+        return Err(Refusal::field("files", format!("at most {} are allowed", core.options.maxima.max_files)));
     }
     let mut found = BTreeMap::new();
     for (i, file) in files.iter().enumerate() {
@@ -107,8 +98,8 @@ fn files(core: &Core, files: &[v1::FileRef]) -> Result<BTreeMap<String, String>,
 }
 
 fn programs(core: &Core, programs: &[v1::Program], files: &BTreeMap<String, String>) -> Result<Vec<Program>, Refusal> {
-    if programs.is_empty() || programs.len() > core.options.max_programs {
-        let text = format!("must be 1 to {}", core.options.max_programs);
+    if programs.is_empty() || programs.len() > core.options.maxima.max_programs {
+        let text = format!("must be 1 to {}", core.options.maxima.max_programs);
         return Err(Refusal::field("programs", text));
     }
     let one = |(i, program): (usize, &v1::Program)| {

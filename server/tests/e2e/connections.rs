@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Connections, Options};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio_stream::wrappers::ReceiverStream;
@@ -27,7 +27,11 @@ async fn closed(stream: &mut TcpStream) -> Vec<u8> {
 #[tokio::test]
 async fn a_peer_that_never_speaks_or_only_begins_to_is_let_go() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { preface_s: 1, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        connections: Connections { preface_s: 1, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
     let (mut silent, mut slow) = (connect(&server).await, connect(&server).await);
     slow.write_all(b"PRI * HT").await.unwrap();
     closed(&mut silent).await;
@@ -40,7 +44,11 @@ async fn a_peer_that_never_speaks_or_only_begins_to_is_let_go() {
 #[tokio::test]
 async fn a_connection_without_calls_is_let_go_and_one_with_a_watch_is_not() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { idle_s: 1, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        connections: Connections { idle_s: 1, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
     let job = server.submit("r", "HANG\nEVENTS 3").await;
     let mut watch = server.watch(&job, 0, v1::WatchLevel::Blocks).await;
     let mut idle = connect(&server).await;
@@ -60,7 +68,11 @@ async fn a_connection_without_calls_is_let_go_and_one_with_a_watch_is_not() {
 async fn connections_are_limited_per_address_and_a_place_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     // One for the client of the test.
-    let server = Server::start(Options { max_connections_per_address: 3, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        connections: Connections { max_connections_per_address: 3, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
     let (first, _second) = (connect(&server).await, connect(&server).await);
     let mut beyond = connect(&server).await;
     assert_eq!(closed(&mut beyond).await, b"");
@@ -81,7 +93,11 @@ async fn connections_are_limited_per_address_and_a_place_comes_back() {
 #[tokio::test]
 async fn an_upload_that_stands_still_is_ended() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { upload_stall_s: 1, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        connections: Connections { upload_stall_s: 1, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
     let (chunks, stream) = tokio::sync::mpsc::channel(1);
     let first = v1::UploadRequest { digest: digest(b"whole"), data: "who".into(), size: None };
     chunks.send(first).await.unwrap();
@@ -95,7 +111,11 @@ async fn an_upload_that_stands_still_is_ended() {
 #[tokio::test]
 async fn uploads_of_a_connection_are_limited() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { max_uploads_per_connection: 2, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        connections: Connections { max_uploads_per_connection: 2, ..Connections::default() },
+        ..options(folder.path())
+    })
+    .await;
     let mut open = Vec::new();
     for n in 0..2 {
         let (chunks, stream) = tokio::sync::mpsc::channel(1);

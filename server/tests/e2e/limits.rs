@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use counterpoint_proto::v1;
-use counterpoint_server::options::Options;
+use counterpoint_server::options::{Maxima, Options};
 use tonic::Code;
 
 use crate::support::*;
@@ -27,7 +27,8 @@ async fn summary(server: &Server, job: &str) -> serde_json::Value {
 #[tokio::test]
 async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = || Options { workers: 1, max_wall_ms: 300, ..options(folder.path()) };
+    let settings =
+        || Options { workers: 1, maxima: Maxima { max_wall_ms: 300, ..Maxima::default() }, ..options(folder.path()) };
     let server = Server::start(settings()).await;
     let forever = v1::JobLimits { wall_ms: 1 << 63, ..Default::default() };
     let asked = v1::JobLimits { wall_ms: 50, ..Default::default() };
@@ -56,7 +57,11 @@ async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
 #[tokio::test]
 async fn a_job_that_fills_the_disk_is_stopped_by_its_bytes() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { max_job_bytes: 1 << 20, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        maxima: Maxima { max_job_bytes: 1 << 20, ..Maxima::default() },
+        ..options(folder.path())
+    })
+    .await;
     let endless = v1::JobLimits { max_job_bytes: u64::MAX, ..Default::default() };
     let job = submit_limited(&server, "endless", "EVENTS 100000000", endless).await;
     let status = server.wait(&job).await;
@@ -75,7 +80,7 @@ async fn a_job_that_fills_the_disk_is_stopped_by_its_bytes() {
 #[tokio::test]
 async fn the_owner_of_the_server_sets_the_maxima() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = Options {
+    let maxima = Maxima {
         max_simulated_ns: 11,
         max_blocks: 12,
         max_zero_time_blocks: 13,
@@ -85,8 +90,9 @@ async fn the_owner_of_the_server_sets_the_maxima() {
         max_diagnostics: 17,
         max_memory: 18,
         max_macro_steps: 19,
-        ..options(folder.path())
+        ..Maxima::default()
     };
+    let settings = Options { maxima, ..options(folder.path()) };
     let server = Server::start(settings.clone()).await;
     let all = v1::JobLimits {
         simulated_ns: i64::MAX,
@@ -109,7 +115,7 @@ async fn the_owner_of_the_server_sets_the_maxima() {
     assert_eq!((limits.memory, limits.macro_steps), (18, 19));
     server.stop().await;
     // Other maxima do not make another job of the same request.
-    let server = Server::start(Options { max_blocks: 5, ..settings }).await;
+    let server = Server::start(Options { maxima: Maxima { max_blocks: 5, ..settings.maxima }, ..settings }).await;
     let again = submit_limited(&server, "r", "EVENTS 1", all).await;
     assert_eq!(again, job);
     server.script.hang.store(false, Ordering::SeqCst);
@@ -119,7 +125,11 @@ async fn the_owner_of_the_server_sets_the_maxima() {
 #[tokio::test]
 async fn one_large_blob_under_many_names_is_no_machine() {
     let folder = tempfile::tempdir().unwrap();
-    let server = Server::start(Options { max_machine_bytes: 10_000, ..options(folder.path()) }).await;
+    let server = Server::start(Options {
+        maxima: Maxima { max_machine_bytes: 10_000, ..Maxima::default() },
+        ..options(folder.path())
+    })
+    .await;
     let blob = server.upload(&[b' '; 400]).await;
     let files = |count: usize| {
         let file = |n| v1::MachineFile { path: format!("mine/{n}.tps"), digest: blob.clone() };

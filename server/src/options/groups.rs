@@ -1,0 +1,112 @@
+//! Groups of options, each with its flags.
+
+use counterpoint_kernel::options::Limits;
+use serde::{Deserialize, Serialize};
+
+const MOST: Limits = Limits::MOST;
+
+/// A group: options with defaults, and flags that are laid over them.
+macro_rules! group {
+    ($(#[$doc:meta])* $name:ident, $flags:ident { $($(#[$text:meta])* $option:ident: $type:ty = $default:expr, $env:literal, $value:literal;)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(default)]
+        pub struct $name {
+            $($(#[$text])* pub $option: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($option: $default,)* }
+            }
+        }
+
+        $(#[$doc])*
+        #[derive(Debug, Default, clap::Args)]
+        pub struct $flags {
+            $($(#[$text])* #[arg(long, env = $env, value_name = $value)] pub $option: Option<$type>,)*
+        }
+
+        impl $flags {
+            pub(super) fn over(self, options: &mut $name) {
+                $(if let Some(value) = self.$option {
+                    options.$option = value;
+                })*
+            }
+        }
+    };
+}
+
+group! {
+    /// What nobody may ask for more of.
+    Maxima, MaximaFlags {
+        /// Largest blob, bytes
+        max_blob_bytes: u64 = 256 << 20, "COUNTERPOINT_MAX_BLOB_BYTES", "BYTES";
+        /// Most files of one job or machine
+        max_files: usize = 1000, "COUNTERPOINT_MAX_FILES", "N";
+        /// Most programs of one job
+        max_programs: usize = 64, "COUNTERPOINT_MAX_PROGRAMS", "N";
+        /// Most time of one run by the clock, ms; also the default of a job
+        max_wall_ms: u64 = 3_600_000, "COUNTERPOINT_MAX_WALL_MS", "MS";
+        /// Most bytes of a log, and of the files that macros of a job have written; also the default of a job
+        max_job_bytes: u64 = 4 << 30, "COUNTERPOINT_MAX_JOB_BYTES", "BYTES";
+        /// Most simulated time of a job, ns
+        max_simulated_ns: i64 = MOST.simulated_ns, "COUNTERPOINT_MAX_SIMULATED_NS", "NS";
+        /// Most blocks of a channel
+        max_blocks: u64 = MOST.blocks, "COUNTERPOINT_MAX_BLOCKS", "N";
+        /// Most consecutive blocks of a channel that take no time
+        max_zero_time_blocks: u64 = MOST.zero_time_blocks, "COUNTERPOINT_MAX_ZERO_TIME_BLOCKS", "N";
+        /// Most events of a channel
+        max_events: u64 = MOST.events, "COUNTERPOINT_MAX_EVENTS", "N";
+        /// Longest block, bytes
+        max_block_length: usize = MOST.block_length, "COUNTERPOINT_MAX_BLOCK_LENGTH", "BYTES";
+        /// Deepest nesting of subprograms
+        max_nesting: u16 = MOST.nesting, "COUNTERPOINT_MAX_NESTING", "N";
+        /// Most diagnostics kept of a channel
+        max_diagnostics: u32 = MOST.diagnostics, "COUNTERPOINT_MAX_DIAGNOSTICS", "N";
+        /// Most memory for variables, texts, files and results of a job, bytes
+        max_memory: u64 = 1 << 30, "COUNTERPOINT_MAX_MEMORY", "BYTES";
+        /// Most steps of macros of a channel
+        max_macro_steps: u64 = MOST.macro_steps, "COUNTERPOINT_MAX_MACRO_STEPS", "N";
+        /// Most bytes of all files of a machine
+        max_machine_bytes: u64 = 64 << 20, "COUNTERPOINT_MAX_MACHINE_BYTES", "BYTES";
+    }
+}
+
+group! {
+    /// Patience with connections, and how many there may be.
+    Connections, ConnectionsFlags {
+        /// Seconds that a new connection gets to begin to speak HTTP/2
+        preface_s: u64 = 10, "COUNTERPOINT_PREFACE_S", "SECONDS";
+        /// Seconds after which a connection without calls is closed
+        idle_s: u64 = 300, "COUNTERPOINT_IDLE_S", "SECONDS";
+        /// Seconds that an upload may stand still
+        upload_stall_s: u64 = 30, "COUNTERPOINT_UPLOAD_STALL_S", "SECONDS";
+        /// Most connections; fewer if the process may not have that many descriptors
+        max_connections: usize = 4096, "COUNTERPOINT_MAX_CONNECTIONS", "N";
+        /// Most connections of one address
+        max_connections_per_address: usize = 1024, "COUNTERPOINT_MAX_CONNECTIONS_PER_ADDRESS", "N";
+        /// Most uploads at the same time
+        max_uploads: usize = 256, "COUNTERPOINT_MAX_UPLOADS", "N";
+        /// Most uploads of one connection at the same time
+        max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
+    }
+}
+
+impl Maxima {
+    /// Limits, none beyond the maxima of this server.
+    pub(crate) fn capped(&self, limits: &Limits) -> Limits {
+        Limits {
+            simulated_ns: limits.simulated_ns.min(self.max_simulated_ns),
+            blocks: limits.blocks.min(self.max_blocks),
+            zero_time_blocks: limits.zero_time_blocks.min(self.max_zero_time_blocks),
+            events: limits.events.min(self.max_events),
+            block_length: limits.block_length.min(self.max_block_length),
+            nesting: limits.nesting.min(self.max_nesting),
+            diagnostics: limits.diagnostics.min(self.max_diagnostics),
+            memory: limits.memory.min(self.max_memory),
+            macro_steps: limits.macro_steps.min(self.max_macro_steps),
+        }
+        .capped()
+    }
+}
