@@ -11,6 +11,7 @@ use bytes::Bytes;
 use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
+use crate::local::disk::Temporary;
 use crate::reason::Refusal;
 use crate::store::Store;
 
@@ -65,19 +66,48 @@ impl Blobs {
 
     pub(crate) fn read(&self, digest: &str) -> io::Result<Bytes> {
         match &self.place {
-            Place::Files(store) => fs::read(store.blob(digest)).map(Bytes::from),
+            Place::Files(store) => match store.disk().read(&store.blob(digest)) {
+                Ok(content) if self::digest(&content) == digest => Ok(content.into()),
+                Ok(_) => Err(self.damaged(digest)),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone(digest)),
+                other => other.map(Bytes::from),
+            },
             Place::Memory(blobs) => {
                 blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
             }
         }
     }
 
+    /// Bytes of a blob, 0 if there is none.
+    pub(crate) fn size(&self, digest: &str) -> u64 {
+        match &self.place {
+            Place::Files(store) => fs::metadata(store.blob(digest)).map_or(0, |meta| meta.len()),
+            Place::Memory(blobs) => blobs.get(digest).map_or(0, |blob| blob.len() as u64),
+        }
+    }
+
+    /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
+    fn damaged(&self, digest: &str) -> io::Error {
+        if let Place::Files(store) = &self.place {
+            let path = store.blob(digest);
+            let moved = fs::rename(&path, path.with_extension("damaged"));
+            tracing::error!(digest, ?moved, "the content of a blob has changed on the disk");
+        }
+        let text =
+            format!("the stored content of blob {digest} has changed; upload it again, then submit the job again");
+        io::Error::new(io::ErrorKind::InvalidData, text)
+    }
+
+    /// A stream of the content, which fails at its end when it has another digest.
     pub(crate) fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal> {
         if !self.has(digest) {
             return Err(Refusal::UnknownBlob(digest.to_owned()));
         }
         Ok(match &self.place {
-            Place::Files(store) => Box::new(fs::File::open(store.blob(digest))?),
+            Place::Files(store) => {
+                let file = store.disk().open(&store.blob(digest))?;
+                Box::new(Checked { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
+            }
             Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
         })
     }
@@ -92,10 +122,34 @@ impl Blobs {
         }
         let room = usize::try_from(size.unwrap_or(0)).unwrap_or(0).min(RESERVE);
         let content = match &self.place {
-            Place::Files(store) => Content::File(tempfile::NamedTempFile::new_in(store.tmp())?),
+            Place::Files(store) => Content::File(store.temporary()?),
             Place::Memory(_) => Content::Memory(Vec::with_capacity(room)),
         };
         Ok(Receiver { blobs: self.clone(), announced: digest.to_owned(), content, hash: Sha256::new(), size: 0 })
+    }
+}
+
+fn gone(digest: &str) -> io::Error {
+    let text = format!("the stored content of blob {digest} is gone; upload it again, then submit the job again");
+    io::Error::new(io::ErrorKind::InvalidData, text)
+}
+
+/// A blob on its way out.
+struct Checked {
+    blobs: Blobs,
+    name: String,
+    file: fs::File,
+    hash: Sha256,
+}
+
+impl Read for Checked {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let got = self.file.read(out)?;
+        self.hash.update(out.get(..got).unwrap_or_default());
+        if got == 0 && !out.is_empty() && hex(&self.hash.clone().finalize()) != self.name {
+            return Err(self.blobs.damaged(&self.name));
+        }
+        Ok(got)
     }
 }
 
@@ -110,7 +164,7 @@ pub(crate) struct Receiver {
 
 /// What has come in so far.
 enum Content {
-    File(tempfile::NamedTempFile),
+    File(Temporary),
     Memory(Vec<u8>),
 }
 
@@ -153,10 +207,11 @@ impl Receiver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::local::disk::Disk;
 
     fn blobs(max: u64) -> (tempfile::TempDir, Blobs) {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().to_owned(), false).unwrap();
+        let store = Store::open(folder.path().to_owned(), false, Disk::default()).unwrap();
         (folder, Blobs::new(store, max))
     }
 

@@ -84,9 +84,27 @@ pub enum Refusal {
         /// Last sequence number sent on the stream.
         cursor: u64,
     },
-    /// Storage failed.
+    /// The disk or another part of the host failed; what was asked may work later.
     #[error("storage failed: {0}")]
     Storage(String),
+    /// The disk has too little free space for new work.
+    #[error("the server has less than {0} bytes of free disk space (min_free_bytes)")]
+    DiskFull(u64),
+    /// Stored content is damaged or gone.
+    #[error("{0}")]
+    DataLoss(String),
+    /// Too many uploads are under way.
+    #[error("too many uploads are under way (max_uploads, max_uploads_per_connection)")]
+    TooManyUploads,
+    /// An upload stands still.
+    #[error("no chunk of the upload came for {0} s (upload_stall_s)")]
+    UploadStalled(u64),
+    /// The files of a machine have too many bytes.
+    #[error("the files of the machine have more than {0} bytes (max_machine_bytes)")]
+    MachineTooLarge(u64),
+    /// The name belongs to a machine that is shipped with the server.
+    #[error("'{0}' is the name of a machine shipped with the server; choose another name")]
+    MachineShipped(String),
 }
 
 impl Refusal {
@@ -116,7 +134,13 @@ impl Refusal {
             Self::CursorBeyondLog { .. } => ("CURSOR_BEYOND_LOG", Code::OutOfRange),
             Self::QueueFull(_) => ("QUEUE_FULL", Code::ResourceExhausted),
             Self::Draining { .. } => ("DRAINING", Code::Unavailable),
-            Self::Storage(_) => ("STORAGE", Code::Internal),
+            Self::Storage(_) => ("STORAGE", Code::Unavailable),
+            Self::DiskFull(_) => ("DISK_FULL", Code::ResourceExhausted),
+            Self::DataLoss(_) => ("DATA_LOSS", Code::DataLoss),
+            Self::TooManyUploads => ("TOO_MANY_UPLOADS", Code::ResourceExhausted),
+            Self::UploadStalled(_) => ("UPLOAD_STALLED", Code::DeadlineExceeded),
+            Self::MachineTooLarge(_) => ("MACHINE_TOO_LARGE", Code::InvalidArgument),
+            Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),
         }
     }
 
@@ -147,8 +171,11 @@ impl From<Refusal> for Status {
                     details.add_bad_request_violation(place, text);
                 }
             }
-            Refusal::QueueFull(_) | Refusal::Draining { .. } => {
+            Refusal::QueueFull(_) | Refusal::Draining { .. } | Refusal::Storage(_) | Refusal::TooManyUploads => {
                 details.set_retry_info(Some(Duration::from_secs(1)));
+            }
+            Refusal::DiskFull(_) => {
+                details.set_retry_info(Some(Duration::from_secs(10)));
             }
             _ => {}
         }
@@ -158,7 +185,10 @@ impl From<Refusal> for Status {
 
 impl From<std::io::Error> for Refusal {
     fn from(error: std::io::Error) -> Self {
-        Self::Storage(error.to_string())
+        match error.kind() {
+            std::io::ErrorKind::InvalidData => Self::DataLoss(error.to_string()),
+            _ => Self::Storage(error.to_string()),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The server as a component: [`build`] it, [`Service::run`] it until told to stop.
 //!
 //! Invariant: [`Service::run`] returns within the grace time plus two seconds of the stop signal, whatever clients
-//! do (a client that never speaks HTTP/2 would hold tonic's own graceful shutdown forever).
+//! do (a client that never answers would hold a graceful shutdown forever).
 
 use std::future::Future;
 use std::net::SocketAddr;
@@ -15,11 +15,12 @@ use counterpoint_proto::v1::machines_server::MachinesServer;
 use counterpoint_proto::v1::operator_server::OperatorServer;
 use counterpoint_proto::v1::results_server::ResultsServer;
 use tokio::net::TcpListener;
-use tonic::transport::Server;
-use tonic::transport::server::TcpIncoming;
+use tonic::service::Routes;
 use tonic_health::server::HealthReporter;
 
 use crate::jobs::Core;
+use crate::local::disk::Disk;
+use crate::net;
 use crate::options::Options;
 use crate::reason::Refusal;
 use crate::rpc;
@@ -27,8 +28,6 @@ use crate::runner::{Kernel, Runner};
 
 /// Largest message in either direction, bytes.
 pub const MAX_MESSAGE: usize = 4 << 20;
-/// Bytes of a frame that a client may send at once: an upload chunk with its head.
-const FRAME: u32 = 128 * 1024;
 /// Time that streams and connections get to end after the jobs have.
 const CLOSING: Duration = Duration::from_secs(2);
 
@@ -51,9 +50,6 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// The transport failed.
-    #[error("transport: {0}")]
-    Transport(#[from] tonic::transport::Error),
     /// The descriptor set is unreadable.
     #[error("reflection: {0}")]
     Reflection(#[from] tonic_reflection::server::Error),
@@ -109,6 +105,14 @@ pub async fn build(options: Options) -> Result<Service, Error> {
 /// # Errors
 /// When the address or the data folder cannot be used.
 pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service, Error> {
+    build_on(options, runner, Disk::default()).await
+}
+
+/// Builds a server that runs jobs with `runner` and writes through `disk`.
+///
+/// # Errors
+/// When the address or the data folder cannot be used.
+pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
@@ -116,7 +120,7 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
     let folder = options.data.display().to_string();
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
-        let core = Core::open(options, Box::new(runner))?;
+        let core = Core::open(options, Box::new(runner), disk)?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
@@ -135,60 +139,57 @@ impl Service {
     /// running jobs end within the grace time or are queued again, streams end with UNAVAILABLE.
     ///
     /// # Errors
-    /// When the transport fails.
+    /// When the descriptor set is unreadable.
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> Result<(), Error> {
         let Self { core, listener, stop, .. } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
-        serving(&health).await;
+        let reporter = tokio::spawn(report(health.clone(), core.clone()));
         let reflection = tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(DESCRIPTORS)
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
             .build_v1()?;
-        let (close, closed) = tokio::sync::oneshot::channel::<()>();
-        let incoming =
-            TcpIncoming::from(listener).with_nodelay(Some(true)).with_keepalive(Some(Duration::from_secs(60)));
-        let server = Server::builder()
-            .http2_keepalive_interval(Some(Duration::from_secs(30)))
-            .http2_keepalive_timeout(Some(Duration::from_secs(10)))
-            .initial_stream_window_size(1 << 20)
-            .max_frame_size(FRAME)
-            .initial_connection_window_size(4 << 20)
-            .max_concurrent_streams(256)
-            .http2_max_header_list_size(32 * 1024)
-            .http2_max_pending_accept_reset_streams(Some(64))
+        let mut routes = Routes::builder();
+        routes
             .add_service(health_service)
             .add_service(reflection)
             .add_service(JobsServer::new(rpc::Jobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE))
-            .serve_with_incoming_shutdown(incoming, async move { drop(closed.await) });
+            .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE));
+        let close = tokio::sync::watch::Sender::new(false);
+        let closed = core.clone();
+        let server = net::serve(listener, routes.routes().prepare(), &core.options, close.subscribe());
         let mut server = std::pin::pin!(server);
         let asked = stop.clone();
         tokio::select! {
-            result = &mut server => return Ok(result?),
+            () = &mut server => return Ok(()),
             () = shutdown => asked.send_modify(|s| *s = Stop::Drain),
             () = reaches(&stop, Stop::Drain) => {}
         }
         tracing::info!("draining");
         let drained = async {
+            reporter.abort();
             not_serving(&health).await;
             drain(&core, &stop).await;
-            drop(close);
+            close.send_replace(true);
         };
         let closing = async {
             tokio::select! {
-                result = &mut server => result,
-                () = async { drained.await; tokio::time::sleep(CLOSING).await } => Ok(()),
+                () = &mut server => {}
+                () = async { drained.await; tokio::time::sleep(CLOSING).await } => {}
             }
         };
         tokio::select! {
-            result = closing => result?,
+            () = closing => {}
             () = async { reaches(&stop, Stop::Now).await; core.interrupt(); tokio::time::sleep(CLOSING / 4).await } => {}
         }
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
-        let _ = tokio::task::spawn_blocking(move || core.ledger.close()).await;
+        let _ = tokio::task::spawn_blocking(move || {
+            closed.ledger.close();
+            closed.store.release();
+        })
+        .await;
         tracing::info!("stopped");
         Ok(())
     }
@@ -212,7 +213,23 @@ async fn drain(core: &Core, stop: &tokio::sync::watch::Sender<Stop>) {
     let _ = tokio::time::timeout(CLOSING, running.wait_for(|running| *running == 0)).await;
 }
 
+/// Reports the server as serving while its ledger can be written.
+async fn report(health: HealthReporter, core: Arc<Core>) {
+    let mut writable = core.ledger.writable();
+    loop {
+        let now = *writable.borrow_and_update();
+        match now {
+            true => serving(&health).await,
+            false => not_serving(&health).await,
+        }
+        if writable.changed().await.is_err() {
+            return;
+        }
+    }
+}
+
 async fn serving(health: &HealthReporter) {
+    health.set_service_status("", tonic_health::ServingStatus::Serving).await;
     health.set_serving::<JobsServer<rpc::Jobs>>().await;
     health.set_serving::<BlobsServer<rpc::Blobs>>().await;
     health.set_serving::<MachinesServer<rpc::Machines>>().await;

@@ -1,24 +1,32 @@
 //! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
 //! content, never half of it.
 //!
-//! Layout: `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `tmp/`.
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::local::disk::{Disk, Temporary};
+use crate::local::folder_lock::FolderLock;
 
 /// The data folder.
 #[derive(Debug, Clone)]
 pub(crate) struct Store {
     root: PathBuf,
     durable: bool,
+    disk: Disk,
+    lock: Arc<FolderLock>,
 }
 
 impl Store {
-    /// Creates what is missing and empties `tmp`.
-    pub(crate) fn open(root: PathBuf, durable: bool) -> io::Result<Self> {
-        let store = Self { root, durable };
-        for folder in ["blobs", "jobs"] {
+    /// Takes the folder for this server, creates what is missing and empties `tmp`.
+    pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        fs::create_dir_all(&root)?;
+        let lock = Arc::new(FolderLock::take(&root)?);
+        let store = Self { root, durable, disk, lock };
+        for folder in ["blobs", "jobs", "running"] {
             fs::create_dir_all(store.root.join(folder))?;
         }
         match fs::remove_dir_all(store.tmp()) {
@@ -30,6 +38,30 @@ impl Store {
 
     pub(crate) fn durable(&self) -> bool {
         self.durable
+    }
+
+    pub(crate) fn disk(&self) -> &Disk {
+        &self.disk
+    }
+
+    /// Gives the folder free for another server.
+    pub(crate) fn release(&self) {
+        self.lock.release();
+    }
+
+    /// Free bytes on the disk of the folder; `None` where the system does not say.
+    pub(crate) fn free(&self) -> Option<u64> {
+        self.disk.free(&self.root)
+    }
+
+    /// Whether the folder holds anything that only a ledger explains.
+    pub(crate) fn in_use(&self) -> bool {
+        let filled = |name: &str| fs::read_dir(self.root.join(name)).is_ok_and(|mut entries| entries.next().is_some());
+        filled("jobs") || filled("blobs")
+    }
+
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
     }
 
     pub(crate) fn ledger(&self) -> PathBuf {
@@ -57,29 +89,81 @@ impl Store {
 
     /// Writes a whole file: temporary file, fsync, rename, fsync of the folder.
     pub(crate) fn write(&self, path: &Path, content: &[u8]) -> io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(self.tmp())?;
+        let mut file = self.temporary()?;
         file.write_all(content)?;
         self.keep(file, path)
     }
 
+    /// A temporary file.
+    pub(crate) fn temporary(&self) -> io::Result<Temporary> {
+        self.disk.temporary(&self.tmp())
+    }
+
     /// Moves a finished temporary file to its place.
-    pub(crate) fn keep(&self, file: tempfile::NamedTempFile, path: &Path) -> io::Result<()> {
+    pub(crate) fn keep(&self, file: Temporary, path: &Path) -> io::Result<()> {
         if self.durable {
-            file.as_file().sync_all()?;
+            file.sync()?;
         }
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
+            self.disk.create_folder(folder)?;
         }
-        file.persist(path).map_err(|e| e.error)?;
+        file.place(path)?;
         self.sync_folder_of(path)
     }
 
     /// Makes names in the folder of `path` durable where the system has the notion.
     pub(crate) fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
-        if let (true, true, Some(folder)) = (cfg!(unix), self.durable, path.parent()) {
-            File::open(folder)?.sync_all()?;
+        match path.parent() {
+            Some(folder) if self.durable => self.disk.sync_folder(folder),
+            _ => Ok(()),
+        }
+    }
+
+    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
+    /// that died, not for one after a power loss, which no job has caused.
+    pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
+        if self.durable {
+            self.disk.create(&self.marked(id))?.write_all(attempt.to_string().as_bytes())?;
         }
         Ok(())
+    }
+
+    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    pub(crate) fn unmark(&self, id: &str) {
+        if self.durable {
+            let _ = fs::remove_file(self.marked(id));
+        }
+    }
+
+    /// Jobs that were running when the server before this one died, with the numbers of their runs.
+    pub(crate) fn marks(&self) -> io::Result<Vec<(String, u32)>> {
+        let mut marks = Vec::new();
+        for entry in fs::read_dir(self.root.join("running"))? {
+            let entry = entry?;
+            let Ok(id) = entry.file_name().into_string() else { continue };
+            let attempt = fs::read_to_string(entry.path())?.parse().unwrap_or(1);
+            marks.push((id, attempt));
+        }
+        Ok(marks)
+    }
+
+    fn marked(&self, id: &str) -> PathBuf {
+        self.root.join("running").join(id)
+    }
+
+    /// Makes the names of a job's folder durable, and its own.
+    pub(crate) fn sync_job(&self, id: &str) -> io::Result<()> {
+        let folder = self.job(id);
+        self.sync_folder_of(&folder.join("log"))?;
+        self.sync_folder_of(&folder)
+    }
+
+    /// Removes the log of a job whose run did not come to its end; not being there is fine.
+    pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
+        match fs::remove_file(self.log(id)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
     }
 
     /// Removes a job's folder; not being there is fine.
@@ -117,7 +201,7 @@ mod tests {
     #[test]
     fn a_written_file_is_whole() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().join("data"), true).unwrap();
+        let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
         let path = store.job("j").join("summary.json");
         store.write(&path, b"one").unwrap();
         store.write(&path, b"two").unwrap();

@@ -41,6 +41,12 @@ pub struct Done {
     pub files: WrittenFiles,
 }
 
+/// Random cases of a test: `MIXED_CASES` in the environment, or else so many.
+#[must_use]
+pub fn cases(usual: u32) -> u32 {
+    std::env::var("MIXED_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(usual)
+}
+
 /// A shipped machine, with `overlay` (TOML) on top if it is not empty.
 ///
 /// # Panics
@@ -103,8 +109,9 @@ impl Work {
     }
 
     fn prepare(&self, jitter: Option<fn(u16)>) -> Result<(Job, Control), PrepareError> {
-        let spec =
-            Spec { machine: self.machine.clone(), programs: self.programs.clone(), options: self.options.clone() };
+        let mut options = self.options.clone();
+        options.threads = processors::forced_threads().unwrap_or(options.threads);
+        let spec = Spec { machine: self.machine.clone(), programs: self.programs.clone(), options };
         let job = Job::prepare(spec, &self.files)?;
         let control = Control::new(self.machine.channels.len());
         let control = match jitter {

@@ -1,6 +1,8 @@
 //! Runs a test on chosen processors, and beside others that want them too.
 
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
 
 /// Which processors a test may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,3 +63,107 @@ fn pin(processors: usize) {
 
 #[cfg(not(target_os = "linux"))]
 fn pin(_processors: usize) {}
+
+/// Where and how the tests of an executable are run once more.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// Where.
+    pub place: Place,
+    /// Threads that the kernels of every job get, whatever the test asks for.
+    pub threads: u16,
+}
+
+const fn setting(processors: usize, busy: usize, threads: u16) -> Setting {
+    Setting { place: Place { processors, busy }, threads }
+}
+
+/// Every number of threads on one processor, free and beside busy threads, and on two beside busy threads.
+pub const SETTINGS: [Setting; 9] = [
+    setting(1, 0, 0),
+    setting(1, 0, 1),
+    setting(1, 0, 2),
+    setting(1, 2, 0),
+    setting(1, 2, 1),
+    setting(1, 2, 2),
+    setting(2, 3, 0),
+    setting(2, 3, 1),
+    setting(2, 3, 2),
+];
+
+/// Fewer for tests that take longer: each place once, with the number of threads that is hardest on it.
+pub const FEW_SETTINGS: [Setting; 3] = [setting(1, 0, 2), setting(1, 2, 0), setting(2, 3, 2)];
+
+/// Number of threads that all jobs of this process get.
+const THREADS: &str = "COUNTERPOINT_TEST_THREADS";
+
+/// A process that has not ended after this time hangs.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// Number of threads that jobs get in place of what their test asks for.
+#[must_use]
+pub fn forced_threads() -> Option<u16> {
+    std::env::var(THREADS).ok()?.parse().ok()
+}
+
+/// Runs all tests of this executable but `except` once more in each setting, in a process of its own. Such a process
+/// runs no further ones. `TIMES=1` prints how long each took. Where the system has no way to choose processors, nothing is run.
+///
+/// # Panics
+/// When a test fails or does not end.
+pub fn everywhere(settings: &[Setting], except: &str, environment: &[(&str, &str)]) {
+    if forced_threads().is_some() {
+        return;
+    }
+    if !cfg!(target_os = "linux") {
+        eprintln!("skipped: this system has no way to choose processors for a test");
+        return;
+    }
+    let program = std::env::current_exe().expect("a test knows its executable");
+    for setting in settings {
+        let since = Instant::now();
+        let (ended, output) = at(setting.place, || {
+            let mut command = Command::new(&program);
+            command.args(["--skip", except, "--test-threads=2"]).env(THREADS, setting.threads.to_string());
+            command.envs(environment.iter().copied()).stdout(Stdio::piped()).stderr(Stdio::piped());
+            ended(command)
+        });
+        assert!(ended, "{setting:?}:\n{output}");
+        if std::env::var_os("TIMES").is_some() {
+            eprintln!("{}: {setting:?}: {:?}", program.display(), since.elapsed());
+        }
+    }
+}
+
+/// Whether a process came to a good end, and what it printed.
+fn ended(mut command: Command) -> (bool, String) {
+    let mut child = command.spawn().expect("the process starts");
+    // Read at once, or a process that prints much would wait for ever.
+    let readers = [
+        child.stdout.take().map(|out| std::thread::spawn(|| read(out))),
+        child.stderr.take().map(|out| std::thread::spawn(|| read(out))),
+    ];
+    let since = Instant::now();
+    let status = loop {
+        match child.try_wait().expect("the process can be waited for") {
+            Some(status) => break Some(status),
+            None if since.elapsed() > PATIENCE => {
+                let _ = child.kill();
+                let _ = child.wait();
+                break None;
+            }
+            None => std::thread::sleep(Duration::from_millis(20)),
+        }
+    };
+    let texts = readers.into_iter().flatten().map(|reader| reader.join().unwrap_or_default());
+    let mut output = texts.collect::<Vec<_>>().join("\n");
+    if status.is_none() {
+        output.push_str(&format!("\nit has not ended after {} s", PATIENCE.as_secs()));
+    }
+    (status.is_some_and(|status| status.success()), output)
+}
+
+fn read(mut from: impl std::io::Read) -> String {
+    let mut bytes = Vec::new();
+    let _ = from.read_to_end(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -3,7 +3,7 @@
 
 use counterpoint_kernel::log::event::{Event, Kind};
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Done, Work, machine};
+use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
 
 const OFFSETS: &str = "
@@ -167,7 +167,7 @@ fn run(name: &str, texts: &[String]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(300), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_program_of_a_mill(text in program(true)) {

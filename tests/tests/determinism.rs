@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Done, Work, machine};
+use counterpoint_tests::{Done, Work, cases, machine, processors};
 
 thread_local! {
     static STATE: Cell<u64> = const { Cell::new(0) };
@@ -79,7 +79,7 @@ fn two_hundred_runs_give_one_log() {
         "{:#?}",
         oracle.summary.diagnostics
     );
-    for run in 0..200 {
+    for run in 0..cases(200) as usize {
         work.options.threads = [1, 2, 8, 0][run % 4];
         let done = work.run((run % 3 != 0).then_some(disturb as fn(u16))).unwrap();
         assert_eq!(done.summary.log_digest, oracle.summary.log_digest, "run {run}, threads {}", work.options.threads);
@@ -100,7 +100,7 @@ fn results_that_kernels_feed_are_those_of_the_log() {
     let mut work = busy();
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
-    for run in 0..100 {
+    for run in 0..cases(100) as usize {
         work.options.threads = [1, 2, 8, 0][run % 4];
         same_results(&work, &oracle, run);
     }
@@ -108,7 +108,7 @@ fn results_that_kernels_feed_are_those_of_the_log() {
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert!(oracle.summary.verdict.is_some());
-    for run in 0..60 {
+    for run in 0..cases(60) as usize {
         work.options.threads = [0, 2, 1][run % 3];
         same_results(&work, &oracle, run);
     }
@@ -134,7 +134,7 @@ fn two_kernels_that_meet_often_give_one_log() {
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert_eq!((oracle.summary.waits.len(), &oracle.summary.verdict), (300, &None), "{:#?}", oracle.summary.verdict);
-    for run in 0..60 {
+    for run in 0..cases(60) as usize {
         work.options.threads = [0, 2, 1][run % 3];
         same_results(&work, &oracle, run);
         let done = work.run((run % 2 == 0).then_some(disturb as fn(u16))).unwrap();
@@ -149,7 +149,7 @@ fn a_job_that_is_stopped_by_a_limit_gives_one_log() {
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert!(oracle.summary.verdict.is_some());
-    for run in 0..40 {
+    for run in 0..cases(40) as usize {
         work.options.threads = [0, 2, 1][run % 3];
         let done = work.run(Some(disturb)).unwrap();
         assert_eq!(done.events, oracle.events, "run {run}");
@@ -162,7 +162,7 @@ fn a_full_log_is_cut_at_the_same_event() {
     work.options.limits.events = 300;
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
-    for run in 0..60 {
+    for run in 0..cases(60) as usize {
         work.options.threads = [0, 2, 1][run % 3];
         let done = work.run(Some(disturb)).unwrap();
         assert_eq!(done.events, oracle.events, "run {run}");
@@ -193,7 +193,7 @@ fn far_ahead(before: &str, idle_before: &str) {
     work.options.threads = 1;
     let oracle = work.run(None).unwrap();
     assert!(oracle.summary.verdict.is_some(), "{:#?}", oracle.summary.diagnostics);
-    for run in 0..40 {
+    for run in 0..cases(40) as usize {
         work.options.threads = [0, 2][run % 2];
         same_results(&work, &oracle, run);
     }
@@ -208,4 +208,10 @@ fn a_kernel_that_ran_far_ahead_of_a_stop_leaves_nothing_behind_it() {
 fn a_partner_that_stood_for_long_may_still_stop_the_job() {
     let long: String = (0..3_000).map(|n| format!("G1 X{}. Z-{}.\n", 10 + n % 5, n % 13)).collect();
     far_ahead(&format!("{long}M100\n"), "M100\n");
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[("MIXED_CASES", "6")]);
 }

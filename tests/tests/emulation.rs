@@ -2,7 +2,7 @@
 
 use counterpoint_kernel::log::event::{Event, Kind, MotionKind};
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Done, Work, machine};
+use counterpoint_tests::{Done, Work, machine, processors};
 
 fn run_on(name: &str, overlay: &str, text: &str, options: Options) -> Done {
     Work::texts(machine(name, overlay), &[text], options).run(None).expect("the job can be prepared")
@@ -261,4 +261,10 @@ fn several_programs_in_one_file_go_to_the_channels() {
     let programs: Vec<&str> = done.summary.channels.iter().map(|c| c.program.as_str()).collect();
     assert_eq!(programs, ["p1.nc#1", "p1.nc#2"]);
     assert_eq!(done.summary.waits[0].release_ns, Some(500_000_000));
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[]);
 }

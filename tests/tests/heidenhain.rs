@@ -2,7 +2,7 @@
 //! scheduling nor the lack of a log changes anything.
 
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Work, machine};
+use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
 
 fn options(threads: u16) -> Options {
@@ -214,7 +214,7 @@ fn deep_and_long_blocks_are_told_or_carried_out() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(150), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_programs_end_in_one_way(text in program(), conversational in any::<bool>()) {

@@ -2,7 +2,7 @@
 //! scheduling nor the lack of a log changes anything.
 
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Work, machine};
+use counterpoint_tests::{Work, cases, machine};
 use proptest::prelude::*;
 
 fn options(threads: u16) -> Options {
@@ -76,7 +76,7 @@ fn program() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(150), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_programs_end_in_one_way(upper in program(), lower in program(), own in any::<bool>()) {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use counterpoint_kernel::options::Options;
-use counterpoint_tests::{Done, Work, machine};
+use counterpoint_tests::{Done, Work, machine, processors};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -132,4 +132,10 @@ fn every_scenario_ends_as_the_control_would() {
         count += 1;
     }
     assert!(count >= 20, "only {count} scenarios were found");
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::SETTINGS, "everywhere", &[]);
 }

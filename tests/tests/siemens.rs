@@ -7,7 +7,7 @@ use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Done, Work};
+use counterpoint_tests::{Done, Work, cases};
 use proptest::prelude::*;
 
 fn machine() -> Arc<Machine> {
@@ -199,12 +199,8 @@ fn piece() -> impl Strategy<Value = String> {
     ]
 }
 
-fn cases() -> u32 {
-    std::env::var("MIXED_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(200)
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(200), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_programs_end_the_same_way_in_both_modes(

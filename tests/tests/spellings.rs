@@ -27,8 +27,7 @@ fn moves() -> impl Strategy<Value = Vec<Move>> {
 }
 
 fn cases() -> ProptestConfig {
-    let cases = std::env::var("MIXED_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig { cases: counterpoint_tests::cases(60), failure_persistence: None, ..ProptestConfig::default() }
 }
 
 fn machine(text: &str) -> Arc<Machine> {

@@ -74,5 +74,7 @@ pub(crate) fn status(record: Record) -> v1::JobStatus {
         error: record.error,
         findings: record.findings.into_iter().map(finding).collect(),
         log_digest: record.log_digest,
+        host_failures: record.host_failures,
+        host_failure: record.host_failure,
     }
 }

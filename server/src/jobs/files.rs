@@ -1,32 +1,43 @@
 //! A job's sandbox: its files by path, read from the blobs.
 //!
-//! Invariant: a path that is not in the job's list does not exist, whatever lies in the data folder.
+//! What a file could not be read for is kept: it is no fault of the program. Invariant: a path that is not in the job's list does not exist, whatever lies in the data folder.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use bytes::Bytes;
 use counterpoint_kernel::files::{Error, Files};
 
 use crate::blobs::Blobs;
+use crate::reason::Refusal;
 
 /// The files of one job.
 #[derive(Debug)]
 pub(crate) struct Sandbox {
     blobs: Blobs,
     files: BTreeMap<String, String>,
+    trouble: OnceLock<Refusal>,
 }
 
 impl Sandbox {
     pub(crate) fn new(blobs: Blobs, files: &[(String, String)]) -> Self {
-        Self { blobs, files: files.iter().cloned().collect() }
+        Self { blobs, files: files.iter().cloned().collect(), trouble: OnceLock::new() }
+    }
+
+    /// Why a file of the job could not be read, if one could not.
+    pub(crate) fn trouble(&self) -> Result<(), Refusal> {
+        self.trouble.get().map_or(Ok(()), |trouble| Err(trouble.clone()))
     }
 }
 
 impl Files for Sandbox {
     fn read(&self, path: &str) -> Result<Bytes, Error> {
         let digest = self.files.get(path).ok_or_else(|| Error::Missing(path.to_owned()))?;
-        let unreadable = |error: std::io::Error| Error::Unreadable { name: path.to_owned(), reason: error.to_string() };
-        self.blobs.read(digest).map_err(unreadable)
+        self.blobs.read(digest).map_err(|error| {
+            let reason = error.to_string();
+            let _ = self.trouble.set(error.into());
+            Error::Unreadable { name: path.to_owned(), reason }
+        })
     }
 
     fn list(&self) -> Vec<String> {

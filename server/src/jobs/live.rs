@@ -4,8 +4,9 @@
 //! read the results.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
+use std::time::{Duration, Instant};
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::log::event::Event;
@@ -25,6 +26,15 @@ pub(crate) struct Run {
     pub(crate) control: Arc<Control>,
 }
 
+/// What may stop a run besides its program and the client.
+#[derive(Debug, Default)]
+struct RunLimits {
+    until: Option<(Instant, u64)>,
+    bytes: Option<u64>,
+    /// The limit that was reached.
+    reached: Option<String>,
+}
+
 /// A job in memory.
 #[derive(Debug)]
 pub(crate) struct Live {
@@ -33,14 +43,17 @@ pub(crate) struct Live {
     state: watch::Sender<State>,
     cancel: AtomicBool,
     /// The run is to end, for whatever reason.
-    stop: Stop,
+    stop: Mutex<Stop>,
     pub(crate) tail: Arc<Tail>,
-    run: OnceLock<Run>,
+    run: Mutex<Option<Arc<Run>>>,
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
     writer: Mutex<Option<Writer>>,
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
+    limits: Mutex<RunLimits>,
+    /// Its place in the queue.
+    pub(super) ordinal: AtomicU64,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -54,13 +67,15 @@ impl Live {
             id: record.id.clone(),
             state: watch::Sender::new(record.state),
             cancel: AtomicBool::new(record.cancel),
-            stop: Stop::default(),
+            stop: Mutex::default(),
             desk: Arc::new(Desk::new(&record.answers)),
             record: Mutex::new(record),
             tail: Arc::new(Tail::new()),
-            run: OnceLock::new(),
+            run: Mutex::default(),
             finished: OnceLock::new(),
             writer: Mutex::new(None),
+            limits: Mutex::default(),
+            ordinal: AtomicU64::new(0),
         }
     }
 
@@ -84,21 +99,70 @@ impl Live {
         record.clone()
     }
 
-    pub(crate) fn run(&self) -> Option<&Run> {
-        self.run.get()
+    pub(crate) fn run(&self) -> Option<Arc<Run>> {
+        lock(&self.run).clone()
+    }
+
+    /// Forgets a run that the host failed; the job will be run again, and watchers stay at their cursors.
+    pub(crate) fn forget_run(&self) {
+        drop(self.end_log());
+        self.tail.begin_again();
+        *lock(&self.run) = None;
+        *lock(&self.stop) = Stop::default();
+        self.desk.begin_again(&self.record().answers);
     }
 
     /// Sets what a run has; the job may have been cancelled by then.
     pub(crate) fn prepared(&self, run: Run) {
-        let _ = self.run.set(run);
-        if self.cancelled() {
+        *lock(&self.run) = Some(Arc::new(run));
+        if self.cancelled() || self.reached().is_some() {
             self.interrupt();
         }
     }
 
     /// What ends the run, from before it is prepared.
-    pub(crate) fn stop(&self) -> &Stop {
-        &self.stop
+    pub(crate) fn stop(&self) -> Stop {
+        lock(&self.stop).clone()
+    }
+
+    /// Sets the limits of the run that begins now: time by the clock, ms, and bytes of log and files.
+    pub(crate) fn set_limits(&self, wall_ms: u64, bytes: u64) {
+        let until = Instant::now().checked_add(Duration::from_millis(wall_ms));
+        *lock(&self.limits) = RunLimits { until: until.map(|at| (at, wall_ms)), bytes: Some(bytes), reached: None };
+    }
+
+    /// The limit that has stopped the run.
+    pub(crate) fn reached(&self) -> Option<String> {
+        lock(&self.limits).reached.clone()
+    }
+
+    /// Stops the run if its time is over.
+    pub(crate) fn check_clock(&self, now: Instant) {
+        let over = lock(&self.limits).until.filter(|(until, _)| *until <= now);
+        if let Some((_, ms)) = over {
+            self.reach(format!("the run was stopped after {ms} ms by the clock, its limit wall_ms"));
+        }
+    }
+
+    /// Stops the run if its log or files have more bytes than allowed; `false` if so.
+    pub(crate) fn check_bytes(&self, bytes: u64) -> bool {
+        let most = lock(&self.limits).bytes.unwrap_or(u64::MAX);
+        if bytes > most {
+            self.reach(format!("the run was stopped after {most} bytes of log and files, its limit max_job_bytes"));
+        }
+        bytes <= most
+    }
+
+    fn reach(&self, limit: String) {
+        let first = {
+            let mut limits = lock(&self.limits);
+            let first = limits.reached.is_none();
+            limits.reached.get_or_insert(limit);
+            first
+        };
+        if first {
+            self.interrupt();
+        }
     }
 
     pub(crate) fn cancelled(&self) -> bool {
@@ -113,7 +177,7 @@ impl Live {
 
     /// Stops the run without a cancel on the record: the job will be run again.
     pub(crate) fn interrupt(&self) {
-        self.stop.ask();
+        self.stop().ask();
         self.desk.close();
     }
 
@@ -129,7 +193,13 @@ impl Live {
 
     /// Appends to the log of the running job.
     pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
-        lock(&self.writer).as_mut().map_or(Ok(()), |writer| writer.append(first_seq, batch))
+        let mut writer = lock(&self.writer);
+        let Some(log) = writer.as_mut() else { return Ok(()) };
+        log.append(first_seq, batch)?;
+        let bytes = log.bytes();
+        drop(writer);
+        self.check_bytes(bytes);
+        Ok(())
     }
 
     /// Makes events readable that the kernel has handed over a while ago. An error shows at the next append.

@@ -1,19 +1,24 @@
 //! Jobs: admission, queue, workers, and the jobs in memory.
 //!
 //! [`Core`] is what all parts of the server share. Invariant: every job in the ledger that has not ended is in
-//! `live`, and is either in the queue or on a worker thread, until the server drains.
+//! `live`, and is either in the queue or on a worker thread, until the server drains. Trouble of the host never ends a
+//! job: its run is dropped and begun again later.
 
 pub(crate) mod describe;
 mod files;
 pub(crate) mod live;
 pub(crate) mod operator;
 pub(crate) mod progress;
+mod queue;
+mod recent;
 mod sink;
 mod system;
 pub(crate) mod worker;
 
-use std::collections::VecDeque;
+use std::collections::HashMap;
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use dashmap::DashMap;
 use tokio::sync::watch;
@@ -22,16 +27,24 @@ use crate::blobs::Blobs;
 use crate::drain::Drain;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::ledger::{Ledger, Submitted, recovered};
-use crate::machines::Machines;
+use crate::local::disk::Disk;
+use crate::log::kept::Kept;
+use crate::machines::{Machines, is_shipped};
+use crate::net::Places;
 use crate::options::Options;
 use crate::reason::Refusal;
 use crate::runner::Runner;
 use crate::store::Store;
 pub(crate) use files::Sandbox;
 use live::{Live, lock};
+use queue::Queue;
+use recent::Recent;
 
-/// Ended jobs that stay in memory with their results.
-const RECENT: usize = 8;
+/// Between two looks at jobs that wait for the disk, the ledger or their time.
+const TICK: Duration = Duration::from_millis(50);
+/// First and longest pause before a job is run again after the host has failed its run.
+const FIRST_PAUSE: Duration = Duration::from_millis(200);
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
 /// What all parts of the server share.
 pub(crate) struct Core {
@@ -44,6 +57,9 @@ pub(crate) struct Core {
     pub(crate) drain: Drain,
     live: DashMap<String, Arc<Live>>,
     queue: Mutex<Queue>,
+    recent: Mutex<Recent>,
+    /// Places for uploads, by the address of the connection.
+    pub(crate) uploads: Arc<Places<Option<SocketAddr>>>,
     /// Jobs on worker threads.
     running: watch::Sender<usize>,
 }
@@ -54,53 +70,79 @@ impl std::fmt::Debug for Core {
     }
 }
 
-/// Jobs that wait, and who has a place.
-#[derive(Debug, Default)]
-struct Queue {
-    waiting: VecDeque<Arc<Live>>,
-    /// Places given to submits whose ledger entry is under way.
-    reserved: usize,
-    running: usize,
-    recent: VecDeque<String>,
-}
-
 impl Core {
-    pub(crate) fn open(options: Options, runner: Box<dyn Runner>) -> Result<Arc<Self>, Refusal> {
-        let store = Store::open(options.data.clone(), !options.ephemeral)?;
+    pub(crate) fn open(options: Options, runner: Box<dyn Runner>, disk: Disk) -> Result<Arc<Self>, Refusal> {
+        let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
         let blobs = match options.ephemeral {
             true => Blobs::in_memory(options.max_blob_bytes),
             false => Blobs::new(store.clone(), options.max_blob_bytes),
         };
         let core = Arc::new(Self {
             ledger: Ledger::open(&store)?,
-            machines: Machines::new(blobs.clone()),
+            machines: Machines::new(blobs.clone(), options.max_machine_bytes),
             store,
             blobs,
             runner,
             drain: Drain::new(),
             live: DashMap::new(),
             queue: Mutex::default(),
+            recent: Mutex::default(),
+            uploads: Arc::new(Places::new(options.max_uploads, options.max_uploads_per_connection)),
             running: watch::Sender::new(0),
             options,
         });
         Ok(core)
     }
 
-    /// Puts back into the queue what a server before this one left unfinished.
+    /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
-        for record in self.ledger.unfinished()? {
+        let mut unfinished = self.ledger.unfinished()?;
+        let mut marks: HashMap<String, u32> = self.store.marks()?.into_iter().collect();
+        for record in &mut unfinished {
+            if let Some(attempt) = marks.remove(&record.id) {
+                (record.state, record.attempt) = (State::Running, attempt);
+            }
+        }
+        // Marks of jobs that have ended.
+        marks.keys().for_each(|id| self.store.unmark(id));
+        let alone = unfinished.iter().filter(|record| record.state == State::Running).count() == 1;
+        for record in unfinished {
             let before = record.state;
-            let record = recovered(record, self.options.attempts);
-            tracing::info!(job = record.id, state = ?record.state, attempt = record.attempt, "recovered");
+            let record = recovered(record, alone, self.options.attempts);
+            tracing::info!(job = record.id, state = ?record.state, suspect = record.suspect, "recovered");
             if record.state != before {
                 self.ledger.update_blocking(record.clone())?;
+                self.store.unmark(&record.id);
             }
             if !record.state.ended() {
                 self.admit(Arc::new(Live::new(record)));
             }
         }
         self.pump();
+        let core = Arc::downgrade(self);
+        std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
+            while let Some(core) = core.upgrade() {
+                core.stop_late_runs();
+                core.pump();
+                drop(core);
+                std::thread::sleep(TICK);
+            }
+        })?;
         Ok(())
+    }
+
+    /// Whether a name belongs to a shipped machine. In a server of one command its one user may replace those.
+    pub(crate) fn reserved(&self, name: &str) -> bool {
+        !self.options.ephemeral && is_shipped(name)
+    }
+
+    /// Whether there is enough disk space for new work.
+    pub(crate) fn room(&self) -> Result<(), Refusal> {
+        let least = self.options.min_free_bytes;
+        match self.store.free() {
+            Some(free) if free < least && !self.options.ephemeral => Err(Refusal::DiskFull(least)),
+            _ => Ok(()),
+        }
     }
 
     /// Accepts a job; the answer says whether it was known.
@@ -112,16 +154,23 @@ impl Core {
                 Err(Refusal::RequestIdReused(record.request_id))
             };
         }
+        self.room()?;
         let place = self.reserve()?;
-        let submitted = self.ledger.submit(record.clone()).await?;
+        let core = Arc::downgrade(self);
+        // Jobs enter the queue in the order in which the ledger accepted them.
+        let accepted = move |record: &Record| {
+            if let Some(core) = core.upgrade() {
+                core.admit(Arc::new(Live::new(record.clone())));
+            }
+        };
+        let submitted = self.ledger.submit(record, accepted).await?;
         drop(place);
         match submitted {
             Submitted::Known(known) => Ok((self.current(*known), true)),
-            Submitted::New => {
+            Submitted::New(record) => {
                 tracing::info!(job = record.id, machine = record.machine_name, "accepted");
-                self.admit(Arc::new(Live::new(record.clone())));
                 self.pump();
-                Ok((record, false))
+                Ok((*record, false))
             }
         }
     }
@@ -143,8 +192,8 @@ impl Core {
             return Err(Refusal::Draining { cursor: 0 });
         }
         let mut queue = lock(&self.queue);
-        let free = self.options.slots().saturating_sub(queue.running);
-        if queue.waiting.len() + queue.reserved >= self.options.queue + free {
+        let free = self.options.slots().saturating_sub(queue.running().len());
+        if queue.len() + queue.reserved >= self.options.queue + free {
             return Err(Refusal::QueueFull(self.options.queue));
         }
         queue.reserved += 1;
@@ -153,11 +202,18 @@ impl Core {
 
     fn admit(&self, live: Arc<Live>) {
         self.live.insert(live.id.clone(), live.clone());
-        lock(&self.queue).waiting.push_back(live);
+        let mut queue = lock(&self.queue);
+        match live.record().suspect {
+            true => queue.push_suspect(live),
+            false => queue.push(live),
+        }
     }
 
-    /// Starts waiting jobs while there are free workers.
+    /// Starts waiting jobs while there are free workers, disk space and a ledger.
     fn pump(self: &Arc<Self>) {
+        if lock(&self.queue).len() == 0 || !*self.ledger.writable().borrow() || self.room().is_err() {
+            return;
+        }
         while let Some(live) = self.next() {
             worker::start(self.clone(), live);
         }
@@ -165,28 +221,57 @@ impl Core {
 
     fn next(&self) -> Option<Arc<Live>> {
         let mut queue = lock(&self.queue);
-        if self.drain.begun() || queue.running >= self.options.slots() {
+        if self.drain.begun() {
             return None;
         }
-        let live = queue.waiting.pop_front()?;
-        queue.running += 1;
-        self.running.send_replace(queue.running);
+        let live = queue.next(self.options.slots(), Instant::now())?;
+        self.running.send_replace(queue.busy());
         Some(live)
     }
 
-    /// A worker is free again.
+    /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
+    fn leave(self: &Arc<Self>, live: &Live) {
+        lock(&self.queue).store(live);
+        self.pump();
+    }
+
+    /// The log of a job, wherever it is.
+    pub(crate) fn kept_log(&self, id: &str) -> Result<Option<Kept>, Refusal> {
+        let path = self.store.log(id);
+        if path.is_file() {
+            return Ok(Some(Kept::File(path)));
+        }
+        Ok(self.ledger.log(id)?.map(Kept::Ledger))
+    }
+
+    /// A worker is free again: the job has ended, or the drain has interrupted it.
     fn free(self: &Arc<Self>, live: &Live) {
-        let gone = {
+        {
             let mut queue = lock(&self.queue);
-            queue.running -= 1;
-            self.running.send_replace(queue.running);
-            queue.recent.push_back(live.id.clone());
-            if queue.recent.len() > RECENT { queue.recent.pop_front() } else { None }
-        };
-        if let Some(gone) = gone {
+            queue.free(live);
+            self.running.send_replace(queue.busy());
+        }
+        let bytes = live.finished().map_or(0, |finished| finished.bytes);
+        let gone = lock(&self.recent).push(live.id.clone(), bytes, self.options.ephemeral);
+        for gone in gone {
             self.live.remove_if(&gone, |_, live| live.state().ended());
         }
         self.pump();
+    }
+
+    /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
+    fn again(&self, live: Arc<Live>, failures: u32) {
+        let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
+        let mut queue = lock(&self.queue);
+        queue.free(&live);
+        queue.push_again(Instant::now() + pause, live);
+        self.running.send_replace(queue.busy());
+    }
+
+    /// Stops runs that have reached their limit by the clock.
+    fn stop_late_runs(&self) {
+        let now = Instant::now();
+        lock(&self.queue).running().iter().for_each(|live| live.check_clock(now));
     }
 
     /// Number of running jobs, to be followed.
@@ -212,25 +297,25 @@ impl Core {
     }
 
     /// Jobs before this one in the queue.
-    pub(crate) fn queued_before(&self, id: &str) -> usize {
-        lock(&self.queue).waiting.iter().position(|live| live.id == id).unwrap_or(0)
+    pub(crate) fn queued_before(&self, live: &Live) -> usize {
+        lock(&self.queue).before(live)
     }
 
     /// Cancels a job: durable first, then in memory.
     pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
         let Some(live) = self.live(id) else { return self.job(id) };
-        let waiting = {
-            let mut queue = lock(&self.queue);
-            let at = queue.waiting.iter().position(|waiting| waiting.id == id);
-            at.and_then(|at| queue.waiting.remove(at)).is_some()
-        };
+        let waiting = lock(&self.queue).remove(&live);
         let record = live.change(|record| record.cancel |= !record.state.ended());
         if record.state.ended() {
             return Ok(record);
         }
         if waiting {
             let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
-            self.ledger.update(ended.clone()).await?;
+            if let Err(refusal) = self.ledger.update(ended.clone()).await {
+                live.change(|record| record.cancel = false);
+                lock(&self.queue).put_back(live);
+                return Err(refusal);
+            }
             live.change(|record| record.clone_from(&ended));
             self.live.remove(id);
             return Ok(ended);

@@ -59,6 +59,16 @@ impl Desk {
         Self { inner: Mutex::new(inner), answered: Condvar::new(), changes: watch::Sender::new(0) }
     }
 
+    /// The job is run again from its start.
+    pub(crate) fn begin_again(&self, recorded: &[(u16, Option<Answer>)]) {
+        let again = Self::new(recorded);
+        let again = again.inner.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut inner = lock(&self.inner);
+        *inner = Inner { last_id: inner.last_id, ..again };
+        drop(inner);
+        self.tell();
+    }
+
     /// How long a question waits.
     pub(crate) fn set_patience(&self, patience: Duration) {
         lock(&self.inner).patience = patience;

@@ -16,13 +16,15 @@ pub(crate) struct JobSink<'a> {
     logged: bool,
     pub(crate) folds: Folds,
     pub(crate) files: WrittenFiles,
+    /// The files have more bytes than the job may keep.
+    pub(crate) dropped: bool,
     pub(crate) error: Option<io::Error>,
 }
 
 impl<'a> JobSink<'a> {
     /// `logged`: the live job has a log.
     pub(crate) fn new(live: &'a Live, logged: bool, folds: Folds) -> Self {
-        Self { live, logged, folds, files: WrittenFiles::new(), error: None }
+        Self { live, logged, folds, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }
 
@@ -32,7 +34,11 @@ impl Sink for JobSink<'_> {
     }
 
     fn files(&mut self, files: WrittenFiles) {
-        self.files = files;
+        let bytes = files.iter().map(|(path, text)| (path.len() + text.len()) as u64).sum();
+        match self.live.check_bytes(bytes) {
+            true => self.files = files,
+            false => self.dropped = true,
+        }
     }
 
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {

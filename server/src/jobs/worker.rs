@@ -1,7 +1,8 @@
 //! One job on its own thread.
 //!
-//! Invariant: whatever happens in a run (refusal, error of storage, panic), the job gets an end state and the place
-//! is given back; the server lives on.
+//! Invariant: whatever happens in a run, the place is given back and the server lives on. The job gets an end state,
+//! unless the host has failed the run (disk, descriptors, threads): then the run is dropped and the job waits for
+//! another.
 
 use std::any::Any;
 use std::io;
@@ -12,6 +13,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use counterpoint_kernel::control::{Control, Stop};
+use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
@@ -24,13 +26,10 @@ use super::live::{Live, Run};
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::ledger::record::{Record, State, now_ms};
-use crate::log::writer::Writer;
+use crate::log::writer::{Small, Writer};
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
-
-/// Time between two looks at whether a job is to end while its results are stored.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// Starts the worker thread of a job.
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
@@ -39,19 +38,27 @@ pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
     let (spare_core, spare_live) = (core.clone(), live.clone());
     let started = std::thread::Builder::new().name(name).spawn(move || work(&core, &live));
     if let Err(error) = started {
-        end(&spare_core, &spare_live, failed(format!("no thread for the job: {error}")));
+        again(&spare_core, spare_live, format!("no thread for the job: {error}"));
     }
 }
 
-fn work(core: &Arc<Core>, live: &Live) {
+fn work(core: &Arc<Core>, live: &Arc<Live>) {
     let span = tracing::info_span!("job", id = live.id);
     let _inside = span.enter();
-    let change = match catch_unwind(AssertUnwindSafe(|| run(core, live))) {
-        Ok(Ok(change)) => change,
-        Ok(Err(refusal)) => failed(refusal.to_string()),
-        Err(panic) => failed(format!("internal error: {}", panic_text(&*panic))),
+    let work = || match run(core, live)? {
+        Ran::Over(change) => Ok((change, None)),
+        Ran::Through(through) => {
+            core.leave(live);
+            through.store(core, live)
+        }
     };
-    end(core, live, change);
+    let (change, log) = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(stored)) => stored,
+        Ok(Err(Refusal::Storage(trouble))) => return again(core, live.clone(), trouble),
+        Ok(Err(refusal)) => (failed(refusal.to_string()), None),
+        Err(panic) => (failed(format!("internal error: {}", panic_text(&*panic))), None),
+    };
+    end(core, live, change, log);
 }
 
 /// Change of a record at the end of a run.
@@ -75,10 +82,19 @@ fn refused(findings: Vec<Finding>) -> Change {
 }
 
 /// The server is going down: the next one runs the job.
-fn again() -> Change {
+fn queued_again() -> Change {
     Box::new(|record| {
         record.state = State::Queued;
-        record.attempt -= 1;
+        record.attempt = record.attempt.saturating_sub(1);
+    })
+}
+
+/// The run has reached a limit of the server before it was prepared.
+fn late(limit: String) -> Change {
+    Box::new(|record| {
+        record.state = State::Failed;
+        record.verdict.clone_from(&limit);
+        record.limit = limit;
     })
 }
 
@@ -87,39 +103,98 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("panic")
 }
 
-/// Makes the end durable, then visible.
-fn end(core: &Arc<Core>, live: &Live, change: Change) {
+/// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: the
+/// ledger holds the job as queued all the time.
+fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
+    tracing::warn!(trouble, "the host has failed the run; the job waits for another");
+    live.forget_run();
+    if let Err(error) = core.store.remove_log(&live.id) {
+        tracing::warn!(%error, "the unfinished log stays until the next run");
+    }
+    let record = live.change(|record| {
+        if std::mem::replace(&mut record.state, State::Queued) == State::Running {
+            record.attempt = record.attempt.saturating_sub(1);
+        }
+        record.host_failures = record.host_failures.saturating_add(1);
+        record.host_failure = trouble;
+    });
+    core.store.unmark(&live.id);
+    core.again(live, record.host_failures);
+}
+
+/// Time between two attempts to make the end of a job durable, and between two looks at whether it is to end.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Makes the end durable, then visible. It waits for a ledger that cannot be written, until the server drains: then
+/// the job is run again by the next server.
+fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
     let mut record = live.record();
     change(&mut record);
+    record.suspect = false;
     if record.state.ended() {
         record.ended_ms = now_ms();
     }
-    if let Err(error) = core.ledger.update_blocking(record.clone()) {
-        // The job stays RUNNING in the ledger and is run again by the next server.
-        tracing::error!(%error, "the end of the job could not be kept");
-        record.error = error.to_string();
-        record.state = State::Failed;
+    while let Err(error) = core.ledger.end_blocking(record.clone(), log.as_ref().map(|log| log.bytes.clone())) {
+        if core.drain.begun() {
+            tracing::error!(%error, "the end of the job could not be kept; the next server runs it again");
+            record = Record { state: State::Queued, ..live.record() };
+            break;
+        }
+        std::thread::sleep(LOOK);
     }
     tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
+    core.store.unmark(&live.id);
+    if let Some(log) = log.filter(|_| record.state.ended()) {
+        live.tail.set(log.bytes.len() as u64, log.last_seq);
+    }
     live.change(|now| *now = Record { cancel: now.cancel, ..record });
     core.free(live);
 }
 
-fn run(core: &Arc<Core>, live: &Live) -> Result<Change, Refusal> {
-    // Durable, then visible: a run that takes the server down has been counted.
-    let begun = core.ledger.begin_blocking(live.id.clone(), now_ms())?;
+/// What a run leaves to be stored.
+struct Through {
+    outcome: Outcome,
+    finished: Finished,
+    limit: String,
+    writer: Option<Writer>,
+}
+
+/// A run that is over.
+enum Ran {
+    /// Nothing is to be stored but the state.
+    Over(Change),
+    Through(Box<Through>),
+}
+
+fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
+    // A run that takes the server down has left its mark.
+    core.store.mark(&live.id, live.record().attempt + 1)?;
     let record = live.change(|record| {
-        (record.state, record.attempt, record.started_ms) = (begun.state, begun.attempt, begun.started_ms);
+        (record.state, record.started_ms) = (State::Running, now_ms());
+        record.attempt += 1;
     });
+    let or_most = |asked: u64, most: u64| if asked == 0 { most } else { asked.min(most) };
+    live.set_limits(
+        or_most(record.wall_ms, core.options.max_wall_ms),
+        or_most(record.max_job_bytes, core.options.max_job_bytes),
+    );
+    // A cancel that came while the job waited for another run.
+    let stop = live.stop();
+    if live.cancelled() {
+        stop.ask();
+    }
     let files = Sandbox::new(core.blobs.clone(), &record.files);
-    let prepared = match prepare(core, &record, &files, live.stop())? {
+    let prepared = prepare(core, &record, &files, &stop)?;
+    files.trouble()?;
+    let prepared = match prepared {
         Ok(prepared) => prepared,
-        Err(_) if live.cancelled() => return Ok(Box::new(|record| record.state = State::Cancelled)),
-        Err(_) if live.stop().asked() => return Ok(again()),
-        Err(findings) => return Ok(refused(findings)),
+        Err(_) if live.cancelled() => return Ok(Ran::Over(Box::new(|record| record.state = State::Cancelled))),
+        Err(_) if live.reached().is_some() => return Ok(Ran::Over(late(live.reached().unwrap_or_default()))),
+        Err(_) if stop.asked() => return Ok(Ran::Over(queued_again())),
+        Err(findings) => return Ok(Ran::Over(refused(findings))),
     };
     let info = prepared.info().clone();
-    let mut control = Control::new(info.channels.len()).with_stop(live.stop().clone());
+    let mut control = Control::new(info.channels.len()).with_stop(stop);
     if record.options.attended {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
@@ -131,36 +206,56 @@ fn run(core: &Arc<Core>, live: &Live) -> Result<Change, Refusal> {
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.log {
         let head = description(&info).encode_to_vec();
-        live.begin_log(Writer::create(&core.store.log(&live.id), live.tail.clone(), &info, &head)?);
+        live.begin_log(Writer::create(core.store.disk(), &core.store.log(&live.id), live.tail.clone(), &info, &head)?);
     }
     let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, files, error, .. } = sink;
+    let JobSink { folds, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
-        return Ok(failed(format!("the event log cannot be kept: {error}")));
+        return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
     }
-    if let Some(writer) = writer {
-        writer.finish(core.store.durable())?;
+    files.trouble()?;
+    let limit = live.reached().filter(|_| outcome.cancelled || dropped).filter(|_| !live.cancelled());
+    if outcome.cancelled && limit.is_none() && !live.cancelled() && core.drain.begun() {
+        return Ok(Ran::Over(queued_again()));
     }
-    if outcome.cancelled && !live.cancelled() && core.drain.begun() {
-        return Ok(again());
-    }
-    let finished = Arc::new(Finished { results: folds.finish(&outcome), files });
-    keep(core, live, &finished)?;
-    Ok(Box::new(move |record| {
-        let summary = &finished.results.summary;
-        record.state = match summary.state {
-            summary::State::Cancelled => State::Cancelled,
-            summary::State::Failed => State::Failed,
-            summary::State::Succeeded => State::Succeeded,
+    let limit = limit.unwrap_or_default();
+    let finished = Finished::new(folds.finish(&outcome), written, &limit);
+    Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
+}
+
+impl Through {
+    /// Stores log and results; a log that is small goes into the ledger with the end of the job.
+    fn store(self, core: &Arc<Core>, live: &Live) -> Result<(Change, Option<Small>), Refusal> {
+        let Self { outcome, finished, limit, writer } = self;
+        let bytes = writer.as_ref().map_or(0, Writer::bytes);
+        let has_files = !finished.files.is_empty();
+        let log = match writer {
+            Some(writer) => writer.finish(core.store.durable())?,
+            None => None,
         };
-        record.events = outcome.events;
-        record.makespan_ns = summary.makespan_ns;
-        record.log_digest.clone_from(&summary.log_digest);
-        record.highest_severity = summary.highest_severity;
-        record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
-    }))
+        let finished = keep(core, live, finished, bytes)?;
+        if log.is_none() && core.options.log || has_files {
+            core.store.sync_job(&live.id)?;
+        }
+        let change: Change = Box::new(move |record| {
+            let summary = &finished.results.summary;
+            record.state = match summary.state {
+                summary::State::Cancelled => State::Cancelled,
+                summary::State::Failed => State::Failed,
+                summary::State::Succeeded => State::Succeeded,
+            };
+            record.events = outcome.events;
+            record.limit = limit;
+            record.has_files = has_files;
+            record.makespan_ns = summary.makespan_ns;
+            record.log_digest.clone_from(&summary.log_digest);
+            record.highest_severity = summary.highest_severity;
+            record.verdict = summary.verdict.as_ref().map_or_else(String::new, |verdict| verdict.text.clone());
+        });
+        Ok((change, log))
+    }
 }
 
 /// Loads the machine and the programs of a job.
@@ -176,34 +271,51 @@ pub(crate) fn prepare(
     Ok(core.runner.prepare(task, files, stop))
 }
 
-/// Keeps the results in memory, and stores them when they are to survive. That may take long: when the run is to end
-/// meanwhile, it goes on by itself behind the end of the job.
-fn keep(core: &Arc<Core>, live: &Live, finished: &Arc<Finished>) -> io::Result<()> {
+/// Bytes of a log from which on results are stored; those of a smaller one are made from it when asked for.
+const RESULTS_FROM: u64 = 1 << 20;
+
+/// Stores what cannot be made from the log in no time, and keeps all results in memory for a while. `bytes`: of the log.
+fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<Arc<Finished>, Refusal> {
+    let folder = core.store.job(&live.id);
+    let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
+    finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);
+    let finished = Arc::new(finished);
     live.keep(finished.clone());
     if core.options.ephemeral {
-        return Ok(());
+        return Ok(finished);
     }
-    let (done, stored) = channel();
-    let (core, finished, folder) = (core.clone(), finished.clone(), core.store.job(&live.id));
+    if let Some(files) = files {
+        core.store.write(&folder.join(Document::Files.file()), &files)?;
+    }
+    if bytes >= RESULTS_FROM {
+        let (core, finished) = (core.clone(), finished.clone());
+        store_results(live, move || store(&core, &folder, &finished));
+    }
+    Ok(finished)
+}
+
+/// Stores results that can be made again. That may take long: when the run is to end meanwhile, it continues by itself
+/// after the end of the job. Results that cannot be stored are made from the log when asked for.
+fn store_results(live: &Live, work: impl FnOnce() -> io::Result<()> + Send + 'static) {
+    let (done, stored) = channel::<()>();
     let work = move || {
-        let stored = store(&core, &folder, &finished);
-        if let Err(Err(error)) = done.send(stored).map_err(|unheard| unheard.0) {
-            tracing::warn!(%error, "results of a job that was asked to end could not be kept");
+        if let Err(error) = work() {
+            tracing::warn!(%error, "results are not stored; they will be made from the log");
         }
+        drop(done);
     };
-    std::thread::Builder::new().name("results".to_owned()).spawn(work)?;
-    loop {
-        match stored.recv_timeout(LOOK) {
-            Ok(result) => return result,
-            Err(RecvTimeoutError::Timeout) if live.stop().asked() => return Ok(()),
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Err(io::Error::other("the results could not be made")),
+    if let Err(error) = std::thread::Builder::new().name("results".to_owned()).spawn(work) {
+        tracing::warn!(%error, "results are not stored; they will be made from the log");
+    }
+    while let Err(RecvTimeoutError::Timeout) = stored.recv_timeout(LOOK) {
+        if live.stop().asked() {
+            return;
         }
     }
 }
 
 fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<()> {
-    for document in Document::ALL {
+    for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
         if let Some(text) = finished.document(document) {
             core.store.write(&folder.join(document.file()), &text)?;
         }

@@ -1,50 +1,47 @@
 //! The ledger: every accepted job and every machine put there, in one transactional file.
 //!
-//! One writer thread takes operations from a bounded queue, applies all that wait (up to 256) in one transaction,
-//! commits once and then answers them: group commit. Readers use snapshots. Invariant: an operation that was
-//! answered is on stable storage; one that was not is either wholly there or not at all.
+//! One writer thread ([`writer`]) takes operations from a bounded queue and commits them in groups. Readers use
+//! snapshots. Invariant: jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read
+//! is reported to whoever asks for it and hidden from all others.
 
 pub(crate) mod record;
+mod writer;
 
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
+use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
-use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
-use tokio::sync::{mpsc, oneshot};
+use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
+use tokio::sync::{mpsc, oneshot, watch};
+use uuid::Uuid;
 
 use crate::machines::Definition;
 use crate::reason::Refusal;
 use crate::store::Store;
 use record::{Record, State};
+use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
+const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 const SCHEMA: u64 = 1;
-const GROUP: usize = 256;
-
-type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
-type Operation = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
 
 /// Handle on the ledger.
 #[derive(Debug)]
-pub(crate) struct Ledger(RwLock<Option<Open>>);
-
-/// What an open ledger has.
-#[derive(Debug)]
-struct Open {
-    database: Arc<Database>,
-    operations: mpsc::Sender<Operation>,
-    writer: JoinHandle<()>,
+pub(crate) struct Ledger {
+    shared: Arc<Shared>,
+    operations: RwLock<Option<mpsc::Sender<Operation>>>,
+    writer: Mutex<Option<JoinHandle<()>>>,
 }
 
 /// Answer to a submit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Submitted {
-    /// Accepted now.
-    New,
+    /// Accepted now; it has got its identity.
+    New(Box<Record>),
     /// Accepted earlier under this id.
     Known(Box<Record>),
 }
@@ -53,8 +50,34 @@ fn storage(error: impl std::fmt::Display) -> Refusal {
     Refusal::Storage(error.to_string())
 }
 
-fn parse<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Result<T, Refusal> {
-    serde_json::from_slice(bytes).map_err(storage)
+fn closed() -> Refusal {
+    storage("the ledger cannot be written at the moment")
+}
+
+fn parse<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Result<T, Refusal> {
+    serde_json::from_slice(bytes).map_err(|error| {
+        Refusal::DataLoss(format!("the row '{row}' of the ledger cannot be read ({error}); submit its job again"))
+    })
+}
+
+/// Same, without a row that cannot be read.
+fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T> {
+    parse(row, bytes).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
+}
+
+/// The next identity: ascending in the order of acceptance, also when the clock is set back.
+fn next_id(txn: &WriteTransaction) -> Result<String, Refusal> {
+    let table = txn.open_table(JOB).map_err(storage)?;
+    let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
+    Ok(after(last, Uuid::now_v7()).to_string())
+}
+
+/// `new`, or the smallest identity after `last` if `new` is not after it.
+fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
+    match last {
+        Some(last) if new <= last => Uuid::from_u128(last.as_u128().wrapping_add(1)),
+        _ => new,
+    }
 }
 
 fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
@@ -66,22 +89,27 @@ fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
 fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
     let table = txn.open_table(JOB).map_err(storage)?;
     let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(row.value())).transpose()
+    row.map(|row| parse(id, row.value())).transpose()
 }
 
 impl Ledger {
     /// Opens or creates the ledger.
     pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
-        let database = if store.durable() {
-            Database::create(store.ledger()).map_err(storage)?
-        } else {
-            Database::builder().create_with_backend(redb::backends::InMemoryBackend::new()).map_err(storage)?
-        };
+        let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
+        if store.durable() {
+            let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
+            if length.unwrap_or(0) == 0 && store.in_use() {
+                let what = if length.is_some() { "is empty" } else { "is missing" };
+                return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+            }
+        }
+        let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         let txn = database.begin_write().map_err(storage)?;
         {
             txn.open_table(JOB).map_err(storage)?;
             txn.open_table(REQUEST).map_err(storage)?;
             txn.open_table(MACHINE).map_err(storage)?;
+            txn.open_table(LOG).map_err(storage)?;
             let mut meta = txn.open_table(META).map_err(storage)?;
             let schema = meta.get("schema").map_err(storage)?.map(|v| v.value());
             match schema {
@@ -91,42 +119,54 @@ impl Ledger {
             }
         }
         txn.commit().map_err(storage)?;
-        let database = Arc::new(database);
+        let database = RwLock::new(Some(Arc::new(database)));
+        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
         let (operations, queue) = mpsc::channel(1024);
-        let shared = database.clone();
-        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || write(&shared, queue))?;
-        Ok(Self(RwLock::new(Some(Open { database, operations, writer }))))
+        let own = shared.clone();
+        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
+        Ok(Self { shared, operations: RwLock::new(Some(operations)), writer: Mutex::new(Some(writer)) })
     }
 
     /// Does what was asked so far and gives the file free; everything asked later is refused.
     pub(crate) fn close(&self) {
-        let open = self.0.write().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some(Open { operations, writer, .. }) = open {
-            drop(operations);
+        drop(self.operations.write().unwrap_or_else(PoisonError::into_inner).take());
+        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // The writer itself may drop the last handle.
+        if let Some(writer) = writer.filter(|writer| writer.thread().id() != std::thread::current().id()) {
             let _ = writer.join();
         }
+        self.shared.writable.send_replace(false);
+        *self.shared.database.write().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    fn open_part<T>(&self, part: impl FnOnce(&Open) -> T) -> Result<T, Refusal> {
-        let open = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        open.as_ref().map(part).ok_or_else(|| storage("the ledger is closed"))
+    /// Whether operations can be done, to be followed.
+    pub(crate) fn writable(&self) -> watch::Receiver<bool> {
+        self.shared.writable.subscribe()
     }
 
     fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
-        self.open_part(|open| open.operations.clone())
+        self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(closed)
     }
 
     fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
-        self.open_part(|open| open.database.begin_read())?.map_err(storage)
+        let database = self.shared.database.read().unwrap_or_else(PoisonError::into_inner);
+        database.as_ref().ok_or_else(closed)?.begin_read().map_err(storage)
     }
 
     fn operation<R: Send + 'static>(
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+        then: impl FnOnce(&R) + Send + 'static,
     ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
         let (answer, answered) = oneshot::channel();
         let operation: Operation = Box::new(move |txn| {
             let result = work(txn);
-            Box::new(move |committed| drop(answer.send(committed.and(result))))
+            Box::new(move |committed| {
+                let result = committed.and(result);
+                if let Ok(done) = &result {
+                    then(done);
+                }
+                drop(answer.send(result));
+            })
         });
         (operation, answered)
     }
@@ -136,24 +176,46 @@ impl Ledger {
         &self,
         work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
     ) -> Result<R, Refusal> {
-        let (operation, answered) = Self::operation(work);
-        self.operations()?.send(operation).await.map_err(|_| storage("closed"))?;
-        answered.await.map_err(|_| storage("closed"))?
+        let (operation, answered) = Self::operation(work, |_| ());
+        self.operations()?.send(operation).await.map_err(|_| closed())?;
+        answered.await.map_err(|_| closed())?
     }
 
-    /// Accepts a job, or finds the one accepted under the same request id.
-    pub(crate) async fn submit(&self, record: Record) -> Result<Submitted, Refusal> {
-        self.write(move |txn| {
+    /// Same as [`write`](Self::write) from a thread that may block.
+    fn write_blocking<R: Send + 'static>(
+        &self,
+        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+    ) -> Result<R, Refusal> {
+        let (operation, answered) = Self::operation(work, |_| ());
+        self.operations()?.blocking_send(operation).map_err(|_| closed())?;
+        answered.blocking_recv().map_err(|_| closed())?
+    }
+
+    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `accepted` is
+    /// called after the commit, in the order of acceptance.
+    pub(crate) async fn submit(
+        &self,
+        mut record: Record,
+        accepted: impl FnOnce(&Record) + Send + 'static,
+    ) -> Result<Submitted, Refusal> {
+        let work = move |txn: &WriteTransaction| {
             let mut requests = txn.open_table(REQUEST).map_err(storage)?;
             let known = requests.get(record.request_id.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
             if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
                 return same(known, &record);
             }
+            record.id = next_id(txn)?;
             put(txn, &record)?;
             requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
-            Ok(Submitted::New)
-        })
-        .await
+            Ok(Submitted::New(Box::new(record)))
+        };
+        let (operation, answered) = Self::operation(work, |submitted| {
+            if let Submitted::New(record) = submitted {
+                accepted(record);
+            }
+        });
+        self.operations()?.send(operation).await.map_err(|_| closed())?;
+        answered.await.map_err(|_| closed())?
     }
 
     /// Stores a new state of a job.
@@ -184,29 +246,31 @@ impl Ledger {
 
     /// Same as [`update`](Self::update) from a thread that may block.
     pub(crate) fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
-        let (operation, answered) = Self::operation(move |txn| put(txn, &record));
-        self.operations()?.blocking_send(operation).map_err(|_| storage("closed"))?;
-        answered.blocking_recv().map_err(|_| storage("closed"))?
+        self.write_blocking(move |txn| put(txn, &record))
     }
 
-    /// Counts a run of a job, from a thread that may block; the record as it is kept then.
-    pub(crate) fn begin_blocking(&self, id: String, now_ms: i64) -> Result<Record, Refusal> {
-        let (operation, begun) = Self::operation(move |txn| {
-            let mut record = get(txn, &id)?.ok_or_else(|| storage("a job that runs is not kept"))?;
-            record.state = State::Running;
-            record.attempt += 1;
-            record.started_ms = now_ms;
-            put(txn, &record)?;
-            Ok(record)
-        });
-        self.operations()?.blocking_send(operation).map_err(|_| storage("closed"))?;
-        begun.blocking_recv().map_err(|_| storage("closed"))?
+    /// Stores the end of a job, with its log if that is small, from a thread that may block.
+    pub(crate) fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| {
+            if let Some(log) = log {
+                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+            }
+            put(txn, &record)
+        })
+    }
+
+    /// The log of a job, if it is kept here.
+    pub(crate) fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
+        let table = self.snapshot()?.open_table(LOG).map_err(storage)?;
+        let row = table.get(id).map_err(storage)?;
+        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
     }
 
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
         self.write(move |txn| {
             txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
+            txn.open_table(LOG).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
             txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
             Ok(())
         })
@@ -217,7 +281,7 @@ impl Ledger {
     pub(crate) fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
         let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
         let row = table.get(id).map_err(storage)?;
-        row.map(|row| parse(row.value())).transpose()
+        row.map(|row| parse(id, row.value())).transpose()
     }
 
     /// The job accepted under a request id.
@@ -227,7 +291,7 @@ impl Ledger {
         id.map_or(Ok(None), |id| self.job(&id))
     }
 
-    /// Up to `count` jobs behind `after` that `wanted` takes.
+    /// Up to `count` jobs after the job `after`, in order of submission, that `wanted` takes.
     pub(crate) fn jobs(
         &self,
         after: &str,
@@ -242,7 +306,8 @@ impl Ledger {
             if found.len() >= count {
                 break;
             }
-            let record: Record = parse(row.map_err(storage)?.1.value())?;
+            let (id, row) = row.map_err(storage)?;
+            let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
             if wanted(&record) {
                 found.push(record);
             }
@@ -267,7 +332,7 @@ impl Ledger {
     pub(crate) fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal> {
         let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
         let row = table.get(name).map_err(storage)?;
-        row.map(|row| parse(row.value())).transpose()
+        row.map(|row| parse(name, row.value())).transpose()
     }
 
     /// All machines put there, newest revision each, by name.
@@ -277,7 +342,7 @@ impl Ledger {
         for row in table.iter().map_err(storage)? {
             let (name, bytes) = row.map_err(storage)?;
             if !name.value().contains('@') {
-                found.push(parse(bytes.value())?);
+                found.extend(readable::<Definition>(name.value(), bytes.value()));
             }
         }
         Ok(found)
@@ -295,6 +360,15 @@ impl Drop for Ledger {
     }
 }
 
+/// A ledger that cannot be used, with the way out.
+fn lost(store: &Store, what: &str) -> Refusal {
+    let root = store.root().display();
+    Refusal::DataLoss(format!(
+        "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
+        store.ledger().display()
+    ))
+}
+
 fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
     if known.content == asked.content {
         Ok(Submitted::Known(Box::new(known)))
@@ -303,47 +377,40 @@ fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
     }
 }
 
-/// Life of the writer thread: ends when all handles are gone.
-fn write(database: &Database, mut queue: mpsc::Receiver<Operation>) {
-    while let Some(first) = queue.blocking_recv() {
-        let mut group = vec![first];
-        while group.len() < GROUP {
-            let Ok(next) = queue.try_recv() else { break };
-            group.push(next);
-        }
-        commit(database, group);
+/// State a job is put back to when the server starts. `alone`: no other job was running when the server before this
+/// one ended, so the job may be what ended it.
+pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Record {
+    let suspect = record.state == State::Running;
+    if suspect && alone {
+        record.crashes += 1;
     }
-}
-
-fn commit(database: &Database, group: Vec<Operation>) {
-    let txn = match database.begin_write() {
-        Ok(txn) => txn,
-        Err(error) => {
-            tracing::error!(%error, "the ledger cannot be written");
-            return; // Dropping the operations answers them with an error.
-        }
-    };
-    let replies: Vec<Reply> = group.into_iter().map(|operation| operation(&txn)).collect();
-    let result = txn.commit().map_err(storage);
-    if let Err(error) = &result {
-        tracing::error!(%error, "the ledger cannot be written");
-    }
-    for reply in replies {
-        reply(result.clone());
-    }
-}
-
-/// State a job is put back to when the server starts.
-pub(crate) fn recovered(mut record: Record, attempts: u32) -> Record {
     if record.cancel {
         record.state = State::Cancelled;
         record.ended_ms = record::now_ms();
-    } else if record.attempt >= attempts {
+    } else if suspect && alone && record.crashes >= attempts.max(1) {
         record.state = State::Failed;
         record.ended_ms = record::now_ms();
-        record.error = format!("poison: given up after {} runs that did not end", record.attempt);
+        record.error = format!("poison: the server died {} times while this job ran alone", record.crashes);
     } else {
+        record.suspect |= suspect;
         record.state = State::Queued;
     }
     record
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identities_ascend_when_the_clock_is_set_back() {
+        let first = Uuid::from_u128(0x0190_0000_0000_7000_8000_0000_0000_0007);
+        let earlier = Uuid::from_u128(0x0180_0000_0000_7000_8000_0000_0000_0000);
+        let later = Uuid::from_u128(0x0190_0000_0001_7000_8000_0000_0000_0000);
+        assert_eq!(after(None, earlier), earlier);
+        assert_eq!(after(Some(first), later), later);
+        let second = after(Some(first), earlier);
+        assert!(second > first && after(Some(second), first) > second);
+        assert!(second.to_string() > first.to_string(), "texts are ordered as identities are");
+    }
 }

@@ -82,6 +82,30 @@ pub struct Record {
     pub state: State,
     /// Runs begun.
     pub attempt: u32,
+    /// Times the server died while this job was the only one that ran.
+    #[serde(default)]
+    pub crashes: u32,
+    /// It was running when the server died, and has not ended since: it runs alone.
+    #[serde(default)]
+    pub suspect: bool,
+    /// Runs that the host failed (disk, descriptors, memory of the system); none of them is an attempt.
+    #[serde(default)]
+    pub host_failures: u32,
+    /// What failed the last of them; empty = none.
+    #[serde(default)]
+    pub host_failure: String,
+    /// Longest run by the clock that was asked for, ms; 0 = the server's.
+    #[serde(default)]
+    pub wall_ms: u64,
+    /// Most bytes of log and files that were asked for; 0 = the server's.
+    #[serde(default)]
+    pub max_job_bytes: u64,
+    /// Which of the two stopped the job, as a text; empty = neither.
+    #[serde(default)]
+    pub limit: String,
+    /// Its macros have written files.
+    #[serde(default)]
+    pub has_files: bool,
     /// A cancel was accepted.
     pub cancel: bool,
     /// Milliseconds since 1970.
@@ -110,4 +134,45 @@ pub struct Record {
 pub(crate) fn now_ms() -> i64 {
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A queued job.
+    pub(crate) fn record(id: &str) -> Record {
+        Record {
+            id: id.to_owned(),
+            request_id: id.to_owned(),
+            content: String::new(),
+            machine_name: String::new(),
+            machine: Definition::shipped("fanuc-mill"),
+            programs: Vec::new(),
+            files: Vec::new(),
+            options: Options::default(),
+            answers: Vec::new(),
+            state: State::Queued,
+            attempt: 0,
+            crashes: 0,
+            suspect: false,
+            host_failures: 0,
+            host_failure: String::new(),
+            wall_ms: 0,
+            max_job_bytes: 0,
+            limit: String::new(),
+            has_files: false,
+            cancel: false,
+            submitted_ms: 0,
+            started_ms: 0,
+            ended_ms: 0,
+            events: 0,
+            makespan_ns: 0,
+            highest_severity: 0,
+            verdict: String::new(),
+            error: String::new(),
+            findings: Vec::new(),
+            log_digest: String::new(),
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Event logs: one append-only file per job, in wire encoding.
+//! Event logs: one append-only file per job, in wire encoding. The file of a small log is a row of the ledger.
 //!
 //! File: a head (magic, then the job's description), then records. A record is 24 bytes of frame (length, CRC-32,
 //! first and last sequence number, little-endian) and one encoded `EventBatch`. Batches end at 256 events or
@@ -9,6 +9,7 @@
 pub(crate) mod decode;
 pub mod encode;
 pub(crate) mod filter;
+pub(crate) mod kept;
 pub(crate) mod reader;
 pub(crate) mod tail;
 pub(crate) mod writer;

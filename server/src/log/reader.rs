@@ -2,18 +2,17 @@
 //!
 //! Invariant: a reader holds no lock and no more than one piece of the file; a slow one costs nothing but that.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
 
 use bytes::{Buf, Bytes, BytesMut};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_proto::v1::JobDescription;
 use prost::Message as _;
 
+use super::kept::{Input, Kept};
 use super::{FRAME, Frame, MAGIC, RECORD_MAX, decode, encode};
 
-const PIECE: usize = 256 * 1024;
+const PIECE: usize = 64 * 1024;
 
 /// An encoded batch with the numbers it covers.
 #[derive(Debug, Clone)]
@@ -21,12 +20,14 @@ pub(crate) struct Batch {
     pub(crate) first: u64,
     pub(crate) last: u64,
     pub(crate) body: Bytes,
+    /// Where its record lies in the file.
+    pub(crate) at: u64,
 }
 
 /// A place in a log.
 #[derive(Debug)]
 pub(crate) struct Reader {
-    file: File,
+    file: Box<dyn Input>,
     description: JobDescription,
     /// Bytes read and not yet handed out.
     piece: BytesMut,
@@ -37,28 +38,48 @@ pub(crate) struct Reader {
     after: u64,
 }
 
-fn damage(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, format!("the event log is damaged: {what}"))
+/// An error with the way out.
+pub(crate) fn damage(what: &str) -> io::Error {
+    let text = format!("the event log is damaged: {what}; submit the job again, the same job gives the same log");
+    io::Error::new(io::ErrorKind::InvalidData, text)
+}
+
+/// The log ends before its last event.
+pub(crate) fn cut_short(last: u64, expected: u64) -> io::Error {
+    damage(&format!("it ends at event {last} of {expected}"))
 }
 
 impl Reader {
     /// Opens a log whose head has been written; batches up to number `after` are passed over.
-    pub(crate) fn open(path: &Path, after: u64) -> io::Result<Self> {
-        let mut file = File::open(path)?;
+    pub(crate) fn open(log: &Kept, after: u64) -> io::Result<Self> {
+        let mut file = log.open()?;
         let mut head = [0; MAGIC.len() + FRAME];
-        file.read_exact(&mut head)?;
-        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("head"))?;
+        let cut = |error: io::Error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => damage("its head is cut short"),
+            _ => error,
+        };
+        file.read_exact(&mut head).map_err(cut)?;
+        let frame = head.strip_prefix(MAGIC).and_then(Frame::read).ok_or_else(|| damage("its head is not one"))?;
         let mut description = vec![0; (frame.length as usize).min(RECORD_MAX)];
-        file.read_exact(&mut description)?;
-        let description = JobDescription::decode(description.as_slice()).map_err(|_| damage("description"))?;
+        file.read_exact(&mut description).map_err(cut)?;
+        let description =
+            JobDescription::decode(description.as_slice()).map_err(|_| damage("its description cannot be read"))?;
         let read = (head.len() + frame.length as usize) as u64;
         Ok(Self { file, description, piece: BytesMut::new(), read, limit: read, after })
     }
 
+    /// Opens a log again at a record; its description is not read.
+    pub(crate) fn resume(log: &Kept, at: u64, after: u64) -> io::Result<Self> {
+        let mut file = log.open()?;
+        file.seek(SeekFrom::Start(at))?;
+        let description = JobDescription::default();
+        Ok(Self { file, description, piece: BytesMut::new(), read: at, limit: at, after })
+    }
+
     /// Opens an ended log, to be read to the end of the file.
-    pub(crate) fn open_ended(path: &Path, after: u64) -> io::Result<Self> {
-        let mut reader = Self::open(path, after)?;
-        reader.limit = reader.file.metadata()?.len();
+    pub(crate) fn open_ended(log: &Kept, after: u64) -> io::Result<Self> {
+        let mut reader = Self::open(log, after)?;
+        reader.limit = log.length();
         Ok(reader)
     }
 
@@ -77,10 +98,10 @@ impl Reader {
             if !self.fill(FRAME)? {
                 return Ok(None);
             }
-            let frame = Frame::read(&self.piece).ok_or_else(|| damage("frame"))?;
+            let frame = Frame::read(&self.piece).ok_or_else(|| damage("a frame cannot be read"))?;
             let length = frame.length as usize;
             if length > RECORD_MAX {
-                return Err(damage("record length"));
+                return Err(damage("a record is too long"));
             }
             if frame.last <= self.after {
                 self.skip(FRAME + length)?;
@@ -89,13 +110,14 @@ impl Reader {
             if !self.fill(FRAME + length)? {
                 return Ok(None);
             }
+            let at = self.read - self.piece.len() as u64;
             self.piece.advance(FRAME);
             let body = self.piece.split_to(length).freeze();
             if crc32fast::hash(&body) != frame.crc {
-                return Err(damage("checksum"));
+                return Err(damage("a checksum is wrong"));
             }
             let after = std::mem::replace(&mut self.after, frame.last);
-            let batch = Batch { first: frame.first, last: frame.last, body };
+            let batch = Batch { first: frame.first, last: frame.last, body, at };
             return Ok(Some(if frame.first <= after { behind(batch, after) } else { batch }));
         }
     }
@@ -106,6 +128,10 @@ impl Reader {
             let left = usize::try_from(self.limit.saturating_sub(self.read)).unwrap_or(usize::MAX);
             let want = left.min(PIECE.max(need - self.piece.len()));
             if want == 0 {
+                if self.piece.is_empty() {
+                    // Nothing is held for a reader that waits.
+                    self.piece = BytesMut::new();
+                }
                 return Ok(false);
             }
             let old = self.piece.len();
@@ -138,19 +164,22 @@ fn behind(batch: Batch, after: u64) -> Batch {
     encode::varint_field(&mut body, 1, after + 1);
     encode::varint_field(&mut body, 2, batch.last);
     decode::events(&batch.body).filter(|event| decode::seq(event) > after).for_each(|e| encode::encoded(&mut body, e));
-    Batch { first: after + 1, last: batch.last, body: Bytes::from(body) }
+    Batch { first: after + 1, last: batch.last, body: Bytes::from(body), at: batch.at }
 }
 
 /// All events of an ended log, decoded. Ends early on damage, which [`Events::error`] then tells.
 pub(crate) struct Events {
     reader: Reader,
     batch: std::vec::IntoIter<(u64, Event)>,
+    last: u64,
+    expected: u64,
     error: Option<io::Error>,
 }
 
 impl Events {
-    pub(crate) fn new(reader: Reader) -> Self {
-        Self { reader, batch: Vec::new().into_iter(), error: None }
+    /// Of a log whose last event has the number `expected`.
+    pub(crate) fn new(reader: Reader, expected: u64) -> Self {
+        Self { reader, batch: Vec::new().into_iter(), last: 0, expected, error: None }
     }
 
     /// What ended the iteration before the end of the log.
@@ -159,9 +188,12 @@ impl Events {
     }
 
     fn load(&mut self) -> io::Result<bool> {
-        let Some(batch) = self.reader.next_batch()? else { return Ok(false) };
+        let Some(batch) = self.reader.next_batch()? else {
+            return if self.last < self.expected { Err(cut_short(self.last, self.expected)) } else { Ok(false) };
+        };
+        self.last = batch.last;
         let events: Option<Vec<_>> = decode::events(&batch.body).map(decode::event).collect();
-        self.batch = events.ok_or_else(|| damage("event"))?.into_iter();
+        self.batch = events.ok_or_else(|| damage("an event cannot be read"))?.into_iter();
         Ok(true)
     }
 }

@@ -4,9 +4,12 @@
 
 use tokio::sync::watch;
 
-/// End of the readable part of a log.
+/// End of the readable part of a log. The log of a run that the host failed is dropped; the next run writes another
+/// file with the same events.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Position {
+    /// Logs dropped before this one.
+    pub(crate) dropped: u32,
     /// Bytes of the file.
     pub(crate) bytes: u64,
     /// Last event in them.
@@ -22,8 +25,13 @@ impl Tail {
         Self(watch::Sender::new(Position::default()))
     }
 
-    pub(crate) fn set(&self, position: Position) {
-        self.0.send_replace(position);
+    pub(crate) fn set(&self, bytes: u64, last_seq: u64) {
+        self.0.send_modify(|position| *position = Position { bytes, last_seq, ..*position });
+    }
+
+    /// The log has been dropped.
+    pub(crate) fn begin_again(&self) {
+        self.0.send_modify(|position| *position = Position { dropped: position.dropped + 1, ..Position::default() });
     }
 
     pub(crate) fn follow(&self) -> watch::Receiver<Position> {

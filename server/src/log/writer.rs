@@ -4,25 +4,44 @@
 //! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
 //! file.
 
-use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use counterpoint_kernel::log::event::{Event, MAX_AXES};
 use counterpoint_kernel::log::info::Info;
 
-use super::tail::{Position, Tail};
+use super::tail::Tail;
 use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
+use crate::local::disk::{Disk, Written};
 
 const WRITE_BYTES: usize = 256 * 1024;
 const WRITE_EVERY: Duration = Duration::from_millis(10);
 
+/// Largest log that becomes a row of the ledger instead of a file, bytes.
+const SMALL: usize = 16 * 1024;
+
+/// Where a log goes.
+#[derive(Debug)]
+enum Place {
+    /// Nothing has been written yet.
+    None(Disk, PathBuf),
+    File(Written),
+}
+
+/// A log that has no file.
+#[derive(Debug)]
+pub(crate) struct Small {
+    pub(crate) bytes: Bytes,
+    pub(crate) last_seq: u64,
+}
+
 /// The one writer of a log.
 #[derive(Debug)]
 pub(crate) struct Writer {
-    file: File,
+    place: Place,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -30,15 +49,24 @@ pub(crate) struct Writer {
     buffer: Vec<u8>,
     /// Where the open record begins in `buffer`, and its first event.
     open: Option<(usize, u64)>,
-    position: Position,
+    bytes: u64,
+    last_seq: u64,
     written: Instant,
 }
 
 impl Writer {
-    /// Begins a log anew, with the encoded description of the job at its head.
-    pub(crate) fn create(path: &Path, tail: Arc<Tail>, info: &Info, description: &[u8]) -> io::Result<Self> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+    /// Begins a log anew; its file comes with the first write. The encoded description of the job is its head.
+    pub(crate) fn create(
+        disk: &Disk,
+        path: &Path,
+        tail: Arc<Tail>,
+        info: &Info,
+        description: &[u8],
+    ) -> io::Result<Self> {
+        // Readers of the log of a run before this one keep that file.
+        match std::fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
         }
         let mut axes = Vec::new();
         for channel in &info.channels {
@@ -54,11 +82,8 @@ impl Writer {
         buffer.extend_from_slice(MAGIC);
         buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
-        let file = File::create(path)?;
-        let mut writer =
-            Self { file, tail, axes, buffer, open: None, position: Position::default(), written: Instant::now() };
-        writer.write()?;
-        Ok(writer)
+        let place = Place::None(disk.clone(), path.to_owned());
+        Ok(Self { place, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() })
     }
 
     /// Appends events in log order.
@@ -70,7 +95,7 @@ impl Writer {
             };
             let axes = self.axes.get(usize::from(event.channel)).copied().unwrap_or(MAX_AXES);
             encode::event(&mut self.buffer, seq, event, axes);
-            self.position.last_seq = seq;
+            self.last_seq = seq;
             if seq - first + 1 >= BATCH_EVENTS || self.buffer.len() - start >= BATCH_BYTES {
                 self.close_record();
                 if self.buffer.len() >= WRITE_BYTES {
@@ -81,18 +106,28 @@ impl Writer {
         self.flush_old()
     }
 
+    /// Bytes of the log, written or not.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes + self.buffer.len() as u64
+    }
+
     /// Writes what has been gathered for long enough.
     pub(crate) fn flush_old(&mut self) -> io::Result<()> {
         if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
-    /// Writes everything and makes it durable when asked.
-    pub(crate) fn finish(mut self, durable: bool) -> io::Result<()> {
-        self.flush()?;
-        if durable {
-            self.file.sync_all()?;
+    /// Writes everything and makes it durable when asked; gives back a log that is small and has no file.
+    pub(crate) fn finish(mut self, durable: bool) -> io::Result<Option<Small>> {
+        self.close_record();
+        if matches!(self.place, Place::None(..)) && self.buffer.len() <= SMALL {
+            return Ok(Some(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
         }
-        Ok(())
+        self.write()?;
+        match &self.place {
+            Place::File(file) if durable => file.sync()?,
+            _ => {}
+        }
+        Ok(None)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -110,18 +145,26 @@ impl Writer {
 
     fn close_record(&mut self) {
         let Some((start, first)) = self.open.take() else { return };
-        encode::varint_field(&mut self.buffer, 2, self.position.last_seq);
-        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.position.last_seq);
+        encode::varint_field(&mut self.buffer, 2, self.last_seq);
+        let frame = Frame::of(self.buffer.get(start + FRAME..).unwrap_or_default(), first, self.last_seq);
         if let Some(slot) = self.buffer.get_mut(start..start + FRAME) {
             slot.copy_from_slice(&frame.to_bytes());
         }
     }
 
     fn write(&mut self) -> io::Result<()> {
-        self.file.write_all(&self.buffer)?;
-        self.position.bytes += self.buffer.len() as u64;
+        if let Place::None(disk, path) = &self.place {
+            if let Some(folder) = path.parent() {
+                disk.create_folder(folder)?;
+            }
+            self.place = Place::File(disk.create(path)?);
+        }
+        if let Place::File(file) = &mut self.place {
+            file.write_all(&self.buffer)?;
+        }
+        self.bytes += self.buffer.len() as u64;
         self.buffer.clear();
-        self.tail.set(self.position);
+        self.tail.set(self.bytes, self.last_seq);
         self.written = Instant::now();
         Ok(())
     }

@@ -4,6 +4,7 @@
 //! Invariant: a stored machine has passed the check of this server.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
 use counterpoint_kernel::files::Memory;
@@ -70,15 +71,28 @@ pub(crate) struct Checked {
 #[derive(Debug)]
 pub(crate) struct Machines {
     blobs: Blobs,
+    most: u64,
     loaded: DashMap<(String, String), Checked>,
+    /// Bytes of the files of those.
+    bytes: AtomicU64,
 }
 
 /// Machines kept loaded; beyond that the memory is emptied.
 const KEPT: usize = 64;
+/// Bytes of their files beyond which it is emptied too.
+const KEPT_BYTES: u64 = 256 << 20;
 
 impl Machines {
-    pub(crate) fn new(blobs: Blobs) -> Self {
-        Self { blobs, loaded: DashMap::new() }
+    /// Machines with files of at most `most` bytes.
+    pub(crate) fn new(blobs: Blobs, most: u64) -> Self {
+        Self { blobs, most, loaded: DashMap::new(), bytes: AtomicU64::new(0) }
+    }
+
+    /// Bytes of all files of a definition, each name counted.
+    fn bytes(&self, definition: &Definition) -> Result<u64, Refusal> {
+        let sizes = definition.files.values().map(|digest| self.blobs.size(digest));
+        let bytes = sizes.fold(0, u64::saturating_add);
+        if bytes > self.most { Err(Refusal::MachineTooLarge(self.most)) } else { Ok(bytes) }
     }
 
     /// Loads and checks a definition; all its blobs must be there.
@@ -87,14 +101,23 @@ impl Machines {
         if let Some(known) = self.loaded.get(&key) {
             return Ok(known.clone());
         }
+        let bytes = self.bytes(definition)?;
         let mut files = Memory::default();
+        let mut contents: BTreeMap<&str, _> = BTreeMap::new();
         for (path, digest) in &definition.files {
-            files.0.insert(path.clone(), self.blobs.read(digest)?);
+            let content = match contents.get(digest.as_str()) {
+                Some(content) => Clone::clone(content),
+                None => self.blobs.read(digest)?,
+            };
+            contents.insert(digest, content.clone());
+            files.0.insert(path.clone(), content);
         }
         let loaded = load(&Overlay::over_shipped(files), &definition.name);
         let checked = Checked { machine: loaded.machine.map(Arc::new), findings: loaded.findings };
-        if self.loaded.len() >= KEPT {
+        let kept = self.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        if self.loaded.len() >= KEPT || kept > KEPT_BYTES {
             self.loaded.clear();
+            self.bytes.store(bytes, Ordering::Relaxed);
         }
         self.loaded.insert(key, checked.clone());
         Ok(checked)

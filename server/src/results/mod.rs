@@ -7,11 +7,13 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use counterpoint_kernel::job::{Outcome, WrittenFiles};
+use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::info::Info;
-use counterpoint_kernel::log::{jsonl, listing};
+use counterpoint_kernel::log::{jsonl, listing, summary};
 use serde::Serialize;
 
+use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
 
 /// A result that has a file of its own.
@@ -59,6 +61,8 @@ pub(crate) struct Finished {
     pub(crate) results: Results,
     /// What macros have written; it is not in the log.
     pub(crate) files: WrittenFiles,
+    /// Bytes of all documents, as far as known.
+    pub(crate) bytes: u64,
 }
 
 impl std::fmt::Debug for Finished {
@@ -68,6 +72,19 @@ impl std::fmt::Debug for Finished {
 }
 
 impl Finished {
+    /// Results of a run. A `limit` of the server that stopped it (empty = none) is a verdict that the log does not have,
+    /// because it is none of the program's.
+    pub(crate) fn new(mut results: Results, files: WrittenFiles, limit: &str) -> Self {
+        if !limit.is_empty() {
+            let at_ns = results.summary.makespan_ns;
+            let verdict =
+                summary::Verdict { kind: VerdictKind::Limit, at_ns, text: limit.to_owned(), members: Vec::new() };
+            results.summary.state = summary::State::Failed;
+            results.summary.verdict.get_or_insert(verdict);
+        }
+        Self { results, files, bytes: 0 }
+    }
+
     /// A document as text; `None` when it cannot be written as such.
     pub(crate) fn document(&self, document: Document) -> Option<Vec<u8>> {
         match document {
@@ -99,12 +116,14 @@ fn json(value: &impl Serialize) -> Option<Vec<u8>> {
 pub(crate) struct Source<'a> {
     pub(crate) info: &'a Arc<Info>,
     pub(crate) outcome: Outcome,
-    pub(crate) log: &'a std::path::Path,
+    pub(crate) log: &'a Kept,
+    /// Limit of the server that stopped the run; empty = none.
+    pub(crate) limit: &'a str,
 }
 
 impl Source<'_> {
     fn events(&self) -> io::Result<Events> {
-        Ok(Events::new(Reader::open_ended(self.log, 0)?))
+        Ok(Events::new(Reader::open_ended(self.log, 0)?, self.outcome.events))
     }
 
     /// Makes results from the log.
@@ -114,7 +133,7 @@ impl Source<'_> {
         for (_, event) in &mut events {
             folds.event(&event);
         }
-        let finished = || Finished { results: folds.finish(&self.outcome), files: WrittenFiles::new() };
+        let finished = || Finished::new(folds.finish(&self.outcome), WrittenFiles::new(), self.limit);
         events.error().map_or_else(|| Ok(finished()), Err)
     }
 

@@ -1,6 +1,7 @@
 //! Service `Blobs`.
 
 use std::io::Read;
+use std::time::Duration;
 
 use bytes::Bytes;
 use counterpoint_proto::v1;
@@ -17,6 +18,12 @@ impl Chunk for v1::DownloadResponse {
     fn chunk(data: Bytes) -> Self {
         Self { data }
     }
+}
+
+/// The next chunk, if it comes within that many seconds.
+async fn next(chunks: &mut Streaming<v1::UploadRequest>, patience: u64) -> Result<Option<v1::UploadRequest>, Status> {
+    let chunk = tokio::time::timeout(Duration::from_secs(patience), chunks.next()).await;
+    chunk.map_err(|_| Refusal::UploadStalled(patience))?.transpose()
 }
 
 #[tonic::async_trait]
@@ -39,17 +46,20 @@ impl Service for Blobs {
         &self,
         request: Request<Streaming<v1::UploadRequest>>,
     ) -> Result<Response<v1::UploadResponse>, Status> {
+        let _place = self.0.uploads.take(request.remote_addr()).ok_or(Refusal::TooManyUploads)?;
+        let patience = self.0.options.upload_stall_s;
         let mut chunks = request.into_inner();
-        let first = chunks.next().await.transpose()?.unwrap_or_default();
+        let first = next(&mut chunks, patience).await?.unwrap_or_default();
         let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());
+        let core = self.0.clone();
         let mut receiver = blocking(move || {
+            core.room()?;
             let mut receiver = blobs.receive(&first.digest, first.size)?;
             receiver.chunk(&first.data)?;
             Ok(receiver)
         })
         .await?;
-        while let Some(chunk) = chunks.next().await {
-            let chunk = chunk?;
+        while let Some(chunk) = next(&mut chunks, patience).await? {
             if receiver.in_memory() {
                 receiver.chunk(&chunk.data)?;
                 continue;

@@ -35,8 +35,12 @@ impl Service for Jobs {
         let description = match self.0.live(&id).and_then(|live| live.run().map(|run| description(&run.info))) {
             Some(description) => Some(description),
             None => {
-                let path = self.0.store.log(&record.id);
-                blocking(move || Ok(Reader::open(&path, 0).ok().map(|reader| reader.description().clone()))).await?
+                let (core, id) = (self.0.clone(), record.id.clone());
+                let read = move || {
+                    let log = core.kept_log(&id)?;
+                    Ok(log.and_then(|log| Reader::open(&log, 0).ok()).map(|reader| reader.description().clone()))
+                };
+                blocking(read).await?
             }
         };
         Ok(Response::new(v1::GetJobResponse { status: Some(status(record)), description }))
@@ -68,7 +72,7 @@ impl Service for Jobs {
         let request = request.into_inner();
         let span = tracing::info_span!("watch", job = request.job_id);
         let watch = watch::Watch::new(self.0.clone(), request)?;
-        let (send, receive) = mpsc::channel(4);
+        let (send, receive) = mpsc::channel(1);
         // Ends with the job, with the client, or with the drain.
         tokio::spawn(watch.run(send).instrument(span));
         Ok(Response::new(ReceiverStream::new(receive)))

@@ -20,6 +20,9 @@ impl Service for Machines {
         request: Request<v1::PutMachineRequest>,
     ) -> Result<Response<v1::PutMachineResponse>, Status> {
         let (core, request) = (self.0.clone(), request.into_inner());
+        if self.0.reserved(&request.name) {
+            return Err(Refusal::MachineShipped(request.name).into());
+        }
         let (definition, checked) = blocking(move || {
             let definition = definition(&core, request.name, request.files)?;
             let checked = core.machines.load(&definition)?;
@@ -60,6 +63,7 @@ impl Service for Machines {
         let core = self.0.clone();
         let machines = blocking(move || {
             let mut all = core.ledger.machines()?;
+            all.retain(|definition| !core.reserved(&definition.name));
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
             let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
             all.extend(shipped.iter().map(|name| Definition::shipped(name)));

@@ -19,6 +19,8 @@ use super::{Chunk, Results, blocking, stream};
 use crate::Record;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
+use crate::log::kept::Kept;
+use crate::log::reader::damage;
 use crate::reason::Refusal;
 use crate::results::{Document, Form, Source};
 
@@ -134,7 +136,15 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
         let record = ended(&core, &id)?;
         let kept = std::fs::read(core.store.job(&record.id).join(Document::Files.file())).ok();
         let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
-        let text = kept.or_else(live).ok_or_else(|| Refusal::NoResults(id.clone()))?;
+        let text = match kept.or_else(live) {
+            Some(text) => text,
+            None if record.has_files => {
+                let text = "the files that macros have written are gone; submit the job again, it writes them again";
+                return Err(Refusal::DataLoss(text.to_owned()));
+            }
+            None if core.kept_log(&id)?.is_some() => return Ok(Vec::new()),
+            None => return Err(Refusal::NoResults(id)),
+        };
         serde_json::from_slice(&text).map_err(|error| Refusal::Storage(error.to_string()))
     })
     .await
@@ -169,7 +179,7 @@ struct Ended {
     core: Arc<Core>,
     record: Record,
     info: Arc<Info>,
-    log: std::path::PathBuf,
+    log: Kept,
 }
 
 impl Ended {
@@ -177,10 +187,10 @@ impl Ended {
         let core = core.clone();
         blocking(move || {
             let record = ended(&core, &id)?;
-            let log = core.store.log(&id);
-            if !log.is_file() {
-                return Err(Refusal::NoResults(id));
-            }
+            let Some(log) = core.kept_log(&id)? else {
+                let lost = record.events > 0 && core.options.log;
+                return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
+            };
             let sandbox = Sandbox::new(core.blobs.clone(), &record.files);
             let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
                 Some(info) => info,
@@ -196,9 +206,10 @@ impl Ended {
     }
 
     fn source(&self) -> Source<'_> {
-        let cancelled = self.record.state == State::Cancelled;
+        let limit = self.record.limit.as_str();
+        let cancelled = self.record.state == State::Cancelled || !limit.is_empty();
         let outcome = Outcome { events: self.record.events, cancelled, sink_failed: false };
-        Source { info: &self.info, outcome, log: &self.log }
+        Source { info: &self.info, outcome, log: &self.log, limit }
     }
 
     fn channel(&self, number: u32) -> Result<u16, Refusal> {

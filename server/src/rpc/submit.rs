@@ -22,16 +22,22 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     check_request_id(&request.request_id)?;
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
-    let options = options(request.options.unwrap_or_default())?;
+    let files: Vec<_> = files.into_iter().collect();
+    let asked = request.options.unwrap_or_default();
+    let (wall_ms, max_job_bytes) = asked.limits.map_or((0, 0), |limits| (limits.wall_ms, limits.max_job_bytes));
+    let mut options = options(asked)?;
+    let content = content(&request.machine, &programs, &files, &options, (wall_ms, max_job_bytes));
+    // The maxima of the server are not part of what was submitted.
+    options.limits = core.options.capped(&options.limits);
     let machine = machine(core, &request.machine)?;
-    let missing: Vec<String> = files.values().filter(|d| !core.blobs.has(d)).cloned().collect();
+    let missing: Vec<String> = files.iter().filter(|(_, d)| !core.blobs.has(d)).map(|(_, d)| d.clone()).collect();
     if !missing.is_empty() {
         return Err(Refusal::MissingBlobs(missing));
     }
-    let files: Vec<_> = files.into_iter().collect();
     Ok(Record {
-        id: uuid::Uuid::now_v7().to_string(),
-        content: content(&request.machine, &programs, &files, &options),
+        // The ledger gives it when it accepts the job.
+        id: String::new(),
+        content,
         request_id: request.request_id,
         machine_name: request.machine,
         machine,
@@ -41,6 +47,14 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
         answers: Vec::new(),
         state: State::Queued,
         attempt: 0,
+        crashes: 0,
+        suspect: false,
+        host_failures: 0,
+        host_failure: String::new(),
+        wall_ms,
+        max_job_bytes,
+        limit: String::new(),
+        has_files: false,
         cancel: false,
         submitted_ms: now_ms(),
         started_ms: 0,
@@ -173,6 +187,10 @@ fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
 
 /// The machine a name means, pinned to its revision.
 pub(super) fn machine(core: &Core, name: &str) -> Result<Definition, Refusal> {
+    // A ledger written by an older server may hold a machine under the name of a shipped one.
+    if core.reserved(name) {
+        return Ok(Definition::shipped(name));
+    }
     if let Some(definition) = core.ledger.machine(name)? {
         return Ok(definition);
     }
@@ -183,14 +201,23 @@ pub(super) fn machine(core: &Core, name: &str) -> Result<Definition, Refusal> {
 }
 
 /// Digest of what a client submitted, request id left out.
-fn content(machine: &str, programs: &[Program], files: &[(String, String)], options: &Options) -> String {
+fn content(
+    machine: &str,
+    programs: &[Program],
+    files: &[(String, String)],
+    options: &Options,
+    own_limits: (u64, u64),
+) -> String {
     #[derive(Serialize)]
     struct Content<'a> {
         machine: &'a str,
         programs: &'a [Program],
         files: &'a [(String, String)],
         options: &'a Options,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        own_limits: Option<(u64, u64)>,
     }
-    let content = serde_json::to_vec(&Content { machine, programs, files, options });
+    let own_limits = Some(own_limits).filter(|limits| *limits != (0, 0));
+    let content = serde_json::to_vec(&Content { machine, programs, files, options, own_limits });
     digest(&content.unwrap_or_default())
 }

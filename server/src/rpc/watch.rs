@@ -1,10 +1,9 @@
 //! One watcher of one job.
 //!
-//! It pulls from the log by its cursor, at the pace of its client: four messages may be under way, nothing else is
-//! held for it. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
+//! It pulls from the log by its cursor, at the pace of its client: one message may be under way. For a client that
+//! stands still nothing else is held: what was read ahead is dropped and read again later. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
 //! its cursor exactly once, in order, and the end of the job last.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -23,7 +22,7 @@ use crate::jobs::live::Live;
 use crate::jobs::progress;
 use crate::ledger::record::State;
 use crate::log::filter::Filter;
-use crate::log::reader::{Batch, Reader};
+use crate::log::reader::{Batch, Reader, cut_short};
 use crate::log::tail::Position;
 use crate::reason::Refusal;
 
@@ -33,6 +32,8 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Bytes read from the log at once.
 const PULL: usize = 256 * 1024;
+/// Time after which a client that takes nothing stands still.
+const STALL: Duration = Duration::from_millis(100);
 /// Messages below this size are padded up to it: receivers count small HTTP/2 frames as a flood.
 const SMALLEST: usize = 256;
 
@@ -44,8 +45,12 @@ pub(super) struct Watch {
     live: Arc<Live>,
     level: v1::WatchLevel,
     cursor: u64,
-    log: PathBuf,
     reader: Option<Reader>,
+    /// Where the log is to be read on after the client stood still.
+    resume: Option<u64>,
+    described: bool,
+    /// Logs that the job has dropped, as far as known.
+    dropped: u32,
     filter: Filter,
     last_progress: v1::Progress,
     /// When progress was last looked at, and when it was last sent.
@@ -75,12 +80,14 @@ impl Watch {
             None => from_ledger(&core, &request.job_id)?,
         };
         Ok(Self {
-            log: core.store.log(&live.id),
             core,
             live,
             level,
             cursor: request.after_seq,
             reader: None,
+            resume: None,
+            described: false,
+            dropped: 0,
             filter: Filter::new(level),
             last_progress: v1::Progress::default(),
             looked_at: Instant::now(),
@@ -103,7 +110,9 @@ impl Watch {
             // The state is read before the position: when it says ended, the position is final.
             let state = *states.borrow_and_update();
             let position = *tail.borrow_and_update();
-            self.batches(out, position).await?;
+            if !self.batches(out, position).await? {
+                continue;
+            }
             if state.ended() {
                 return self.end(out, position).await;
             }
@@ -131,41 +140,66 @@ impl Watch {
         }
     }
 
-    /// Sends what the log has behind the cursor.
-    async fn batches(&mut self, out: &Out, position: Position) -> Result<(), Over> {
-        if position.bytes == 0 {
-            return Ok(());
+    /// Sends what the log has after the cursor; `false` if the client stood still meanwhile.
+    async fn batches(&mut self, out: &Out, position: Position) -> Result<bool, Over> {
+        if position.dropped != self.dropped {
+            (self.dropped, self.reader, self.resume) = (position.dropped, None, None);
         }
-        if self.reader.is_none() {
-            self.open(out).await?;
+        if position.bytes == 0 || self.reader.is_none() && !self.open(out).await? {
+            return Ok(true);
         }
         if self.level <= v1::WatchLevel::Progress {
             self.cursor = self.cursor.max(position.last_seq);
-            return Ok(());
+            return Ok(true);
         }
         while let Some(mut reader) = self.reader.take() {
             reader.extend(position.bytes);
             let (reader, batches) = blocking(move || pull(reader)).await?;
-            self.reader = Some(reader);
             if batches.is_empty() {
+                self.reader = Some(reader);
                 break;
             }
             for batch in batches {
+                if tokio::time::timeout(STALL, out.reserve()).await.is_err() {
+                    self.resume = Some(batch.at);
+                    break;
+                }
                 self.batch(out, batch).await?;
             }
+            if self.resume.is_some() {
+                drop(reader);
+                out.reserve().await.map_err(|_| Over::Gone)?;
+                return Ok(false);
+            }
+            self.reader = Some(reader);
         }
-        match self.filter.take() {
-            Some(batch) => send_batch(out, batch).await,
-            None => Ok(()),
+        if let Some(batch) = self.filter.take() {
+            send_batch(out, batch).await?;
         }
+        Ok(true)
     }
 
-    async fn open(&mut self, out: &Out) -> Result<(), Over> {
-        let (path, after) = (self.log.clone(), self.cursor);
-        let reader = blocking(move || Ok(Reader::open(&path, after)?)).await?;
-        send(out, Content::Description(reader.description().clone())).await?;
+    /// Opens the log; `false` if it has just been dropped.
+    async fn open(&mut self, out: &Out) -> Result<bool, Over> {
+        let (core, id, after) = (self.core.clone(), self.live.id.clone(), self.cursor);
+        let resume = self.resume.take();
+        let opened = blocking(move || {
+            let Some(log) = core.kept_log(&id)? else { return Ok(None) };
+            let opened = match resume {
+                Some(at) => Reader::resume(&log, at, after),
+                None => Reader::open(&log, after),
+            };
+            match opened {
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+                other => Ok(Some(other?)),
+            }
+        });
+        let Some(reader) = opened.await? else { return Ok(false) };
+        if !std::mem::replace(&mut self.described, true) {
+            send(out, Content::Description(reader.description().clone())).await?;
+        }
         self.reader = Some(reader);
-        Ok(())
+        Ok(true)
     }
 
     async fn batch(&mut self, out: &Out, batch: Batch) -> Result<(), Over> {
@@ -192,8 +226,8 @@ impl Watch {
         let progress = v1::Progress {
             state: state(self.live.state()).into(),
             position: self.cursor,
-            channels: self.live.run().map(progress::channels).unwrap_or_default(),
-            queued_before: self.core.queued_before(&self.live.id) as u32,
+            channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
+            queued_before: self.core.queued_before(&self.live) as u32,
         };
         if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
             self.last_progress = progress.clone();
@@ -207,6 +241,9 @@ impl Watch {
         if self.cursor > position.last_seq {
             return Err(Refusal::CursorBeyondLog { after: self.cursor, last: position.last_seq }.into());
         }
+        if self.cursor < position.last_seq && self.level > v1::WatchLevel::Progress {
+            return Err(Refusal::from(cut_short(self.cursor, position.last_seq)).into());
+        }
         self.progress(out, true).await?;
         send(out, Content::Ended(status(self.live.record()))).await
     }
@@ -215,10 +252,10 @@ impl Watch {
 /// An ended job that is no longer in memory, as if it had just ended.
 fn from_ledger(core: &Core, id: &str) -> Result<Arc<Live>, Refusal> {
     let record = core.job(id)?;
-    let bytes = std::fs::metadata(core.store.log(id)).map_or(0, |meta| meta.len());
-    let position = Position { bytes, last_seq: record.events };
+    let bytes = core.kept_log(id)?.map_or(0, |log| log.length());
+    let events = record.events;
     let live = Live::new(record);
-    live.tail.set(position);
+    live.tail.set(bytes, events);
     Ok(Arc::new(live))
 }
 

@@ -81,7 +81,7 @@ async fn a_job_that_is_being_prepared_can_be_cancelled_and_drained() {
     server.stop().await;
 }
 
-fn copy(from: &Path, to: &Path) {
+pub fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
         let target = to.join(entry.file_name());
@@ -255,10 +255,10 @@ async fn files_of_macros_are_listed_read_and_survive() {
 async fn results_are_the_same_stored_kept_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
-    let job = server.submit("r", "EVENTS 5000\nALARM").await;
+    let job = server.submit("r", "EVENTS 50000\nALARM").await;
     server.wait(&job).await;
     let (first, log) = (summary(&server, &job).await, events(&server, &job).await);
-    assert_eq!(log.iter().filter(|&&b| b == b'\n').count(), 5001);
+    assert_eq!(log.iter().filter(|&&b| b == b'\n').count(), 50_001);
     let parsed: serde_json::Value = serde_json::from_slice(&first).unwrap();
     assert_eq!((&parsed["state"], &parsed["highest_severity"]), (&"FAILED".into(), &9.into()));
     let request = |channel| v1::GetListingRequest { job_id: job.clone(), channel, ..Default::default() };

@@ -9,8 +9,14 @@
     clippy::indexing_slicing
 )]
 
+mod connections;
+mod damage;
+mod folder;
 mod life;
+mod limits;
 mod operator;
+mod storage;
 mod submit;
 mod support;
+mod trouble;
 mod watch;

@@ -146,3 +146,17 @@ async fn a_machine_can_be_put_listed_and_pinned() {
     assert_eq!(reason(&server.machines().put_machine(put).await.unwrap_err()), "MACHINE_INVALID");
     server.stop().await;
 }
+
+#[tokio::test]
+async fn a_shipped_machine_cannot_be_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let extends = server.upload(b"extends = \"fanuc-mill\"\nname = \"poisoned\"\n").await;
+    let put = |name: &str| v1::PutMachineRequest {
+        name: name.into(),
+        files: vec![v1::MachineFile { path: format!("{name}/machine.toml"), digest: extends.clone() }],
+    };
+    let refused = server.machines().put_machine(put("fanuc-2path-lathe")).await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::AlreadyExists, "MACHINE_SHIPPED"));
+    server.stop().await;
+}

@@ -5,8 +5,8 @@
 //! is pressed becomes a diagnostic), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use counterpoint_kernel::control::{Control, Stop};
@@ -18,12 +18,14 @@ use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Unit};
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::mcd::source::Source;
+use counterpoint_kernel::options::Limits;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
 use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
+use counterpoint_server::local::disk::Disk;
 use counterpoint_server::options::Options;
 use counterpoint_server::runner::{Prepared, Runner, Task};
 use counterpoint_server::service::{self, Handle};
@@ -38,6 +40,14 @@ pub struct Script {
     pub hang: Arc<AtomicBool>,
     /// Dialogs that are over.
     pub asked: Arc<AtomicU64>,
+    /// Limits of the job prepared last.
+    pub limits: Arc<Mutex<Option<Limits>>>,
+}
+
+impl Default for Script {
+    fn default() -> Self {
+        Self { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default(), limits: Arc::default() }
+    }
 }
 
 struct Ready {
@@ -48,8 +58,11 @@ struct Ready {
 
 impl Runner for Script {
     fn prepare(&self, task: Task, files: &dyn Files, stop: &Stop) -> Result<Box<dyn Prepared>, Vec<Finding>> {
+        *self.limits.lock().unwrap() = Some(task.options.limits.clone());
         let program = &task.programs[0];
-        let script = String::from_utf8_lossy(&files.read(&program.file).unwrap()).into_owned();
+        let read = files.read(&program.file);
+        let bytes = read.map_err(|error| vec![Finding::error(&program.file, 0, 0, error.to_string())])?;
+        let script = String::from_utf8_lossy(&bytes).into_owned();
         if script.contains("REFUSE") {
             return Err(vec![Finding::error(&program.file, 1, 1, "refused")]);
         }
@@ -147,7 +160,7 @@ impl Prepared for Ready {
             match line.split_once(' ').unwrap_or((line, "")) {
                 ("EVENTS", count) => {
                     let end = seq + count.parse::<u64>().unwrap();
-                    while seq < end {
+                    while seq < end && !control.cancelled() {
                         let batch: Vec<_> = (seq..end.min(seq + 100)).map(event).collect();
                         if !sink.events(seq, &batch) {
                             return Outcome { events: seq - 1, cancelled: false, sink_failed: true };
@@ -209,8 +222,12 @@ pub fn options(data: &Path) -> Options {
 
 impl Server {
     pub async fn start(options: Options) -> Self {
-        let script = Script { hang: Arc::new(AtomicBool::new(true)), asked: Arc::default() };
-        let service = service::build_with(options, script.clone()).await.unwrap();
+        Self::start_on(options, Disk::default()).await
+    }
+
+    pub async fn start_on(options: Options, disk: Disk) -> Self {
+        let script = Script::default();
+        let service = service::build_on(options, script.clone(), disk).await.unwrap();
         let handle = service.handle();
         let task = tokio::spawn(async { service.run(std::future::pending()).await.unwrap() });
         let address = format!("http://{}", handle.address());

@@ -134,3 +134,36 @@ async fn unread_progress_does_not_kill_the_connection() {
     }
     server.stop().await;
 }
+
+/// What was read ahead for a client that stands still is dropped; nothing is missing when it goes on.
+#[tokio::test]
+async fn a_watcher_that_stood_still_gets_the_rest_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "EVENTS 100000").await;
+    let mut still = Vec::new();
+    for level in [v1::WatchLevel::Everything, v1::WatchLevel::Blocks] {
+        still.push(server.watch(&job, 77, level).await);
+    }
+    assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    for mut stream in still {
+        let mut last = 77;
+        let mut pauses = 0;
+        loop {
+            match stream.message().await.unwrap().unwrap().content.unwrap() {
+                Content::Batch(batch) => {
+                    assert_eq!(batch.first_seq, last + 1);
+                    last = batch.last_seq;
+                    if pauses < 3 {
+                        pauses += 1;
+                        tokio::time::sleep(Duration::from_millis(250)).await;
+                    }
+                }
+                Content::Ended(_) => break,
+                _ => {}
+            }
+        }
+        assert_eq!(last, 100_000);
+    }
+    server.stop().await;
+}

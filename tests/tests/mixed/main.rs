@@ -8,7 +8,7 @@ mod programs;
 use counterpoint_kernel::log::event::{Event, Kind, Motion, Position};
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::options::{Limits, Options};
-use counterpoint_tests::{Done, Work};
+use counterpoint_tests::{Done, Work, cases, processors};
 use machines::{Macros, machine};
 use programs::program;
 use proptest::prelude::*;
@@ -136,10 +136,6 @@ fn macros(cutter: bool) -> impl Strategy<Value = Macros> {
     })
 }
 
-fn cases() -> u32 {
-    std::env::var("MIXED_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(100)
-}
-
 /// A meeting is one microstep after its last arrival, and so is the move behind it, however long that waits.
 #[test]
 fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
@@ -150,7 +146,7 @@ fn a_move_that_waits_behind_a_meeting_keeps_its_place() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(100), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_program_of_a_mill((text, macros) in (program(true, true), macros(true))) {
@@ -175,4 +171,10 @@ proptest! {
     ) {
         run(machine(false, macros), &[upper, lower])?;
     }
+}
+
+/// One processor, two, free and beside busy threads, with few threads and many.
+#[test]
+fn everywhere() {
+    processors::everywhere(&processors::FEW_SETTINGS, "everywhere", &[("MIXED_CASES", "5")]);
 }

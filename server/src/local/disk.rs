@@ -1,0 +1,178 @@
+//! The seam for file writes.
+//!
+//! Invariant: without [`Faults`] a step does what the system does and nothing else.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is about to happen to a file or folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// It is created.
+    Create,
+    /// So many bytes are written.
+    Write(usize),
+    /// Its length is set to so many bytes.
+    Resize(u64),
+    /// It is made durable.
+    Sync,
+    /// A finished file gets its name.
+    Place,
+    /// It is opened to be read.
+    Read,
+}
+
+/// Troubles of a disk, for tests.
+pub trait Faults: Send + Sync {
+    /// Called before each step. Of a write it gives the number of bytes that are written at most (a short write);
+    /// otherwise the number does not matter.
+    ///
+    /// # Errors
+    /// What the step fails with.
+    fn before(&self, step: Step, path: &Path) -> io::Result<usize>;
+
+    /// Free bytes to be reported; `None` = those of the disk.
+    fn free(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// The disk.
+#[derive(Clone, Default)]
+pub struct Disk(Option<Arc<dyn Faults>>);
+
+impl std::fmt::Debug for Disk {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Disk")
+    }
+}
+
+impl Disk {
+    /// A disk with troubles.
+    #[must_use]
+    pub fn faulty(faults: Arc<dyn Faults>) -> Self {
+        Self(Some(faults))
+    }
+
+    /// Asks whether a step may be done; of a write, how many bytes.
+    pub(crate) fn step(&self, step: Step, path: &Path) -> io::Result<usize> {
+        self.0.as_ref().map_or(Ok(usize::MAX), |faults| faults.before(step, path))
+    }
+
+    pub(crate) fn create(&self, path: &Path) -> io::Result<Written> {
+        self.step(Step::Create, path)?;
+        Ok(Written { file: File::create(path)?, path: path.to_owned(), disk: self.clone() })
+    }
+
+    /// A temporary file in `folder`; dropping it removes it.
+    pub(crate) fn temporary(&self, folder: &Path) -> io::Result<Temporary> {
+        self.step(Step::Create, folder)?;
+        Ok(Temporary { file: tempfile::NamedTempFile::new_in(folder)?, disk: self.clone() })
+    }
+
+    pub(crate) fn create_folder(&self, path: &Path) -> io::Result<()> {
+        if path.is_dir() {
+            return Ok(());
+        }
+        self.step(Step::Create, path)?;
+        fs::create_dir_all(path)
+    }
+
+    /// Makes the names in a folder durable where the system has the notion.
+    pub(crate) fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        self.step(Step::Sync, path)?;
+        if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
+    }
+
+    /// A whole file.
+    pub(crate) fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.step(Step::Read, path)?;
+        fs::read(path)
+    }
+
+    /// Opens a file to be read.
+    pub(crate) fn open(&self, path: &Path) -> io::Result<File> {
+        self.step(Step::Read, path)?;
+        File::open(path)
+    }
+
+    /// Free bytes for the server on the disk of a folder; `None` where the system does not say.
+    pub(crate) fn free(&self, folder: &Path) -> Option<u64> {
+        let told = self.0.as_ref().and_then(|faults| faults.free());
+        told.or_else(|| free(folder))
+    }
+}
+
+#[cfg(unix)]
+fn free(folder: &Path) -> Option<u64> {
+    let stat = rustix::fs::statvfs(folder).ok()?;
+    Some(stat.f_bavail.saturating_mul(stat.f_frsize))
+}
+
+#[cfg(not(unix))]
+fn free(_folder: &Path) -> Option<u64> {
+    None
+}
+
+fn write(disk: &Disk, path: &Path, file: &mut File, data: &[u8]) -> io::Result<usize> {
+    let most = disk.step(Step::Write(data.len()), path)?;
+    file.write(data.get(..most).unwrap_or(data))
+}
+
+/// A file being written.
+#[derive(Debug)]
+pub(crate) struct Written {
+    file: File,
+    path: PathBuf,
+    disk: Disk,
+}
+
+impl Written {
+    pub(crate) fn sync(&self) -> io::Result<()> {
+        self.disk.step(Step::Sync, &self.path)?;
+        self.file.sync_all()
+    }
+}
+
+impl Write for Written {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        write(&self.disk, &self.path, &mut self.file, data)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A temporary file being written.
+#[derive(Debug)]
+pub(crate) struct Temporary {
+    file: tempfile::NamedTempFile,
+    disk: Disk,
+}
+
+impl Temporary {
+    pub(crate) fn sync(&self) -> io::Result<()> {
+        self.disk.step(Step::Sync, self.file.path())?;
+        self.file.as_file().sync_all()
+    }
+
+    /// Gives it its name.
+    pub(crate) fn place(self, path: &Path) -> io::Result<()> {
+        self.disk.step(Step::Place, path)?;
+        self.file.persist(path).map(drop).map_err(|error| error.error)
+    }
+}
+
+impl Write for Temporary {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        let path = self.file.path().to_owned();
+        write(&self.disk, &path, self.file.as_file_mut(), data)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

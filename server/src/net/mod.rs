@@ -1,0 +1,266 @@
+//! Connections: accepted within limits, served, and let go when they stand still.
+//!
+//! Invariants: a peer that never speaks, or has not called for a while, holds no descriptor; when the process has no
+//! descriptor left, the accept loop waits instead of spinning.
+
+mod held;
+mod places;
+
+use std::convert::Infallible;
+use std::net::SocketAddr;
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use http::{HeaderMap, Request, Response};
+use hyper::body::Incoming;
+use hyper::server::conn::http2;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::watch;
+use tokio::time::{Instant, sleep, timeout};
+use tonic::Status;
+use tonic::body::Body;
+use tonic::service::Routes;
+use tonic::transport::server::TcpConnectInfo;
+use tower_service::Service as _;
+
+use crate::options::Options;
+use held::Held;
+pub(crate) use places::Places;
+
+/// Bytes of a frame that a client may send at once: an upload chunk with its head.
+const FRAME: u32 = 128 * 1024;
+/// Bytes that a stream may hold for a client that does not read.
+const SEND_BUFFER: usize = 32 * 1024;
+/// First bytes of every HTTP/2 connection.
+const PREFACE: usize = 24;
+/// Between two looks at a preface that has come in part.
+const LOOK: Duration = Duration::from_millis(20);
+/// Pause after an accept that failed: the process may have no descriptor left.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+/// Descriptors that no connection gets: ledger, logs, blobs, uploads.
+const RESERVE: u64 = 512;
+
+/// What connections may do.
+#[derive(Debug, Clone, Copy)]
+struct Patience {
+    preface: Duration,
+    idle: Duration,
+}
+
+/// Accepts and serves connections until `closing` says so, then until all have ended.
+pub(crate) async fn serve(
+    listener: TcpListener,
+    routes: Routes,
+    options: &Options,
+    mut closing: watch::Receiver<bool>,
+) {
+    let most = options.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
+    let places = Arc::new(Places::new(most, options.max_connections_per_address));
+    let patience =
+        Patience { preface: Duration::from_secs(options.preface_s), idle: Duration::from_secs(options.idle_s) };
+    let connections = watch::Sender::new(());
+    loop {
+        let accepted = tokio::select! {
+            _ = closing.wait_for(|closing| *closing) => break,
+            accepted = listener.accept() => accepted,
+        };
+        match accepted {
+            Err(error) => {
+                tracing::warn!(%error, "no connection can be accepted");
+                sleep(ACCEPT_PAUSE).await;
+            }
+            Ok((stream, peer)) => match places.take(peer.ip()) {
+                None => tracing::debug!(%peer, "refused: too many connections"),
+                Some(place) => {
+                    let (routes, closing, open) = (routes.clone(), closing.clone(), connections.subscribe());
+                    // Ends with the connection.
+                    tokio::spawn(async move {
+                        connection(stream, peer, routes, patience, closing).await;
+                        drop((place, open));
+                    });
+                }
+            },
+        }
+    }
+    drop(listener);
+    connections.closed().await;
+}
+
+/// Serves one connection to its end.
+async fn connection(
+    stream: TcpStream,
+    peer: SocketAddr,
+    routes: Routes,
+    patience: Patience,
+    mut closing: watch::Receiver<bool>,
+) {
+    let _ = stream.set_nodelay(true);
+    tokio::select! {
+        speaks = timeout(patience.preface, speaks(&stream)) => if !matches!(speaks, Ok(true)) {
+            return;
+        },
+        _ = closing.wait_for(|closing| *closing) => return,
+    }
+    let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
+    let calls = Arc::new(Calls::default());
+    let counted = calls.clone();
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(info.clone());
+        answer(routes.clone(), request, counted.begin())
+    });
+    let mut server = pin!(builder().serve_connection(TokioIo::new(stream), service));
+    let mut quiet_since = Instant::now();
+    let mut leaving = false;
+    loop {
+        tokio::select! {
+            _ = server.as_mut() => return,
+            _ = closing.wait_for(|closing| *closing), if !leaving => {
+                leaving = true;
+                server.as_mut().graceful_shutdown();
+            }
+            () = tokio::time::sleep_until(quiet_since + patience.idle) => {
+                if calls.none() && !leaving && calls.take_served() == 0 {
+                    leaving = true;
+                    server.as_mut().graceful_shutdown();
+                } else if leaving && calls.none() {
+                    return;
+                }
+                quiet_since = Instant::now();
+            }
+        }
+    }
+}
+
+/// Waits for the first bytes of HTTP/2; `false` if the peer leaves before.
+async fn speaks(stream: &TcpStream) -> bool {
+    let mut first = [0; PREFACE];
+    loop {
+        match stream.peek(&mut first).await {
+            Ok(PREFACE) => return true,
+            Ok(0) | Err(_) => return false,
+            Ok(_) => sleep(LOOK).await,
+        }
+    }
+}
+
+fn builder() -> http2::Builder<TokioExecutor> {
+    let mut builder = http2::Builder::new(TokioExecutor::new());
+    builder
+        .timer(TokioTimer::new())
+        .keep_alive_interval(Some(Duration::from_secs(30)))
+        .keep_alive_timeout(Duration::from_secs(10))
+        .initial_stream_window_size(1 << 20)
+        .initial_connection_window_size(4 << 20)
+        .max_frame_size(FRAME)
+        .max_send_buf_size(SEND_BUFFER)
+        .max_concurrent_streams(256)
+        .max_header_list_size(32 * 1024)
+        .max_pending_accept_reset_streams(Some(64));
+    builder
+}
+
+/// Answers one call, within its deadline if it has one.
+async fn answer(mut routes: Routes, request: Request<Incoming>, call: Call) -> Result<Response<Held>, Infallible> {
+    let deadline = deadline(request.headers());
+    let answered = routes.call(request.map(Body::new));
+    let response = match deadline {
+        None => answered.await?,
+        Some(deadline) => match timeout(deadline, answered).await {
+            Ok(response) => response?,
+            Err(_) => Status::deadline_exceeded("the deadline of the call is over").into_http(),
+        },
+    };
+    Ok(response.map(|body| Held::new(body, call)))
+}
+
+/// `grpc-timeout`: up to 8 digits and a unit.
+fn deadline(headers: &HeaderMap) -> Option<Duration> {
+    let text = headers.get("grpc-timeout")?.to_str().ok()?;
+    let (digits, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
+    if digits.len() > 8 || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let count: u64 = digits.parse().ok()?;
+    Some(match unit {
+        "H" => Duration::from_secs(count * 3600),
+        "M" => Duration::from_secs(count * 60),
+        "S" => Duration::from_secs(count),
+        "m" => Duration::from_millis(count),
+        "u" => Duration::from_micros(count),
+        "n" => Duration::from_nanos(count),
+        _ => return None,
+    })
+}
+
+/// Calls of one connection.
+#[derive(Debug, Default)]
+struct Calls {
+    open: AtomicUsize,
+    served: AtomicUsize,
+}
+
+impl Calls {
+    fn begin(self: &Arc<Self>) -> Call {
+        self.open.fetch_add(1, Ordering::Relaxed);
+        self.served.fetch_add(1, Ordering::Relaxed);
+        Call(self.clone())
+    }
+
+    fn none(&self) -> bool {
+        self.open.load(Ordering::Relaxed) == 0
+    }
+
+    /// Calls begun since the last time this was asked.
+    fn take_served(&self) -> usize {
+        self.served.swap(0, Ordering::Relaxed)
+    }
+}
+
+/// A call under way, until its answer has been sent or dropped.
+#[derive(Debug)]
+pub(super) struct Call(Arc<Calls>);
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        self.0.open.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Descriptors that the process may have, after asking for all that it can get.
+#[cfg(unix)]
+fn descriptors() -> u64 {
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+    let limit = getrlimit(Resource::Nofile);
+    let _ = setrlimit(Resource::Nofile, Rlimit { current: limit.maximum, maximum: limit.maximum });
+    getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX)
+}
+
+#[cfg(not(unix))]
+fn descriptors() -> u64 {
+    u64::MAX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deadlines_are_read_as_grpc_writes_them() {
+        let read = |text: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert("grpc-timeout", text.parse().unwrap());
+            deadline(&headers)
+        };
+        assert_eq!(read("5S"), Some(Duration::from_secs(5)));
+        assert_eq!(read("250m"), Some(Duration::from_millis(250)));
+        assert_eq!(read("99999999H"), Some(Duration::from_secs(99_999_999 * 3600)));
+        for wrong in ["", "S", "5", "5x", "123456789S", "-1S", "ü"] {
+            let parsed = wrong.parse::<http::HeaderValue>().is_ok().then(|| read(wrong)).flatten();
+            assert_eq!(parsed, None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Limits: the server's maxima, the clock, the bytes of a job and of a machine.
+
+use std::sync::atomic::Ordering;
+
+use counterpoint_proto::v1;
+use counterpoint_server::options::Options;
+use tonic::Code;
+
+use crate::support::*;
+
+async fn submit_limited(server: &Server, request_id: &str, script: &str, limits: v1::JobLimits) -> String {
+    let mut request = server.request(request_id, script).await;
+    request.options = Some(v1::JobOptions { limits: Some(limits), ..Default::default() });
+    server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id
+}
+
+async fn summary(server: &Server, job: &str) -> serde_json::Value {
+    let request = v1::GetSummaryRequest { job_id: job.into() };
+    let mut stream = server.results().get_summary(request).await.unwrap().into_inner();
+    let mut text = Vec::new();
+    while let Some(chunk) = stream.message().await.unwrap() {
+        text.extend_from_slice(&chunk.data);
+    }
+    serde_json::from_slice(&text).unwrap()
+}
+
+#[tokio::test]
+async fn a_job_without_end_is_stopped_by_the_clock_whatever_it_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = || Options { workers: 1, max_wall_ms: 300, ..options(folder.path()) };
+    let server = Server::start(settings()).await;
+    let forever = v1::JobLimits { wall_ms: 1 << 63, ..Default::default() };
+    let asked = v1::JobLimits { wall_ms: 50, ..Default::default() };
+    let jobs = [
+        (submit_limited(&server, "forever", "EVENTS 5\nHANG", forever).await, "300 ms"),
+        (submit_limited(&server, "asked", "EVENTS 5\nHANG", asked).await, "50 ms"),
+        (submit_limited(&server, "default", "EVENTS 5\nHANG", v1::JobLimits::default()).await, "300 ms"),
+    ];
+    let other = server.submit("other", "EVENTS 3").await;
+    assert_eq!(server.wait(&other).await.state(), v1::JobState::Succeeded, "others get their turn");
+    for (job, reached) in &jobs {
+        let status = server.wait(job).await;
+        assert_eq!((status.state(), status.error.as_str()), (v1::JobState::Failed, ""));
+        assert!(status.verdict.contains("wall_ms") && status.verdict.contains(reached), "{}", status.verdict);
+        assert!(!status.cancel_requested);
+    }
+    let before = summary(&server, &jobs[0].0).await;
+    assert_eq!((&before["state"], &before["verdict"]["kind"]), (&"FAILED".into(), &"LIMIT".into()));
+    server.stop().await;
+    let _ = std::fs::remove_file(folder.path().join("jobs").join(&jobs[0].0).join("summary.json"));
+    let server = Server::start(settings()).await;
+    assert_eq!(summary(&server, &jobs[0].0).await, before, "made again from the log");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_job_that_fills_the_disk_is_stopped_by_its_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { max_job_bytes: 1 << 20, ..options(folder.path()) }).await;
+    let endless = v1::JobLimits { max_job_bytes: u64::MAX, ..Default::default() };
+    let job = submit_limited(&server, "endless", "EVENTS 100000000", endless).await;
+    let status = server.wait(&job).await;
+    assert_eq!(status.state(), v1::JobState::Failed);
+    assert!(status.verdict.contains("max_job_bytes") && status.verdict.contains("1048576"), "{}", status.verdict);
+    let length = std::fs::metadata(folder.path().join("jobs").join(&job).join("log")).unwrap().len();
+    assert!(length < 2 << 20, "{length}");
+    let path = "x".repeat(200);
+    let few = v1::JobLimits { max_job_bytes: 150, ..Default::default() };
+    let job = submit_limited(&server, "files", &format!("WRITE {path}"), few).await;
+    let status = server.wait(&job).await;
+    assert!(status.verdict.contains("max_job_bytes"), "{status:?}");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn the_owner_of_the_server_sets_the_maxima() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = Options {
+        max_simulated_ns: 11,
+        max_blocks: 12,
+        max_zero_time_blocks: 13,
+        max_events: 14,
+        max_block_length: 15,
+        max_nesting: 16,
+        max_diagnostics: 17,
+        max_memory: 18,
+        max_macro_steps: 19,
+        ..options(folder.path())
+    };
+    let server = Server::start(settings.clone()).await;
+    let all = v1::JobLimits {
+        simulated_ns: i64::MAX,
+        blocks: 1 << 63,
+        zero_time_blocks: u64::MAX,
+        events: u64::MAX,
+        block_length: u32::MAX,
+        nesting: 1000,
+        diagnostics: u32::MAX,
+        memory: u64::MAX,
+        macro_steps: u64::MAX,
+        wall_ms: u64::MAX,
+        max_job_bytes: u64::MAX,
+    };
+    let job = submit_limited(&server, "r", "EVENTS 1", all).await;
+    server.wait(&job).await;
+    let limits = server.script.limits.lock().unwrap().clone().unwrap();
+    assert_eq!((limits.simulated_ns, limits.blocks, limits.zero_time_blocks, limits.events), (11, 12, 13, 14));
+    assert_eq!((limits.block_length, limits.nesting, limits.diagnostics), (15, 16, 17));
+    assert_eq!((limits.memory, limits.macro_steps), (18, 19));
+    server.stop().await;
+    // Other maxima do not make another job of the same request.
+    let server = Server::start(Options { max_blocks: 5, ..settings }).await;
+    let again = submit_limited(&server, "r", "EVENTS 1", all).await;
+    assert_eq!(again, job);
+    server.script.hang.store(false, Ordering::SeqCst);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn one_large_blob_under_many_names_is_no_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(Options { max_machine_bytes: 10_000, ..options(folder.path()) }).await;
+    let blob = server.upload(&[b' '; 400]).await;
+    let files = |count: usize| {
+        let file = |n| v1::MachineFile { path: format!("mine/{n}.tps"), digest: blob.clone() };
+        (0..count).map(file).collect::<Vec<_>>()
+    };
+    let check = |count| v1::CheckMachineRequest { name: "mine".into(), files: files(count) };
+    assert!(!server.machines().check_machine(check(25)).await.unwrap().into_inner().usable);
+    let refused = server.machines().check_machine(check(26)).await.unwrap_err();
+    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::InvalidArgument, "MACHINE_TOO_LARGE"));
+    let put = v1::PutMachineRequest { name: "mine".into(), files: files(26) };
+    assert_eq!(reason(&server.machines().put_machine(put).await.unwrap_err()), "MACHINE_TOO_LARGE");
+    server.stop().await;
+}

@@ -1,0 +1,125 @@
+//! What the end of a job costs, and small logs that are rows of the ledger.
+
+use std::io;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex};
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+use counterpoint_server::local::disk::{Disk, Faults, Step};
+use counterpoint_server::options::Options;
+
+use crate::support::*;
+
+/// Counts what is made durable, and lets logs wait for that.
+#[derive(Default)]
+struct Counting {
+    ledger: AtomicUsize,
+    others: AtomicUsize,
+    held: Mutex<bool>,
+    released: Condvar,
+}
+
+impl Counting {
+    fn hold(&self, held: bool) {
+        *self.held.lock().unwrap() = held;
+        self.released.notify_all();
+    }
+}
+
+impl Faults for Counting {
+    fn before(&self, step: Step, path: &Path) -> io::Result<usize> {
+        if step == Step::Sync {
+            let count = if path.ends_with("ledger.redb") { &self.ledger } else { &self.others };
+            count.fetch_add(1, Ordering::SeqCst);
+            if path.ends_with("log") {
+                let held = self.held.lock().unwrap();
+                drop(self.released.wait_while(held, |held| *held).unwrap());
+            }
+        }
+        Ok(usize::MAX)
+    }
+}
+
+#[tokio::test]
+async fn the_end_of_a_tiny_job_costs_one_commit_that_it_shares() {
+    let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));
+    let server = Server::start_on(options(folder.path()), Disk::faulty(disk.clone())).await;
+    let first = server.submit("first", "EVENTS 20").await;
+    server.wait(&first).await;
+    disk.ledger.store(0, Ordering::SeqCst);
+    disk.others.store(0, Ordering::SeqCst);
+    let count = 20;
+    for n in 0..count {
+        let mut request = server.request("", "EVENTS 20").await;
+        request.request_id = format!("r-{n}");
+        let job = server.jobs().submit_job(request).await.unwrap().into_inner().status.unwrap().job_id;
+        assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    }
+    assert_eq!(disk.others.load(Ordering::SeqCst), 0, "no file of a tiny job is made durable");
+    let commits = disk.ledger.load(Ordering::SeqCst);
+    assert!(commits <= 2 * count, "{commits} commits for {count} jobs, one after the other");
+    assert_eq!(std::fs::read_dir(folder.path().join("jobs")).unwrap().count(), 0);
+    assert_eq!(std::fs::read_dir(folder.path().join("running")).unwrap().count(), 0);
+    server.stop().await;
+}
+
+async fn events(server: &Server, job: &str, after: u64) -> Vec<v1::Event> {
+    let mut stream = server.watch(job, after, v1::WatchLevel::Everything).await;
+    let mut events = Vec::new();
+    while let Some(message) = stream.message().await.unwrap() {
+        if let Some(Content::Batch(batch)) = message.content {
+            events.extend(batch.events);
+        }
+    }
+    events
+}
+
+#[tokio::test]
+async fn a_small_log_survives_is_watched_and_goes_with_its_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("small", "EVENTS 20\nALARM").await;
+    let whole = events(&server, &job, 0).await;
+    assert_eq!(whole.len(), 21);
+    server.stop().await;
+    let server = Server::start(options(folder.path())).await;
+    assert_eq!(events(&server, &job, 0).await, whole);
+    assert_eq!(events(&server, &job, 15).await, whole[15..]);
+    let summary = server.results().get_summary(v1::GetSummaryRequest { job_id: job.clone() }).await;
+    assert!(summary.unwrap().into_inner().message().await.unwrap().is_some());
+    let files = server.results().list_files(v1::ListFilesRequest { job_id: job.clone() }).await.unwrap();
+    assert!(files.into_inner().files.is_empty());
+    assert!(
+        server
+            .jobs()
+            .get_job(v1::GetJobRequest { job_id: job.clone() })
+            .await
+            .unwrap()
+            .into_inner()
+            .description
+            .is_some()
+    );
+    server.jobs().delete_job(v1::DeleteJobRequest { job_id: job.clone() }).await.unwrap();
+    server.stop().await;
+    let database = redb::Database::open(folder.path().join("ledger.redb")).unwrap();
+    let table = redb::TableDefinition::<&str, &[u8]>::new("log");
+    let read = redb::ReadableDatabase::begin_read(&database).unwrap();
+    assert!(read.open_table(table).unwrap().get(job.as_str()).unwrap().is_none());
+}
+
+#[tokio::test]
+async fn a_job_being_stored_leaves_its_worker_to_the_next() {
+    let (folder, disk) = (tempfile::tempdir().unwrap(), Arc::new(Counting::default()));
+    let settings = Options { workers: 1, ..options(folder.path()) };
+    let server = Server::start_on(settings, Disk::faulty(disk.clone())).await;
+    disk.hold(true);
+    let large = server.submit("large", "EVENTS 20000").await;
+    let tiny = server.submit("tiny", "EVENTS 5").await;
+    assert_eq!(server.wait(&tiny).await.state(), v1::JobState::Succeeded);
+    assert_eq!(server.status(&large).await.state(), v1::JobState::Running, "its end is not durable yet");
+    disk.hold(false);
+    assert_eq!(server.wait(&large).await.state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
