@@ -14,8 +14,10 @@ use crate::machine::tables::form_range;
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]
 pub(crate) struct Refusals {
-    /// A rule looks for this code row.
-    rows: Vec<bool>,
+    /// Rules that look for each code row, bit by rule.
+    rows: Vec<u64>,
+    /// Rules without codes, bit by rule.
+    free: u64,
     /// Registers of data words that rules without codes look for, bit by register.
     registers: u128,
 }
@@ -26,8 +28,12 @@ impl Refusals {
         if machine.refusals.is_empty() {
             return None;
         }
+        let rules = |of: &dyn Fn(&Refusal) -> bool| {
+            let found = machine.refusals.iter().enumerate().filter(|(_, rule)| of(rule));
+            found.fold(0, |bits, (at, _)| bits | bit(at))
+        };
         let looks = |row: &CodeRow| {
-            machine.refusals.iter().any(|rule| {
+            rules(&|rule| {
                 let word = rule.word.filter(|_| rule.codes.is_empty());
                 let own = word.is_some_and(|word| form_range(&row.form).is_some_and(|(at, ..)| at == word.register));
                 own || rule.codes.iter().any(|code| may_be(code, row))
@@ -35,8 +41,14 @@ impl Refusals {
         };
         let free = machine.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
         let registers = free.fold(0, |bits, word| bits | 1 << word.register);
-        Some(Box::new(Self { rows: machine.codes.iter().map(looks).collect(), registers }))
+        let rows = machine.codes.iter().map(looks).collect();
+        Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers }))
     }
+}
+
+/// The bit of a rule; the last one stands for all rules that have none of their own.
+fn bit(rule: usize) -> u64 {
+    1 << rule.min(63)
 }
 
 /// Some value of the row is what the rule names.
@@ -57,9 +69,10 @@ impl Kernel<'_> {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(false);
-        if self.block.firings.iter().any(looked) || self.block.present & refusals.registers != 0 {
-            return self.refused();
+        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
+        let rules = self.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
+        if rules != 0 || self.block.present & refusals.registers != 0 {
+            return self.refused(rules | refusals.free);
         }
         Ok(())
     }
@@ -83,10 +96,11 @@ impl Kernel<'_> {
     }
 
     #[inline(never)]
-    fn refused(&mut self) -> Acted {
+    fn refused(&mut self, rules: u64) -> Acted {
         let machine = self.machine;
         let words = self.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
-        let Some(rule) = machine.refusals.iter().find(|rule| self.is_refused_by(rule, words)) else { return Ok(()) };
+        let mut looked = machine.refusals.iter().enumerate().filter(|(at, _)| rules & bit(*at) != 0);
+        let Some((_, rule)) = looked.find(|(_, rule)| self.is_refused_by(rule, words)) else { return Ok(()) };
         let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }
