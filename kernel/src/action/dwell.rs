@@ -12,6 +12,9 @@ use crate::trace::{self, ACTION};
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
     let Some(seconds) = kernel.take_seconds(data::DELAY) else {
+        if kernel.machine.habits.bare_dwell {
+            return super::mode::exact_stop_block(kernel);
+        }
         let text = format!("a dwell needs its time in '{}'", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
         return Ok(());

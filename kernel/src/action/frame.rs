@@ -70,7 +70,8 @@ pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Tool length compensation of a type (1 to 4) with the H word; sign 0 cancels.
 pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
-    let number = kernel.take(data::COMP_LENGTH).map(|d| d.value);
+    let asks = sign != 0.0 || kernel.block_has(data::COMP_LENGTH);
+    let number = if asks { kernel.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
     if sign == 0.0 && kernel.tip().is_some_and(|tip| tip.with_length) {
         super::tip::off(kernel)?;
     }

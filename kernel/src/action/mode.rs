@@ -30,7 +30,9 @@ pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Cutter or nose radius compensation: number, listing, and the path if there is a radius.
 pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId) -> Acted {
-    let number = super::compensation::take_diameter(kernel);
+    // What ends compensation needs no number.
+    let asks = side != "off" || kernel.block_has(data::COMP_DIAM);
+    let number = if asks { super::compensation::take_diameter(kernel) } else { None };
     if kernel.mode_changed || number.is_some() {
         let text = match number {
             Some(number) if side != "off" => {

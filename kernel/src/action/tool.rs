@@ -2,10 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
+use crate::channel::state::group;
 use crate::channel::{Acted, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
-use crate::machine::ident::data;
+use crate::machine::ident::{codes, data};
 
 /// Preselects a tool.
 pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
@@ -37,8 +38,15 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     kernel.tool_event(action, tool, offset, ns)?;
     if kernel.machine.tool.offset_digits > 0 {
         missing_offset(kernel, offset);
+        let other = kernel.place.tool_offset != offset;
         kernel.place.tool_offset = offset;
         kernel.reframe();
+        // Compensation goes on with the nose of the new offset.
+        if other
+            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) = kernel.modal.code(group::DIAMETER)
+        {
+            super::cutter::switched(kernel, code)?;
+        }
     }
     kernel.tell_tool();
     Ok(())

@@ -94,6 +94,19 @@ impl Kernel<'_> {
         false
     }
 
+    /// Says which of the data that an action could have done with have rows that are all switched off.
+    #[cold]
+    pub(crate) fn tell_off(&mut self, ids: &[DataId]) {
+        for &id in ids {
+            let rows = || self.machine.data.iter().filter(|row| row.id == id);
+            if rows().next().is_some() && rows().all(|row| !row.enable) {
+                let name = self.machine.data_name(id);
+                let text = format!("{name} is asked for in '{}', but its rows are switched off", self.block_text());
+                self.diagnose(&diag::DATA_REFUSED, text);
+            }
+        }
+    }
+
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
         if !self.secondary {

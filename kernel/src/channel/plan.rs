@@ -74,6 +74,34 @@ fn recall(machine: &Machine) -> Option<Vec<bool>> {
     recall.contains(&true).then_some(recall)
 }
 
+/// Data that whoever asks for them needs; others have a second form or a value of their own without the word.
+const NEEDED: [DataId; 24] = [
+    data::SPINDLE_RPM,
+    data::SPINDLE_CSS,
+    data::SPINDLE_RPM_MAX,
+    data::FEED_UPM,
+    data::FEED_UPR,
+    data::FEED_1T,
+    data::DELAY,
+    data::DELAY_REV,
+    data::INTERP_THREAD_PITCH,
+    data::INTERP_THREAD_PITCH_VAR,
+    data::TOOL,
+    data::HEAD_ID,
+    data::COMP_DIAM,
+    data::COMP_LENGTH,
+    data::COMP_WORKP,
+    data::COMP_EXTFIXT_REG,
+    data::OFFSET_NUMBER,
+    data::OFFSET_VALUE,
+    data::GOHOME_NTH,
+    data::CALSUB_ID,
+    data::SYNC,
+    data::CYCLE_CLEAR,
+    data::CYCLE_STEP,
+    data::CYCLE_DWELL,
+];
+
 /// Registers of rows that are recognised but not processed.
 fn refused(machine: &Machine) -> Vec<u128> {
     let of = |rows: &Vec<u16>| {
@@ -83,8 +111,7 @@ fn refused(machine: &Machine) -> Vec<u128> {
     };
     let mut refused: Vec<u128> = machine.tables.rows_of_data.iter().map(of).collect();
     // Data that actions need and whose rows are all off: whoever asks for them is refused, whatever is on the block.
-    let needed = [data::SPINDLE_RPM, data::FEED_UPM, data::FEED_UPR, data::FEED_1T];
-    for row in machine.data.iter().filter(|row| !row.enable && needed.contains(&row.id)) {
+    for row in machine.data.iter().filter(|row| !row.enable && NEEDED.contains(&row.id)) {
         let at = usize::from(row.id.0);
         if machine.tables.rows_of_data.get(at).is_some_and(Vec::is_empty)
             && let Some(bits) = refused.get_mut(at)

@@ -26,6 +26,8 @@ pub struct Habits {
     pub bare_home: bool,
     /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
     pub pointed_dwell: bool,
+    /// A dwell without a time is an exact stop.
+    pub bare_dwell: bool,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
@@ -92,6 +94,7 @@ impl Default for Habits {
             brackets: None,
             bare_home: false,
             pointed_dwell: false,
+            bare_dwell: false,
             unknown_alarms: false,
             stops: false,
             texts: Vec::new(),

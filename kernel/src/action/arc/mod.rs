@@ -83,11 +83,12 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
         kernel.diagnose(&diag::ARC_DIRECTION, text);
         return kernel.feed_to_point(coded, target, feed, unit);
     };
-    if words.radius.is_none()
-        && words.center.is_none()
-        && words.angle.is_none()
-        && !kernel.goes_on_at(&diag::ARC_INCOMPLETE)
-    {
+    let incomplete = words.radius.is_none() && words.center.is_none() && words.angle.is_none();
+    if incomplete {
+        let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
+        kernel.tell_off(&forms);
+    }
+    if incomplete && !kernel.goes_on_at(&diag::ARC_INCOMPLETE) {
         let text =
             format!("the circle has neither a centre nor a radius in '{}', nothing is moved", kernel.block_text());
         return Err(kernel.alarm(&diag::ARC_INCOMPLETE, text));

@@ -33,6 +33,8 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);
     let dwells = [("as-written", false), ("seconds", true)];
     habits.pointed_dwell = section.choice("dwell_with_point", &dwells).unwrap_or(habits.pointed_dwell);
+    let dwells = [("missing", false), ("exact-stop", true)];
+    habits.bare_dwell = section.choice("dwell_without_time", &dwells).unwrap_or(habits.bare_dwell);
     let unknown = [("warn", false), ("alarm", true)];
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
     habits.stops = section.flag("stops").unwrap_or(habits.stops);
