@@ -23,17 +23,18 @@ pub(crate) struct Refusals {
 impl Refusals {
     /// `None` where the machine has no rules.
     pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
-        if machine.refusals.is_empty() {
+        if machine.diagnostics.refusals.is_empty() {
             return None;
         }
         let looks = |row: &CodeRow| {
-            machine.refusals.iter().any(|rule| {
+            machine.diagnostics.refusals.iter().any(|rule| {
                 let word = rule.word.filter(|_| rule.codes.is_empty());
                 let own = word.is_some_and(|word| form_range(&row.form).is_some_and(|(at, ..)| at == word.register));
                 own || rule.codes.iter().any(|code| may_be(code, row))
             })
         };
-        let free = machine.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
+        let free =
+            machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
         let registers = free.fold(0, |bits, word| bits | 1 << word.register);
         Some(Box::new(Self { rows: machine.codes.iter().map(looks).collect(), registers }))
     }
@@ -53,10 +54,10 @@ impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
     #[inline(always)]
     pub(super) fn check_refused(&mut self) -> Acted {
-        if self.block.present & self.place.foreign != 0 {
+        if self.block.present & self.place.bounds.foreign != 0 {
             self.foreign_axis()?;
         }
-        let Some(refusals) = self.plan.refusals.as_deref() else { return Ok(()) };
+        let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
         let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(false);
         if self.block.firings.iter().any(looked) || self.block.present & refusals.registers != 0 {
             return self.refused();
@@ -69,7 +70,7 @@ impl Kernel<'_> {
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.machine;
         let rows = || self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
-        let wrong = |register: u8| self.place.foreign & 1 << register != 0 && self.block.has(register);
+        let wrong = |register: u8| self.place.bounds.foreign & 1 << register != 0 && self.block.has(register);
         let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
         let mut words = self.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
         let Some(word) = words.next() else { return Ok(()) };
@@ -86,7 +87,9 @@ impl Kernel<'_> {
     fn refused(&mut self) -> Acted {
         let machine = self.machine;
         let words = self.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
-        let Some(rule) = machine.refusals.iter().find(|rule| self.is_refused_by(rule, words)) else { return Ok(()) };
+        let Some(rule) = machine.diagnostics.refusals.iter().find(|rule| self.is_refused_by(rule, words)) else {
+            return Ok(());
+        };
         let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }

@@ -92,7 +92,9 @@ impl Read {
         let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
         let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
         let digits = u8::from(too_long) * odd::DIGITS;
-        (value, digits | u8::from(number.value < 0.0) * self.sign | u8::from(number.point) * self.pointed)
+        let sign = u8::from(number.value < 0.0) * self.sign;
+        let point = u8::from(number.point) * self.pointed;
+        (value, digits | sign | point)
     }
 }
 
