@@ -251,6 +251,10 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("Motion Event Macro").1.starts_with("Motion Event Macro\n`motion` of [macros]"));
     assert_eq!(explained("block_startup"), explained("Block Startup Macro"));
     assert!(explained("code macro").1.contains("$P1: the code, may be set\n"));
+    assert!(explained("$FMSGPOS").1.contains("needs a machine model, and there is none here"));
+    assert!(explained("$FPAUSE").1.contains("runs in the background"));
+    assert!(!explained("$FMSGLCV").1.contains("2910070"));
+    assert!(explained("$VMXFER").1.ends_with("There is no machine model here: only macros change it.\n"));
     assert!(explained("#{").1.contains("before the pre-processor"));
     assert!(explained("and").1.contains("`condition`"));
     assert!(explained("DATA_AXIS_X").1.starts_with("REG_AXIS_X\n"));

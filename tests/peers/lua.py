@@ -23,6 +23,9 @@ LOOPS = {
     "sequence": "for j=1,100 do local q={} for i=1,1000 do q[#q+1]=i+0.0 end end",
     "edit": "for i=1,10000 do local t=string.gsub('N120 X1.5 Y22.75 Z-3','[XYZ]([-0-9.]*)','<%1>') end",
     "function": "local function added(a,b) return a+b end local s=0.0 for i=1,100000 do s=added(s,i) end",
+    # A function that may print.
+    "call": """local function added(a,b) if a<0 then print('NEGATIVE') end return a+b end
+        local s=0.0 for i=1,100000 do s=added(s,i) end""",
     "matrix": """local a,b={},{} for i=1,100 do a[i],b[i]={},{} for j=1,100 do a[i][j],b[i][j]=0.0,0.0 end end
         for k=1,10 do for i=1,100 do for j=1,100 do a[i][j]=a[i][j]+i b[j][i]=a[i][j] end end end""",
     "locals": "local l1,l2=0.0,1.0 for l3=1.0,100000.0 do l1=l1+l2*l3 end",

@@ -3,7 +3,7 @@
 //! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
 
 use counterpoint_kernel::machine::ident::{self as control, takes};
-use counterpoint_kernel::macros::{identifiers, system};
+use counterpoint_kernel::macros::{identifiers, system, without};
 use counterpoint_lang::func::{self, Way};
 use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
@@ -129,7 +129,13 @@ fn function(name: &str) -> Option<String> {
     if let Some(Way::Missing(why)) = func::named(name).map(|function| &function.way) {
         return Some(format!("{name}\n\nNot available in macros of the control emulator: {why}.\n"));
     }
-    explain::functions().iter().find(|entry| entry.name == name).map(entry)
+    let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
+    Some(match without::why(name) {
+        Some(why) => {
+            format!("{text}\nThe function {why}: it says so once in a run (2910070) and answers as if it failed.\n")
+        }
+        None => text,
+    })
 }
 
 fn variable(name: &str) -> Option<String> {
@@ -148,7 +154,8 @@ fn variable(name: &str) -> Option<String> {
         None => String::new(),
     };
     let category = variable.category;
-    Some(format!("{}\n{kind}{range}, {access} ({category})\n\n{}\n", variable.form(), variable.about))
+    let model = if category == "model" { "\nThere is no machine model here: only macros change it.\n" } else { "" };
+    Some(format!("{}\n{kind}{range}, {access} ({category})\n\n{}\n{model}", variable.form(), variable.about))
 }
 
 fn identifier(name: &str) -> Option<String> {

@@ -9,13 +9,18 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, Limits, State};
 use criterion::{Criterion, criterion_group, criterion_main};
 
-const LOOPS: [(&str, &str); 21] = [
+const LOOPS: [(&str, &str); 22] = [
     ("arithmetic", "S=0\nDO/I=1,100000\nS=S+I*2-S/3\nENDOF/DO"),
     ("branches", "N=0\nI=0\nWHILE/I.LT.100000\nI+=1\nIF/$FMOD(I,3).EQ.0.AND.I.GT.5\nN+=1\nENDOF/IF\nENDOF/WHILE"),
     ("array", "DECLAR/REAL,A(1000)\nDO/J=1,100\nDO/I=1,1000\nA(I)=A(I)+I\nENDOF/DO\nENDOF/DO"),
     ("sequence", "DO/J=1,100\nQ={}\nDO/I=1,1000\nQ+=I\nENDOF/DO\nENDOF/DO"),
     ("edit", "DO/I=1,10000\nT=$FEDIT('N120 X1.5 Y22.75 Z-3','[XYZ]\\([-0-9.]*\\)','<\\1>')\nENDOF/DO"),
     ("function", "MACRO/ADDED(A,B)\nADDED=A+B\nENDMAC\nS=0\nDO/I=1,100000\nS=ADDED(S,I)\nENDOF/DO"),
+    // A function that has to be called, as it may print.
+    (
+        "call",
+        "MACRO/ADDED(A,B)\nIF/A.LT.0\nPPRINT/'NEGATIVE'\nENDOF/IF\nADDED=A+B\nENDMAC\nS=0\nDO/I=1,100000\nS=ADDED(S,I)\nENDOF/DO",
+    ),
     // Elements with two indices: read, written, updated.
     (
         "matrix",

@@ -334,6 +334,15 @@ pub enum Shared {
     Global(u32),
 }
 
+/// Short forms of a macro.
+#[derive(Clone, Debug, Default)]
+pub struct Short {
+    /// One for each instruction.
+    pub forms: Vec<fast::Fast>,
+    /// Small functions that they carry out in place of a call.
+    pub bodies: Vec<body::Body>,
+}
+
 /// Compiled macro.
 #[derive(Clone, Debug)]
 pub struct Code {
@@ -343,10 +352,8 @@ pub struct Code {
     pub source: Arc<Source>,
     /// Instructions.
     pub ops: Vec<Op>,
-    /// Short forms, one for each instruction.
-    pub fast: Vec<fast::Fast>,
-    /// Small functions that short forms carry out in place of a call.
-    pub bodies: Vec<body::Body>,
+    /// Short forms.
+    pub short: Short,
     /// Place of the statement of each instruction.
     pub places: Vec<Span>,
     /// Number of registers.

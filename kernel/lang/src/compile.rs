@@ -270,8 +270,7 @@ impl Code {
             name: String::new(),
             source: Arc::clone(source),
             ops: Vec::new(),
-            fast: Vec::new(),
-            bodies: Vec::new(),
+            short: crate::bytecode::Short::default(),
             places: Vec::new(),
             registers: 0,
             constants: Vec::new(),
@@ -372,7 +371,7 @@ impl<'a> MacroCompiler<'a> {
         if self.code.ops.len() > MAX_CODE || self.code.registers > MAX_CODE {
             self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
         }
-        self.code.fast = fast::forms(&self.code, &self.temporaries);
+        self.code.short.forms = fast::forms(&self.code, &self.temporaries);
         self.code
     }
 

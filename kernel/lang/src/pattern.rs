@@ -16,6 +16,8 @@ use crate::fault::Outcome;
 pub const STEPS: u64 = 2_000_000;
 /// Most instructions of one expression, and most characters of its text.
 pub const MAX_PROGRAM: usize = 20_000;
+/// Number of the first place that loops note; those before belong to the whole and nine groups.
+const FIRST_LOOP: usize = 20;
 /// Steps of a search that go on while nothing but characters is copied or compared.
 const BYTES_PER_STEP: usize = 16;
 
@@ -181,7 +183,8 @@ impl Pattern {
     /// # Errors
     /// The step budget is used up.
     pub fn find(&self, text: &str, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
-        matcher::Search::new(self, text).find(from, budget)
+        let mut search = matcher::Search::new(self, text);
+        Ok(search.find(from, budget)?.then_some(search.found))
     }
 
     /// Replaces all matches (`which` 0) or the `which`-th one.

@@ -14,6 +14,10 @@ pub struct Record {
     pub subclass: i32,
 }
 
+/// Elements of a sequence. The pointer has no weak ones, so that writing an element, which has to make sure that nobody
+/// else holds them, needs no locked operation of the processor.
+pub type Elements = triomphe::Arc<Vec<Value>>;
+
 /// One value.
 #[derive(Clone, Debug, Default)]
 pub enum Value {
@@ -29,7 +33,7 @@ pub enum Value {
     /// Text; the empty text counts as one blank in `$FLEN`.
     Text(Arc<String>),
     /// Sequence; never holds a sequence or an array.
-    Sequence(Arc<Vec<Value>>),
+    Sequence(Elements),
     /// Minor word by code.
     Keyword(i32),
     /// Major word or record name.
@@ -154,7 +158,7 @@ impl Value {
     /// A sequence value; `elements` must hold no sequence.
     #[must_use]
     pub fn sequence(elements: Vec<Value>) -> Value {
-        Value::Sequence(Arc::new(elements))
+        Value::Sequence(Elements::new(elements))
     }
 
     /// A sequence of numbers.

@@ -228,7 +228,7 @@ fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
         return None;
     }
     if !short_forms {
-        program.macros.iter_mut().for_each(|code| Arc::make_mut(code).fast.fill(Fast::None));
+        program.macros.iter_mut().for_each(|code| Arc::make_mut(code).short.forms.fill(Fast::None));
     }
     let limits = Limits { ticks: 20_000, text: 2_000, elements: 1_000, depth: 10, units: 3, ..Limits::default() };
     let mut state = State::new(limits);

@@ -211,6 +211,6 @@ impl Kernel<'_> {
             matches!(self.machine.preprocessor, Preprocessor::Okuma | Preprocessor::Siemens | Preprocessor::Heidenhain);
         let reading = interpreted && self.interpreter.is_none();
         let ends = self.flow.frames.len() <= 1 && self.machine.subprograms.main_return == MainReturn::End;
-        !reading && !(ends && target.is_none())
+        !reading && (!ends || target.is_some())
     }
 }

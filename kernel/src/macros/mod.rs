@@ -12,6 +12,7 @@ mod pattern;
 pub(crate) mod reused;
 pub(crate) mod runtime;
 pub mod system;
+pub mod without;
 
 pub use double::double;
 pub(crate) use runtime::STACK;

@@ -5,36 +5,70 @@
 
 use std::sync::Arc;
 
-/// Two values that take turns.
-#[derive(Debug, Default)]
-pub(crate) struct Reused<T> {
-    next: Arc<T>,
-    last: Arc<T>,
+use counterpoint_lang::value::{Elements, Value};
+
+/// A pointer that several may hold, as texts and sequences have it.
+pub(crate) trait Held: Clone + Default {
+    /// What it points to.
+    type Content: Default;
+    /// A pointer to new content.
+    fn new(content: Self::Content) -> Self;
+    /// The content, if nobody else holds it.
+    fn own(&mut self) -> Option<&mut Self::Content>;
 }
 
-impl<T: Default> Reused<T> {
+impl Held for Arc<String> {
+    type Content = String;
+    fn new(content: String) -> Self {
+        Arc::new(content)
+    }
+    fn own(&mut self) -> Option<&mut String> {
+        Arc::get_mut(self)
+    }
+}
+
+impl Held for Elements {
+    type Content = Vec<Value>;
+    fn new(content: Vec<Value>) -> Self {
+        Elements::new(content)
+    }
+    fn own(&mut self) -> Option<&mut Vec<Value>> {
+        Elements::get_mut(self)
+    }
+}
+
+/// Two values that take turns.
+#[derive(Debug, Default)]
+pub(crate) struct Reused<P> {
+    next: P,
+    last: P,
+}
+
+impl<P: Held> Reused<P> {
     /// Fills a free value and hands it out.
-    pub(crate) fn with(&mut self, fill: impl FnOnce(&mut T)) -> Arc<T> {
+    pub(crate) fn with(&mut self, fill: impl FnOnce(&mut P::Content)) -> P {
         std::mem::swap(&mut self.next, &mut self.last);
-        match Arc::get_mut(&mut self.last) {
+        match self.last.own() {
             Some(free) => fill(free),
             None => {
-                let mut fresh = T::default();
+                let mut fresh = P::Content::default();
                 fill(&mut fresh);
-                self.last = Arc::new(fresh);
+                self.last = P::new(fresh);
             }
         }
-        Arc::clone(&self.last)
+        self.last.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::Reused;
 
     #[test]
     fn what_is_held_stays_as_it_is() {
-        let mut reused: Reused<String> = Reused::default();
+        let mut reused: Reused<Arc<String>> = Reused::default();
         let mut set = |text: &str| {
             reused.with(|s| {
                 s.clear();

@@ -10,16 +10,15 @@ use std::sync::Arc;
 use counterpoint_lang::compile::Program;
 use counterpoint_lang::fault::Fault;
 use counterpoint_lang::host::Folder;
-use counterpoint_lang::value::Value;
+use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{self, End, Limits, State};
 use rustc_hash::FxHashMap;
 
-use super::host::operations::Operations;
-use super::host::sums::Sums;
-use super::host::travel::Travel;
 use super::host::variables::{Store, names};
+use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
+use super::without::Asked;
 use crate::action::cycle::Hole;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
@@ -148,8 +147,8 @@ pub(crate) struct Runtime {
     pub(crate) saved: Vec<Vec<(u16, CodeId, u16)>>,
     /// Data that fire a modal group.
     pub(crate) data_codes: Vec<(DataId, u16)>,
-    /// How often each dialog was shown, by name.
-    pub(crate) dialogs: FxHashMap<String, usize>,
+    /// What macros have asked the outside for.
+    pub(crate) asked: Asked,
     /// Operations of the program.
     pub(crate) operations: Operations,
     /// `$TLSUM`
@@ -193,11 +192,11 @@ pub(crate) struct Runtime {
     /// The kernel comes to its end: what it writes is what it had open.
     pub(crate) leaving: bool,
     /// Texts handed to block macros.
-    pub(crate) texts: Reused<String>,
+    pub(crate) texts: Reused<Arc<String>>,
     /// Positions handed to event macros.
-    pub(crate) positions: Reused<Vec<Value>>,
+    pub(crate) positions: Reused<Elements>,
     /// Flags handed to event macros.
-    pub(crate) flags: Reused<Vec<Value>>,
+    pub(crate) flags: Reused<Elements>,
     /// Channel axis of each of the six elements of `$AXES`.
     pub(crate) slots: [Option<usize>; 6],
     /// Tools loaded so far; the first row of the tool table is the dummy tool.
@@ -216,8 +215,6 @@ pub(crate) struct Runtime {
     pub(crate) made: bool,
     /// The kernel's program macros are over: NEXT is dropped.
     pub(crate) closing: bool,
-    /// Functions of which it has been told that there is nothing here for them.
-    pub(crate) without: Vec<&'static str>,
 }
 
 fn limits(memory: u64) -> Limits {
@@ -250,7 +247,7 @@ impl Runtime {
             left: None,
             saved: Vec::new(),
             data_codes: Vec::new(),
-            dialogs: FxHashMap::default(),
+            asked: Asked::default(),
             operations: Operations::default(),
             tool_sums: Sums::default(),
             operation_sums: Sums::default(),
@@ -284,7 +281,6 @@ impl Runtime {
             restart: None,
             made: false,
             closing: false,
-            without: Vec::new(),
         };
         runtime.measure();
         runtime

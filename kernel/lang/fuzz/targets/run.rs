@@ -35,6 +35,6 @@ fuzz_target!(|text: &str| {
     let short = seen(&program, &added.macros, &mut host);
     let (mut program, mut host) = (Program::new(), Test::new());
     let added = compile::add(&mut program, &mut host, Source::new("any", text), options);
-    program.macros.iter_mut().for_each(|code| Arc::make_mut(code).fast.fill(Fast::None));
+    program.macros.iter_mut().for_each(|code| Arc::make_mut(code).short.forms.fill(Fast::None));
     assert_eq!(short, seen(&program, &added.macros, &mut host));
 });

@@ -240,7 +240,7 @@ pub enum Fast {
         list: u16,
     },
     /// Calls a small function, whose forms run in registers of the caller: position in
-    /// [`Code::bodies`](super::Code::bodies).
+    /// [`Short::bodies`](super::Short::bodies).
     Inline {
         to: Near,
         body: u16,

@@ -23,7 +23,7 @@ pub(super) fn link(program: &mut Program, first: usize) {
         let mut room = Room { registers: caller.registers, known: FxHashMap::default(), constants: Vec::new() };
         let mut bodies = Vec::new();
         let mut forms = Vec::new();
-        for (at, form) in caller.fast.iter().enumerate() {
+        for (at, form) in caller.short.forms.iter().enumerate() {
             if let Fast::Call { to, callee, list } = *form
                 && caller.statements.is_empty()
                 && bodies.len() < MOST_CALLS
@@ -39,9 +39,9 @@ pub(super) fn link(program: &mut Program, first: usize) {
         let code = Arc::make_mut(place);
         code.registers = room.registers;
         code.constants.extend(room.constants);
-        code.bodies = bodies;
+        code.short.bodies = bodies;
         for (at, form) in forms {
-            if let Some(place) = code.fast.get_mut(at) {
+            if let Some(place) = code.short.forms.get_mut(at) {
                 *place = form;
             }
         }
@@ -51,13 +51,13 @@ pub(super) fn link(program: &mut Program, first: usize) {
 /// The code with nothing but calls.
 pub(super) fn undone(code: &Code) -> Code {
     let mut code = code.clone();
-    for form in &mut code.fast {
+    for form in &mut code.short.forms {
         if let Fast::Inline { to, body } = *form {
-            let body = code.bodies.get(usize::from(body));
+            let body = code.short.bodies.get(usize::from(body));
             *form = body.map_or(Fast::None, |body| Fast::Call { to, callee: body.callee, list: body.list });
         }
     }
-    code.bodies.clear();
+    code.short.bodies.clear();
     code
 }
 
@@ -85,7 +85,7 @@ impl Room {
 
 fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut Room) -> Option<Body> {
     let plain = function.is_function && function.statements.is_empty() && function.shared.is_empty();
-    if !plain || function.ops.len() > MOST || function.fast.is_empty() {
+    if !plain || function.ops.len() > MOST || function.short.forms.is_empty() {
         return None;
     }
     let given = caller.lists.get(usize::from(list)).filter(|given| given.len() == function.parameters.len())?;
@@ -107,7 +107,7 @@ fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut R
         Some(argument) => Some(*argument),
         None => room.of(callee, own, function),
     };
-    let forms: Option<Vec<Fast>> = function.fast.iter().map(|form| Some(form.moved(&mut place)?.0)).collect();
+    let forms: Option<Vec<Fast>> = function.short.forms.iter().map(|form| Some(form.moved(&mut place)?.0)).collect();
     let (forms, result) = (forms?, near(result)?);
     let mut cleared = Vec::new();
     for local in &function.locals {
@@ -122,7 +122,7 @@ fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut R
 
 /// What the forms of a function do; none unless they are only about its registers and never jump back.
 fn effects(function: &Code) -> Option<Vec<Effect>> {
-    let all = function.fast.iter().enumerate().map(|(at, form)| {
+    let all = function.short.forms.iter().enumerate().map(|(at, form)| {
         let (_, effect) = form.moved(&mut Some)?;
         effect.target.is_none_or(|target| usize::from(target) >= at + effect.length).then_some(effect)
     });

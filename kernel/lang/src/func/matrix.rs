@@ -258,8 +258,8 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-9
 }
 
-/// Tells the shape of the upper left `size` rows and columns. A half turn is a rotation; so is what is left of three
-/// negative directions after the mirror.
+/// Tells the shape of the upper left `size` rows and columns. A half turn is a rotation, and so are three
+/// negative directions: a half turn and a mirror.
 fn shape(matrix: &Matrix, size: usize) -> Shape {
     let all = |test: &dyn Fn(usize, usize) -> bool| (0..size).all(|r| (0..size).all(|c| test(r, c)));
     if all(&|r, c| near(matrix.at(r, c), 0.0)) {
@@ -288,16 +288,18 @@ pub(super) fn kind(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     let size = if homogeneous { 3 } else { matrix.size };
     let translation = homogeneous && (0..3).any(|row| !near(matrix.at(row, 3), 0.0));
     let shape = shape(&matrix, size);
+    let mirrored = determinant(&matrix, size) < 0.0;
+    // Neither a mirror nor a scale can be told from a rotation that they are mixed with.
     let rotation = match shape {
-        Shape::Rotated => 100.0,
-        Shape::Mixed => 200.0,
+        Shape::Rotated if !mirrored => 100.0,
+        Shape::Rotated | Shape::Mixed => 200.0,
         _ => 0.0,
     };
     let parts = [
         ("TRANS", if translation { 10.0 } else { 0.0 }),
         ("ROTATE", rotation),
         ("SCALE", if shape == Shape::Scaled { 1000.0 } else { 0.0 }),
-        ("MIRROR", if determinant(&matrix, size) < 0.0 { 10000.0 } else { 0.0 }),
+        ("MIRROR", if mirrored && rotation == 0.0 { 10000.0 } else { 0.0 }),
     ];
     let mut wanted = Items(arguments.get(1..).unwrap_or(&[]));
     for (word, part) in parts {

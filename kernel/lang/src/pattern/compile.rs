@@ -1,6 +1,6 @@
 //! From the text of an expression to steps.
 
-use super::{Class, MAX_PROGRAM, Pattern, Set, Step};
+use super::{Class, FIRST_LOOP, MAX_PROGRAM, Pattern, Set, Step};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 
@@ -30,7 +30,7 @@ pub(super) fn compile(text: &str) -> Outcome<Pattern> {
         open: Vec::new(),
         groups: 0,
         closed: [false; 10],
-        slots: 20,
+        slots: FIRST_LOOP,
     };
     if compiler.eat('^') {
         compiler.steps.push(Step::Start);

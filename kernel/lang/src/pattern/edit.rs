@@ -14,10 +14,11 @@ fn matches(
 ) -> Outcome<()> {
     let (mut from, mut last_end) = (0usize, None);
     let mut search = Search::new(pattern, text);
-    while let Some(found) = search.find(from, budget)? {
+    while search.find(from, budget)? {
+        let found = &search.found;
         let (start, end) = found.whole();
         let empty_behind_a_match = start == end && last_end == Some(start);
-        if !empty_behind_a_match && !each(&found, budget) {
+        if !empty_behind_a_match && !each(found, budget) {
             break;
         }
         last_end = Some(end);
@@ -36,7 +37,9 @@ fn matches(
 /// Appends `template` with `\1` to `\9` filled in.
 pub(super) fn fill(out: &mut String, template: &str, text: &str, found: &Match) {
     let mut rest = template;
-    while let Some((plain, escaped)) = rest.split_once('\\') {
+    // Templates are short, so their bytes are looked at one by one.
+    while let Some(at) = rest.bytes().position(|byte| byte == b'\\') {
+        let (plain, escaped) = (rest.get(..at).unwrap_or_default(), rest.get(at + 1..).unwrap_or_default());
         out.push_str(plain);
         let mut characters = escaped.chars();
         match characters.next() {

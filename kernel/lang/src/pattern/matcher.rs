@@ -24,35 +24,41 @@ pub(super) struct Search<'a> {
     text: &'a str,
     slots: Vec<usize>,
     stack: Vec<Back>,
+    /// The last match.
+    pub(super) found: Match,
 }
 
 impl<'a> Search<'a> {
     pub(super) fn new(pattern: &'a Pattern, text: &'a str) -> Search<'a> {
-        Search { pattern, text, slots: vec![NONE; pattern.slots], stack: Vec::new() }
+        Search { pattern, text, slots: vec![NONE; pattern.slots], stack: Vec::new(), found: Match::default() }
     }
 
-    /// Finds the leftmost match that begins at byte `from` or later.
-    pub(super) fn find(&mut self, from: usize, budget: &mut u64) -> Outcome<Option<Match>> {
+    /// Finds the leftmost match that begins at byte `from` or later, and leaves it in `found`.
+    pub(super) fn find(&mut self, from: usize, budget: &mut u64) -> Outcome<bool> {
+        // Places of groups that the expression does not have are never noted.
+        let (noted, loops) = (2 * self.pattern.groups + 2, super::FIRST_LOOP);
         let mut start = from;
         while start <= self.text.len() {
             if let Some(first) = &self.pattern.first {
                 match ahead(self.text, start, first) {
                     Some(place) => start = place,
-                    None => return Ok(None),
+                    None => return Ok(false),
                 }
             }
-            self.slots.fill(NONE);
+            self.slots.iter_mut().take(noted).for_each(|slot| *slot = NONE);
+            self.slots.iter_mut().skip(loops).for_each(|slot| *slot = NONE);
             self.stack.clear();
             *budget = budget.saturating_sub(self.slots.len() as u64 / 64);
             if attempt(self.pattern, self.text, start, &mut self.slots, &mut self.stack, budget)? {
-                return Ok(Some(captured(&self.slots, self.pattern.groups)));
+                captured(&self.slots, self.pattern.groups, &mut self.found);
+                return Ok(true);
             }
             if self.pattern.anchored {
-                return Ok(None);
+                return Ok(false);
             }
             start += character(self.text, start).map_or(1, char::len_utf8);
         }
-        Ok(None)
+        Ok(false)
     }
 }
 
@@ -76,13 +82,14 @@ pub(super) fn find_with(
     let Memory { mut slots, stack } = std::mem::take(&mut memory.0);
     slots.clear();
     slots.resize(pattern.slots, NONE);
-    let mut search = Search { pattern, text, slots, stack };
+    let mut search = Search { pattern, text, slots, stack, found: Match::default() };
     let found = search.find(0, budget);
     if search.stack.capacity() > MOST_KEPT {
         search.stack = Vec::new();
     }
-    memory.0 = Memory { slots: search.slots, stack: search.stack };
-    found
+    let Search { slots, stack, found: place, .. } = search;
+    memory.0 = Memory { slots, stack };
+    Ok(found?.then_some(place))
 }
 
 /// Place of the next character of a class.
@@ -95,17 +102,13 @@ fn ahead(text: &str, from: usize, class: &Class) -> Option<usize> {
     Some(from + found?)
 }
 
-fn captured(slots: &[usize], groups: usize) -> Match {
-    let mut found = Match::default();
+fn captured(slots: &[usize], groups: usize, found: &mut Match) {
     for (group, pair) in found.groups.iter_mut().zip(slots.chunks_exact(2)).take(groups + 1) {
-        if let [start, end] = pair
-            && *start != NONE
-            && *end != NONE
-        {
-            *group = Some((*start, *end));
-        }
+        *group = match pair {
+            [start, end] if *start != NONE && *end != NONE => Some((*start, *end)),
+            _ => None,
+        };
     }
-    found
 }
 
 #[inline]

@@ -216,12 +216,12 @@ pub(super) fn quick_call<'p>(
         return None;
     }
     let called = place.as_mut()?;
-    if called.registers.len() != function.registers + WINDOW {
+    let (registers, own) = (called.registers.as_mut_slice(), frame.registers.as_slice());
+    if registers.len() != function.registers + WINDOW {
         return None;
     }
     for ((parameter, kind), from) in function.parameters.iter().zip(given) {
-        let (value, parameter) = (frame.registers.get(usize::from(*from))?, usize::from(*parameter));
-        let parameter = called.registers.get_mut(parameter)?;
+        let (value, parameter) = (own.get(usize::from(*from))?, registers.get_mut(usize::from(*parameter))?);
         match (value, parameter) {
             (Value::Real(number), parameter) if kind.is_none_or(|kind| kind == Kind::Real) => {
                 run::put(parameter, *number)
@@ -230,7 +230,7 @@ pub(super) fn quick_call<'p>(
             _ => return None,
         }
     }
-    clear(function, &mut called.registers);
+    clear(function, registers);
     let called = place.take()?;
     let waiting = std::mem::replace(frame, called);
     frame.wait(waiting, at, Slot::from(to));

@@ -8,7 +8,7 @@ use crate::bytecode::{Code, NO_SLOT, Shared, Slot};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::Host;
-use crate::value::{Array, Kind, Value};
+use crate::value::{Array, Elements, Kind, Value};
 use std::sync::Arc;
 
 /// Whole part of an index.
@@ -74,7 +74,7 @@ pub(crate) fn pay_to_look_inside(state: &mut State, elements: &[Value]) -> Outco
 pub(super) fn pay_if_shared(state: &mut State, value: &Value) -> Outcome<()> {
     match value {
         Value::Text(text) if Arc::strong_count(text) > 1 => state.grow(memory::text(text.len())),
-        Value::Sequence(elements) if Arc::strong_count(elements) > 1 => state.grow(memory::sequence(elements.len())),
+        Value::Sequence(held) if Elements::strong_count(held) > 1 => state.grow(memory::sequence(held.len())),
         _ => return Ok(()),
     }
     pay(state, value)
@@ -158,14 +158,14 @@ pub(super) fn add_to(state: &State, frame: &mut [Value], to: Slot, a: Slot) -> O
         }
         (Value::Sequence(elements), Value::Sequence(more)) => {
             state.check_elements(elements.len() + more.len())?;
-            Arc::make_mut(elements).extend(more.iter().cloned());
+            Elements::make_mut(elements).extend(more.iter().cloned());
         }
         (Value::Sequence(elements), value) => {
             if matches!(value, Value::Array(_)) {
                 return Err(Fault::kind("a single value", value));
             }
             state.check_elements(elements.len() + 1)?;
-            Arc::make_mut(elements).push(value.clone());
+            Elements::make_mut(elements).push(value.clone());
         }
         (target @ Value::Unset, Value::Sequence(_)) => *target = value,
         (target, value) => *target = add(state, target, value)?,
@@ -304,7 +304,7 @@ fn set_in(state: &State, target: &mut Value, indices: &[i64], value: Value) -> O
                 .ok()
                 .filter(|at| *at < length)
                 .ok_or_else(|| outside(index, length))?;
-            if let Some(element) = Arc::make_mut(elements).get_mut(place) {
+            if let Some(element) = Elements::make_mut(elements).get_mut(place) {
                 *element = value;
             }
             Ok(())

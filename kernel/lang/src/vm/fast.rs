@@ -11,8 +11,7 @@ use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
 use crate::compile::Program;
 use crate::host::Host;
-use crate::value::Value;
-use std::sync::Arc;
+use crate::value::{Elements, Value};
 
 /// Ticks that are used up at most before a stop of the run is looked at.
 const SLICE: u64 = 20_000;
@@ -41,7 +40,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
     let rest = state.ticks.saturating_sub(SLICE);
     let (mut at, mut ticks) = (place.at, state.ticks - rest);
     let mut code = place.code;
-    let mut forms = code.fast.as_slice();
+    let mut forms = code.short.forms.as_slice();
     let frame = &mut *place.frame;
     let Some(mut window) = frame.registers.first_chunk_mut::<WINDOW>() else { return };
     macro_rules! number {
@@ -220,7 +219,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                     }
                     Fast::Call { to, callee, list } => break 'forms Some((to, callee, list)),
                     Fast::Inline { to, body } => {
-                        let Some(body) = code.bodies.get(usize::from(body)) else { break };
+                        let Some(body) = code.short.bodies.get(usize::from(body)) else { break };
                         let (Some(callee), Some(left)) =
                             (program.macros.get(usize::from(body.callee)), ticks.checked_sub(CALL))
                         else {
@@ -240,14 +239,14 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                             break;
                         }
                         (code, at) = (ended.code, ended.at + 1);
-                        forms = code.fast.as_slice();
+                        forms = code.short.forms.as_slice();
                         running = None;
                     }
                     Fast::Return => {
                         homes::take_back(code, state, host, window);
                         let Some((caller, call)) = calls::quick_return(program, state, code, frame) else { break 'run };
                         (code, at) = (caller, call + 1);
-                        forms = code.fast.as_slice();
+                        forms = code.short.forms.as_slice();
                         let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break 'run };
                         window = registers;
                     }
@@ -366,7 +365,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
             state.ticks = ticks;
             let Some(callee) = calls::quick_call(program, state, code, frame, (at, to, callee, list)) else { break };
             (code, at, ticks) = (callee, 0, state.ticks);
-            forms = code.fast.as_slice();
+            forms = code.short.forms.as_slice();
             let Some(registers) = frame.registers.first_chunk_mut::<WINDOW>() else { break };
             window = registers;
         } else if !homes::bring(code, at, state, host, window) {
@@ -426,9 +425,9 @@ fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f6
     }
 }
 
-#[inline(never)]
-fn own_place(elements: &mut Arc<Vec<Value>>, index: f64) -> Option<&mut f64> {
-    match Arc::get_mut(elements)?.get_mut(position(index)) {
+#[inline]
+fn own_place(elements: &mut Elements, index: f64) -> Option<&mut f64> {
+    match Elements::get_mut(elements)?.get_mut(position(index)) {
         Some(Value::Real(number)) => Some(number),
         _ => None,
     }

@@ -29,7 +29,7 @@ impl State {
 /// Brings the shared variable of an instruction home; false if it is there or cannot be.
 #[inline(never)]
 pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Host, window: &mut Window) -> bool {
-    if code.homes.is_empty() || code.fast.get(at).is_none_or(|form| *form == Fast::None) {
+    if code.homes.is_empty() || code.short.forms.get(at).is_none_or(|form| *form == Fast::None) {
         return false;
     }
     let shared = match code.ops.get(at) {

@@ -9,7 +9,7 @@ use super::{State, memory};
 use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{Code, Relation, Slot};
 use crate::func::{Function, Way};
-use crate::value::{Array, Kind, Value, padded};
+use crate::value::{Array, Elements, Kind, Value, padded};
 use std::sync::Arc;
 
 /// Bytes of a text from which on looking at it or copying it costs steps.
@@ -240,7 +240,7 @@ fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a:
             array.elements.get_mut(at)?
         }
         (Value::Array(array), None) if array.sizes.len() == 1 => array.elements.get_mut(position(row))?,
-        (Value::Sequence(elements), None) => Arc::get_mut(elements)?.get_mut(position(row))?,
+        (Value::Sequence(elements), None) => Elements::get_mut(elements)?.get_mut(position(row))?,
         _ => return None,
     };
     *element = value;
@@ -417,7 +417,7 @@ fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<(
             own.push_str(&more);
         }
         (Value::Sequence(own), value) => {
-            let own = Arc::get_mut(own).filter(|_| state.grows(memory::ELEMENT))?;
+            let own = Elements::get_mut(own).filter(|_| state.grows(memory::ELEMENT))?;
             own.push(value);
         }
         _ => return None,
@@ -427,9 +427,9 @@ fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<(
 
 /// Appends a number to a sequence that nobody else has; false if it cannot grow like this.
 #[inline(never)]
-pub(super) fn push(state: &mut State, elements: &mut Arc<Vec<Value>>, number: f64) -> bool {
+pub(super) fn push(state: &mut State, elements: &mut Elements, number: f64) -> bool {
     let room = elements.len() < state.limits.elements;
-    match Arc::get_mut(elements) {
+    match Elements::get_mut(elements) {
         Some(elements) if room && state.grows(memory::ELEMENT) => {
             elements.push(Value::Real(number));
             true
@@ -451,11 +451,11 @@ fn sequence(state: &mut State, window: &mut Window, to: Near, slots: &[Slot], ti
     if let Some(Value::Sequence(old)) = window.get(usize::from(to))
         && old.len() == slots.len()
         && old.capacity() <= 2 * slots.len() + 8
-        && Arc::strong_count(old) == 1
+        && Elements::strong_count(old) == 1
     {
         let mut target = std::mem::take(window.get_mut(usize::from(to))?);
         if let Value::Sequence(old) = &mut target
-            && let Some(elements) = Arc::get_mut(old)
+            && let Some(elements) = Elements::get_mut(old)
         {
             for (element, slot) in elements.iter_mut().zip(slots) {
                 overwrite(element, window.get(usize::from(*slot)).unwrap_or(&Value::Unset));

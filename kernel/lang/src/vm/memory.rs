@@ -11,7 +11,7 @@ use crate::compile::Program;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::Host;
-use crate::value::Value;
+use crate::value::{Elements, Value};
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
 
@@ -56,8 +56,8 @@ impl Scale {
     pub fn add(&mut self, value: &Value) {
         self.visited += 1;
         match value {
-            Value::Text(held) if self.is_new(held) => self.weigh(text(held.len())),
-            Value::Sequence(held) if self.is_new(held) => {
+            Value::Text(held) if self.is_new_text(held) => self.weigh(text(held.len())),
+            Value::Sequence(held) if self.is_new(Elements::strong_count(held), Elements::as_ptr(held) as usize) => {
                 self.weigh(sequence(held.len()));
                 held.iter().for_each(|element| self.element(element));
             }
@@ -73,7 +73,7 @@ impl Scale {
     fn element(&mut self, value: &Value) {
         self.visited += 1;
         if let Value::Text(held) = value
-            && self.is_new(held)
+            && self.is_new_text(held)
         {
             self.weigh(text(held.len()));
         }
@@ -92,9 +92,13 @@ impl Scale {
         }
     }
 
-    fn is_new<T>(&mut self, held: &Arc<T>) -> bool {
+    fn is_new_text(&mut self, held: &Arc<String>) -> bool {
+        self.is_new(Arc::strong_count(held), Arc::as_ptr(held) as usize)
+    }
+
+    fn is_new(&mut self, owners: usize, place: usize) -> bool {
         // What has one owner is met once.
-        Arc::strong_count(held) == 1 || self.shared.insert(Arc::as_ptr(held) as usize)
+        owners == 1 || self.shared.insert(place)
     }
 }
 
@@ -169,7 +173,7 @@ impl State {
                 self.grow(text(held.len()));
                 if held.len() >= 64 { self.spend(held.len() / 64) } else { Ok(()) }
             }
-            Value::Sequence(held) if Arc::strong_count(held) == 1 => {
+            Value::Sequence(held) if Elements::strong_count(held) == 1 => {
                 self.spend(held.len() / PER_TICK)?;
                 self.grow(sequence(held.len()));
                 for element in held.iter() {

@@ -62,7 +62,7 @@ fn outcome(text: &str, system: &[(String, Known)], arguments: &[Known], options:
         return first.to_string();
     }
     if !short_forms {
-        program.macros.iter_mut().for_each(|code| Arc::make_mut(code).fast.fill(Fast::None));
+        program.macros.iter_mut().for_each(|code| Arc::make_mut(code).short.forms.fill(Fast::None));
     }
     let mut state = State::new(Limits::default());
     let mut values: Vec<Value> = arguments.iter().map(Known::value).collect();

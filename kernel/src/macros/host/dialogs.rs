@@ -71,7 +71,7 @@ impl Kernel<'_> {
         let (machine, options) = (self.machine, self.options);
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::text("")) };
         let key = dialog::find(&machine.dialogs, name).map_or_else(String::new, |dialog| dialog.name.clone());
-        let shown = runtime.dialogs.entry(key).or_default();
+        let shown = runtime.asked.dialogs.entry(key).or_default();
         let answer = answers::nth(&options.answers, name, *shown);
         *shown += 1;
         let fields = dialog::find(&machine.dialogs, name).map_or(&[][..], |dialog| dialog.fields.as_slice());

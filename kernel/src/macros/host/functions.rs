@@ -12,6 +12,7 @@ use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
 
+use super::rotary::only_axes;
 use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
@@ -19,6 +20,7 @@ use crate::log::event::FileId;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
 use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
+use crate::macros::without;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
@@ -65,13 +67,17 @@ impl Kernel<'_> {
             "$FCEPP" => self.preprocessor_setting(state, arguments),
             "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             "$FCERST" => self.restart_with(state, arguments)?,
-            "$FAPPLY" | "$FCETIMESYNC" | "$FPAUSE" | "$FDOC" => self.without(state, function, "does nothing here"),
             "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
             "$FDK" => self.forward(arguments)?,
             "$FIK" => self.backward(arguments)?,
-            "$FKINCFG" => self.configure(arguments),
-            "$FKINROT" => self.choose_rotary(arguments),
-            "$FUNWIND" => self.unwind_named(arguments),
+            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => {
+                only_axes(arguments)?;
+                match function.name {
+                    "$FKINCFG" => self.configure(arguments),
+                    "$FKINROT" => self.choose_rotary(arguments),
+                    _ => self.unwind_named(arguments),
+                }
+            }
             "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
             "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
             "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
@@ -81,21 +87,19 @@ impl Kernel<'_> {
             "$FMSSLCV" => self.write_offset(Table::Length, arguments)?,
             "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
             "$FMSLCS" => self.give_frame(arguments)?,
-            name if name.starts_with("$FMS") => {
-                self.without(state, function, "needs a machine model, and there is none here")
-            }
-            name => {
-                return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control")));
-            }
+            name => match without::why(name) {
+                Some(why) => self.without(state, function, why),
+                None => return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control"))),
+            },
         })
     }
 
     /// The answer of a function that has nothing to work on, which is told once for each function.
     fn without(&mut self, state: &mut State, function: &'static Function, why: &str) -> Value {
         if let Some(runtime) = self.macros.as_deref_mut()
-            && !runtime.without.contains(&function.name)
+            && !runtime.asked.without.contains(&function.name)
         {
-            runtime.without.push(function.name);
+            runtime.asked.without.push(function.name);
             state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name)));
         }
         nothing(function)

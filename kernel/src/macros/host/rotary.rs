@@ -2,6 +2,7 @@
 //!
 //! Facts: reference functions.md 10.
 
+use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
@@ -22,6 +23,15 @@ pub(super) enum Named {
 
 pub(super) fn is(value: Option<&Value>, word: &str) -> bool {
     matches!(value, Some(Value::Keyword(code)) if minor_code(word) == Some(*code))
+}
+
+/// Refuses what can be neither an axis nor what is told of one.
+pub(super) fn only_axes(arguments: &[Value]) -> Outcome<()> {
+    let fits = |value: &&Value| matches!(value, Value::Real(_) | Value::Keyword(_) | Value::Record(_));
+    match arguments.iter().find(|value| !fits(value)) {
+        Some(other) => Err(Fault::kind("a number or a keyword", other)),
+        None => Ok(()),
+    }
 }
 
 impl Kernel<'_> {
