@@ -367,6 +367,7 @@ pub(crate) enum Part {
     Macros,
     Axes,
     Channels,
+    Refusals,
 }
 
 /// A time in seconds above zero.

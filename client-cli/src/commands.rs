@@ -290,6 +290,7 @@ async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Re
         Part::Channels => v1::MachineSection::Channels,
         Part::Groups => v1::MachineSection::Groups,
         Part::Macros => v1::MachineSection::Macros,
+        Part::Refusals => v1::MachineSection::Refusals,
     };
     let request = v1::GetMachineRequest { name, section: section.into(), json };
     let text = client.machines().get_machine(request).await?.into_inner().text;

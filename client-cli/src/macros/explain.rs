@@ -69,7 +69,7 @@ fn alarm(what: &str) -> Option<String> {
 /// What to do about a diagnostic, in one sentence: the first of that part of its page, links as their text.
 pub(crate) fn remedy(number: u32) -> Option<String> {
     let page = PAGES.get_file(format!("{number:08}.md"))?.contents_utf8()?;
-    let (_, text) = page.split_once("**What to do.** ")?;
+    let (_, text) = page.split_once("**Remedy.** ")?;
     let line = text.lines().next()?;
     let first = line.split_once(". ").map_or(line, |(first, _)| first).trim_end_matches('.');
     (!first.starts_with("Nothing")).then(|| without_links(first))
@@ -225,7 +225,7 @@ mod tests {
         }
         for facts in counterpoint_kernel::diag::ALL {
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
-            let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**What to do.** Nothing"));
+            let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**Remedy.** Nothing"));
             let advice = remedy(facts.number);
             assert!(advice.as_ref().map_or(nothing, |text| text.len() > 5), "{}", facts.number);
             assert!(!advice.is_some_and(|text| text.contains("](")), "{}: a link in plain text", facts.number);

@@ -6,6 +6,7 @@
 mod groups;
 mod json;
 mod macros;
+mod refusals;
 mod text;
 
 pub use json::{json, part as json_part};
@@ -33,6 +34,8 @@ pub enum Show {
     Groups,
     /// Macros the machine declares.
     Macros,
+    /// Blocks that the control refuses.
+    Refusals,
 }
 
 /// The machine, or a part of it, as aligned tables.
@@ -42,6 +45,7 @@ pub fn show(machine: &Machine, what: Show) -> String {
         Show::All => {
             let mut parts =
                 vec![Show::Summary, Show::Channels, Show::Axes, Show::Registers, Show::Codes, Show::Groups, Show::Data];
+            parts.extend((!machine.diagnostics.refusals.is_empty()).then_some(Show::Refusals));
             parts.extend(machine.macros.is_some().then_some(Show::Macros));
             parts.into_iter().map(|part| show(machine, part)).collect::<Vec<_>>().join("\n")
         }
@@ -53,6 +57,7 @@ pub fn show(machine: &Machine, what: Show) -> String {
         Show::Channels => text::channels(machine),
         Show::Groups => groups::text(machine),
         Show::Macros => macros::text(machine),
+        Show::Refusals => refusals::text(machine),
     }
 }
 

@@ -142,6 +142,7 @@ fn shown(machine: &Machine, section: v1::MachineSection, json: bool) -> String {
         v1::MachineSection::Channels => Show::Channels,
         v1::MachineSection::Groups => Show::Groups,
         v1::MachineSection::Macros => Show::Macros,
+        v1::MachineSection::Refusals => Show::Refusals,
     };
     if json { format!("{:#}\n", show::json_part(machine, part)) } else { show::show(machine, part) }
 }

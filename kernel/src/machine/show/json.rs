@@ -24,6 +24,7 @@ pub fn json(machine: &Machine) -> Value {
         "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
         "groups": super::groups::json(machine),
         "macros": super::macros::json(machine),
+    "refusals": super::refusals::json(machine),
         "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
         "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
         "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
@@ -68,6 +69,7 @@ pub fn part(machine: &Machine, what: Show) -> Value {
         Show::Channels => &["channels", "spindles"],
         Show::Groups => &["groups"],
         Show::Macros => &["macros"],
+        Show::Refusals => &["refusals"],
     };
     let mut value = json(machine);
     if let Some(object) = value.as_object_mut() {
