@@ -5,6 +5,7 @@
 //! is reported to whoever asks for it and hidden from all others.
 
 pub(crate) mod record;
+mod schema;
 mod writer;
 
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -26,8 +27,6 @@ const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
 const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
-const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
-const SCHEMA: u64 = 1;
 
 /// Handle on the ledger.
 #[derive(Debug)]
@@ -105,20 +104,14 @@ impl Ledger {
         }
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         let txn = database.begin_write().map_err(storage)?;
-        {
-            txn.open_table(JOB).map_err(storage)?;
-            txn.open_table(REQUEST).map_err(storage)?;
-            txn.open_table(MACHINE).map_err(storage)?;
-            txn.open_table(LOG).map_err(storage)?;
-            let mut meta = txn.open_table(META).map_err(storage)?;
-            let schema = meta.get("schema").map_err(storage)?.map(|v| v.value());
-            match schema {
-                None => drop(meta.insert("schema", SCHEMA).map_err(storage)?),
-                Some(SCHEMA) => {}
-                Some(other) => return Err(storage(format!("the ledger has form {other}, this server reads {SCHEMA}"))),
-            }
-        }
+        let before = schema::migrate(&txn).map_err(|refusal| match refusal {
+            Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
+            other => other,
+        })?;
         txn.commit().map_err(storage)?;
+        if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
+            tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
+        }
         let database = RwLock::new(Some(Arc::new(database)));
         let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
         let (operations, queue) = mpsc::channel(1024);

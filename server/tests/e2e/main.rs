@@ -19,4 +19,5 @@ mod storage;
 mod submit;
 mod support;
 mod trouble;
+mod upgrade;
 mod watch;
