@@ -11,6 +11,8 @@
 
 mod connections;
 mod damage;
+#[cfg(target_os = "linux")]
+mod descriptors;
 mod folder;
 mod life;
 mod limits;
