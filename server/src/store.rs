@@ -166,6 +166,16 @@ impl Store {
         }
     }
 
+    /// Identities of all jobs that have a folder.
+    pub(crate) fn jobs(&self) -> io::Result<Vec<String>> {
+        names(&self.root.join("jobs"))
+    }
+
+    /// Digests of the blobs whose folder has these two digits.
+    pub(crate) fn blobs(&self, digits: &str) -> io::Result<Vec<String>> {
+        names(&self.root.join("blobs").join(digits))
+    }
+
     /// Removes a job's folder; not being there is fine.
     pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
         match fs::remove_dir_all(self.job(id)) {
@@ -173,6 +183,19 @@ impl Store {
             other => other,
         }
     }
+}
+
+/// Names in a folder; none if there is no such folder.
+fn names(folder: &Path) -> io::Result<Vec<String>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        names.extend(entry?.file_name().into_string());
+    }
+    Ok(names)
 }
 
 /// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no

@@ -4,6 +4,7 @@
 //! snapshots. Invariant: jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read
 //! is reported to whoever asks for it and hidden from all others.
 
+mod blob_refs;
 pub(crate) mod record;
 mod schema;
 mod writer;
@@ -184,11 +185,12 @@ impl Ledger {
         answered.blocking_recv().map_err(|_| closed())?
     }
 
-    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `accepted` is
-    /// called after the commit, in the order of acceptance.
+    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `check` is asked
+    /// while no blob can be collected, `accepted` is called after the commit, in the order of acceptance.
     pub(crate) async fn submit(
         &self,
         mut record: Record,
+        check: impl FnOnce(&Record) -> Result<(), Refusal> + Send + 'static,
         accepted: impl FnOnce(&Record) + Send + 'static,
     ) -> Result<Submitted, Refusal> {
         let work = move |txn: &WriteTransaction| {
@@ -197,8 +199,10 @@ impl Ledger {
             if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
                 return same(known, &record);
             }
+            check(&record)?;
             record.id = next_id(txn)?;
             put(txn, &record)?;
+            blob_refs::add(txn, &blob_refs::of_job(&record))?;
             requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
@@ -262,7 +266,11 @@ impl Ledger {
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
         self.write(move |txn| {
-            txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
+            // Another call may have removed it first.
+            if txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?.is_none() {
+                return Ok(());
+            }
+            blob_refs::subtract(txn, &blob_refs::of_job(&record))?;
             txn.open_table(LOG).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
             txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
             Ok(())
@@ -308,17 +316,51 @@ impl Ledger {
         Ok(found)
     }
 
-    /// Stores a machine under its name and its revision.
-    pub(crate) async fn put_machine(&self, definition: Definition) -> Result<(), Refusal> {
+    /// Stores a machine under its name and its revision. `check` is asked while no blob can be collected.
+    pub(crate) async fn put_machine(
+        &self,
+        definition: Definition,
+        check: impl FnOnce(&Definition) -> Result<(), Refusal> + Send + 'static,
+    ) -> Result<(), Refusal> {
         self.write(move |txn| {
+            check(&definition)?;
             let bytes = serde_json::to_vec(&definition).map_err(storage)?;
             let pinned = format!("{}@{}", definition.name, definition.revision());
             let mut table = txn.open_table(MACHINE).map_err(storage)?;
             table.insert(definition.name.as_str(), bytes.as_slice()).map_err(storage)?;
-            table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?;
-            Ok(())
+            let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
+            drop(table);
+            if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
         })
         .await
+    }
+
+    /// Calls `remove` for those of the blobs that no row needs; meanwhile no row can begin to need one.
+    pub(crate) fn collect_blocking(
+        &self,
+        digests: Vec<String>,
+        remove: impl Fn(&str) -> bool + Send + 'static,
+    ) -> Result<usize, Refusal> {
+        let shared = self.shared.clone();
+        self.write_blocking(move |txn| {
+            // A row that goes in this very transaction is still there when the transaction fails.
+            let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
+            let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
+            let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
+            let mut removed = 0;
+            for digest in &digests {
+                let needed = durable.get(digest.as_str()).map_err(storage)?.is_some()
+                    || table.get(digest.as_str()).map_err(storage)?.is_some();
+                removed += usize::from(!needed && remove(digest));
+            }
+            Ok(removed)
+        })
+    }
+
+    /// Whether there is a row of a job, readable or not.
+    pub(crate) fn knows(&self, id: &str) -> Result<bool, Refusal> {
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
+        Ok(table.get(id).map_err(storage)?.is_some())
     }
 
     /// A machine by `name` or `name@revision`.

@@ -5,7 +5,7 @@
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::{JOB, LOG, MACHINE, REQUEST, storage};
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, storage};
 use crate::reason::Refusal;
 
 const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
@@ -13,8 +13,8 @@ const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 /// A step from one form to the next.
 type Step = fn(&WriteTransaction) -> Result<(), Refusal>;
 
-/// The steps: the first leads from form 1 to form 2, and so on.
-const STEPS: &[Step] = &[small_logs];
+/// The steps: the first leads from form 1 to form 2, and so on. The second counts the rows that need each blob.
+const STEPS: &[Step] = &[small_logs, blob_refs::count_all];
 
 /// The form that this server writes.
 pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;

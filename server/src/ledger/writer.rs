@@ -67,7 +67,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    fn current(&self) -> Option<Arc<Database>> {
+    pub(super) fn current(&self) -> Option<Arc<Database>> {
         self.database.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

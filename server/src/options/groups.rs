@@ -93,6 +93,14 @@ group! {
     }
 }
 
+group! {
+    /// How long things are kept that nothing needs.
+    Retention, RetentionFlags {
+        /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on
+        blob_grace_s: u64 = 86_400, "COUNTERPOINT_BLOB_GRACE_S", "SECONDS";
+    }
+}
+
 impl Maxima {
     /// Limits, none beyond the maxima of this server.
     pub(crate) fn capped(&self, limits: &Limits) -> Limits {

@@ -60,7 +60,8 @@ impl Process {
     fn limit(&self, spare: u64) -> Rlimit {
         let open = std::fs::read_dir(format!("/proc/{}/fd", self.child.id())).unwrap().count() as u64;
         let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap());
-        let limit = Rlimit { current: Some(open + spare), maximum: rustix::process::getrlimit(Resource::Nofile).maximum };
+        let limit =
+            Rlimit { current: Some(open + spare), maximum: rustix::process::getrlimit(Resource::Nofile).maximum };
         prlimit(pid, Resource::Nofile, limit).unwrap()
     }
 

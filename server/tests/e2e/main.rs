@@ -9,6 +9,7 @@
     clippy::indexing_slicing
 )]
 
+mod collect;
 mod connections;
 mod damage;
 #[cfg(target_os = "linux")]
