@@ -171,6 +171,12 @@ impl Store {
         names(&self.root.join("jobs"))
     }
 
+    /// Bytes in a job's folder.
+    pub(crate) fn job_bytes(&self, id: &str) -> u64 {
+        let entries = fs::read_dir(self.job(id)).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.metadata().ok()).map(|meta| meta.len()).sum()
+    }
+
     /// Digests of the blobs whose folder has these two digits.
     pub(crate) fn blobs(&self, digits: &str) -> io::Result<Vec<String>> {
         names(&self.root.join("blobs").join(digits))

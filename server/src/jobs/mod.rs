@@ -342,7 +342,17 @@ impl Core {
             return Err(Refusal::JobNotEnded(id.to_owned()));
         }
         self.ledger.remove(record).await?;
+        self.forget(id)
+    }
+
+    /// Clears away what is left of a job that is no longer in the ledger.
+    fn forget(&self, id: &str) -> Result<(), Refusal> {
         self.live.remove(id);
         Ok(self.store.remove_job(id)?)
+    }
+
+    /// Whether somebody beside the list of jobs has a job in hand.
+    fn watched(&self, id: &str) -> bool {
+        self.live.get(id).is_some_and(|live| Arc::strong_count(&live) > 1)
     }
 }

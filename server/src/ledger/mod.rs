@@ -6,6 +6,7 @@
 
 mod blob_refs;
 pub(crate) mod record;
+pub(crate) mod retention;
 mod schema;
 mod writer;
 
@@ -22,6 +23,7 @@ use crate::machines::Definition;
 use crate::reason::Refusal;
 use crate::store::Store;
 use record::{Record, State};
+use retention::{Ended, Keep};
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
@@ -83,7 +85,17 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
     let bytes = serde_json::to_vec(record).map_err(storage)?;
     txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
-    Ok(())
+    if record.state.ended() { retention::list(txn, record) } else { Ok(()) }
+}
+
+/// Removes an ended job with all that belongs to it; it may be gone already.
+fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
+    retention::unlist(txn, id, ended_ms)?;
+    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
+    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
+    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
+    txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
+    blob_refs::subtract(txn, &blob_refs::of_job(&record))
 }
 
 fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
@@ -105,7 +117,7 @@ impl Ledger {
         }
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         let txn = database.begin_write().map_err(storage)?;
-        let before = schema::migrate(&txn).map_err(|refusal| match refusal {
+        let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
             Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
             other => other,
         })?;
@@ -265,17 +277,17 @@ impl Ledger {
 
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| {
-            // Another call may have removed it first.
-            if txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?.is_none() {
-                return Ok(());
-            }
-            blob_refs::subtract(txn, &blob_refs::of_job(&record))?;
-            txn.open_table(LOG).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
-            txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
-            Ok(())
-        })
-        .await
+        self.write(move |txn| take_out(txn, &record.id, record.ended_ms)).await
+    }
+
+    /// Ended jobs beyond what is to be kept, oldest first, with the time of their end.
+    pub(crate) fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
+        retention::expired(&self.snapshot()?, keep, now_ms, most)
+    }
+
+    /// Removes ended jobs from a thread that may block.
+    pub(crate) fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| jobs.iter().try_for_each(|job| take_out(txn, &job.id, job.ended_ms)))
     }
 
     /// One job.

@@ -1,9 +1,10 @@
-//! What is cleared away: blobs that nothing needs, and folders of jobs without a row.
+//! What is cleared away: blobs that nothing needs, folders of jobs without a row, ended jobs beyond those to be kept.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use counterpoint_proto::v1;
+use counterpoint_server::options::{Options, Retention};
 
 use crate::support::*;
 use crate::upgrade::folder_1;
@@ -117,5 +118,97 @@ async fn folders_of_jobs_without_a_row_go_at_the_start() {
     std::fs::write(orphan.join("log"), "x").unwrap();
     let server = Server::start(options(folder.path())).await;
     assert!(!orphan.exists() && folder.path().join("jobs").join(&job).join("log").is_file());
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn ended_jobs_of_a_migrated_ledger_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = folder_1(folder.path()).await;
+    let retention = Retention { keep_s: 3600, ..Retention::default() };
+    let server = Server::start(Options { retention, ..options(folder.path()) }).await;
+    until_listed(&server, &[&jobs["running"], &jobs["queued"]]).await;
+    server.stop().await;
+}
+
+async fn listed(server: &Server) -> Vec<String> {
+    let jobs = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner().jobs;
+    jobs.into_iter().map(|job| job.job_id).collect()
+}
+
+async fn until_listed(server: &Server, expected: &[&String]) {
+    for _ in 0..2000 {
+        if listed(server).await.iter().eq(expected.iter().copied()) {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    panic!("{:?} is not {expected:?}", listed(server).await);
+}
+
+#[tokio::test]
+async fn ended_jobs_beyond_those_to_be_kept_go_the_oldest_first_and_others_never() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = |keep_jobs, keep_bytes, keep_s| Options {
+        workers: 1,
+        retention: Retention { keep_jobs, keep_bytes, keep_s, ..Retention::default() },
+        ..options(folder.path())
+    };
+    let server = Server::start(own(0, 0, 0)).await;
+    let mut ended = Vec::new();
+    for n in 0..5 {
+        let job = server.submit(&format!("r-{n}"), &format!("EVENTS {}", 5000 + n)).await;
+        server.wait(&job).await;
+        ended.push(job);
+    }
+    server.stop().await;
+    let job = |job: &str| folder.path().join("jobs").join(job);
+    let bytes: u64 = ended.iter().map(|id| std::fs::metadata(job(id).join("log")).unwrap().len()).sum();
+
+    // By number, while one job runs and one waits.
+    let server = Server::start(own(3, 0, 0)).await;
+    let running = server.submit("running", "HANG").await;
+    server.until(&running, v1::JobState::Running).await;
+    let queued = server.submit("queued", "EVENTS 1").await;
+    until_listed(&server, &[&ended[2], &ended[3], &ended[4], &running, &queued]).await;
+    assert!(!job(&ended[0]).exists() && !job(&ended[1]).exists() && job(&ended[2]).exists());
+    let gone = server.jobs().get_job(v1::GetJobRequest { job_id: ended[0].clone() }).await.unwrap_err();
+    assert_eq!(reason(&gone), "UNKNOWN_JOB");
+    // The request id has gone with the job, and the blob is still there.
+    let again = server.request("r-0", "EVENTS 5000").await;
+    assert!(!server.jobs().submit_job(again).await.unwrap().into_inner().duplicate);
+    server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
+    server.wait(&queued).await;
+    server.stop().await;
+
+    // By bytes: the logs of five jobs are too many for two and a half.
+    let left = {
+        let server = Server::start(own(0, 0, 0)).await;
+        let left = listed(&server).await;
+        for id in &left {
+            server.wait(id).await;
+        }
+        server.stop().await;
+        left
+    };
+    let server = Server::start(own(0, bytes / 2, 0)).await;
+    let kept = |left: &[String]| -> u64 {
+        left.iter().filter_map(|id| std::fs::metadata(job(id).join("log")).ok()).map(|meta| meta.len()).sum()
+    };
+    assert!(kept(&left) > 0);
+    for _ in 0..2000 {
+        if kept(&listed(&server).await) <= bytes / 2 {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let now = listed(&server).await;
+    assert!(kept(&now) <= bytes / 2 && !now.is_empty() && left.ends_with(&now), "{now:?} of {left:?}");
+    server.stop().await;
+
+    // By age.
+    let server = Server::start(own(0, 0, 1)).await;
+    until_listed(&server, &[]).await;
+    assert_eq!(std::fs::read_dir(folder.path().join("jobs")).unwrap().count(), 0);
     server.stop().await;
 }
