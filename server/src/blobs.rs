@@ -70,6 +70,14 @@ impl Blobs {
         }
     }
 
+    /// Whether the content of a blob is what its name says; nothing is done if not.
+    pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
+        let Place::Files(store) = &self.place else { return Ok(true) };
+        let mut hash = Sha256::new();
+        io::copy(&mut store.disk().open(&store.blob(digest))?, &mut hash)?;
+        Ok(hex(&hash.finalize()) == digest)
+    }
+
     /// Refuses when one of these is not there.
     pub(crate) fn require<'a>(&self, digests: impl Iterator<Item = &'a String>) -> Result<(), Refusal> {
         let missing: Vec<String> = digests.filter(|digest| !self.has(digest)).cloned().collect();

@@ -6,6 +6,7 @@
 //! log and never stands between a kernel and its log; nothing here knows how a block is processed.
 
 mod blobs;
+pub mod doctor;
 mod drain;
 mod jobs;
 mod ledger;

@@ -1,11 +1,12 @@
-//! `counterpointd`: settings, build, announce, serve, drain.
+//! `counterpointd`: settings, build, announce, serve, drain; and the examination of a folder without a server.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
+use counterpoint_server::doctor;
 use counterpoint_server::options::{Flags, Options};
 use counterpoint_server::service;
 
@@ -21,6 +22,40 @@ struct Arguments {
     print_config: bool,
     #[command(flatten)]
     flags: Flags,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Examine the data folder of a stopped server: every damage, and what to do
+    ///
+    /// Exit code: 0 = no damage is left, 1 = there is damage, 3 = the folder cannot be examined.
+    Doctor {
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+        /// Remove what nobody can read or use
+        #[arg(long)]
+        repair: bool,
+    },
+}
+
+/// Examines a folder and prints what was found.
+fn examine(folder: &Path, repair: bool) -> ExitCode {
+    let found = match doctor::examine(folder, repair) {
+        Ok(found) => found,
+        Err(error) => {
+            eprintln!("counterpointd: the data folder cannot be examined: {error}");
+            return ExitCode::from(3);
+        }
+    };
+    for damage in &found {
+        println!("{damage}");
+    }
+    let left = found.iter().filter(|damage| !damage.repaired).count();
+    println!("{} damaged, {} repaired: {}", found.len(), found.len() - left, folder.display());
+    ExitCode::from(u8::from(left > 0))
 }
 
 fn main() -> ExitCode {
@@ -36,6 +71,9 @@ fn main() -> ExitCode {
     if arguments.print_config {
         print!("{}", options.to_toml());
         return ExitCode::SUCCESS;
+    }
+    if let Some(Command::Doctor { data, repair }) = arguments.command {
+        return examine(data.as_ref().unwrap_or(&options.data), repair);
     }
     logging();
     match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {

@@ -5,6 +5,7 @@
 //! is reported to whoever asks for it and hidden from all others.
 
 mod blob_refs;
+pub(crate) mod checkup;
 pub(crate) mod record;
 pub(crate) mod retention;
 mod schema;
@@ -108,13 +109,7 @@ impl Ledger {
     /// Opens or creates the ledger.
     pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
-        if store.durable() {
-            let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
-            if length.unwrap_or(0) == 0 && store.in_use() {
-                let what = if length.is_some() { "is empty" } else { "is missing" };
-                return Err(lost(store, &format!("{what} although there are jobs or blobs")));
-            }
-        }
+        not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         let txn = database.begin_write().map_err(storage)?;
         let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
@@ -407,8 +402,18 @@ impl Drop for Ledger {
     }
 }
 
+/// Refuses a missing or empty ledger beside jobs or blobs.
+pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
+    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
+    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
+        let what = if length.is_some() { "is empty" } else { "is missing" };
+        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+    }
+    Ok(())
+}
+
 /// A ledger that cannot be used, with the way out.
-fn lost(store: &Store, what: &str) -> Refusal {
+pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
     let root = store.root().display();
     Refusal::DataLoss(format!(
         "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",

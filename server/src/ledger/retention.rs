@@ -2,6 +2,8 @@
 //!
 //! Invariant: exactly the jobs that have ended are listed; those that wait or run never are.
 
+use std::collections::BTreeSet;
+
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
 use super::record::Record;
@@ -42,14 +44,28 @@ pub(super) fn unlist(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<
     txn.open_table(ENDED).map_err(storage)?.remove((ended_ms, id)).map(drop).map_err(storage)
 }
 
+/// All that are listed: time of the end and identity.
+pub(super) fn listed(txn: &ReadTransaction) -> Result<BTreeSet<(i64, String)>, Refusal> {
+    let mut listed = BTreeSet::new();
+    for row in txn.open_table(ENDED).map_err(storage)?.iter().map_err(storage)? {
+        let (key, _) = row.map_err(storage)?;
+        let (ended_ms, id) = key.value();
+        listed.insert((ended_ms, id.to_owned()));
+    }
+    Ok(listed)
+}
+
 /// Lists all jobs that have ended, with the bytes of their folders.
 pub(super) fn list_all(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
     let mut ended = txn.open_table(ENDED).map_err(storage)?;
+    ended.retain(|_, _| false).map_err(storage)?;
     let jobs = txn.open_table(JOB).map_err(storage)?;
     for row in jobs.iter().map_err(storage)? {
         let (id, row) = row.map_err(storage)?;
         if let Some(record) = readable::<Record>(id.value(), row.value()).filter(|record| record.state.ended()) {
-            ended.insert((record.ended_ms, id.value()), store.job_bytes(id.value())).map_err(storage)?;
+            ended
+                .insert((record.ended_ms, id.value()), store.job_bytes(id.value()).max(record.runs.stored_bytes))
+                .map_err(storage)?;
         }
     }
     Ok(())

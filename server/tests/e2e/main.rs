@@ -14,6 +14,7 @@ mod connections;
 mod damage;
 #[cfg(target_os = "linux")]
 mod descriptors;
+mod doctor;
 mod folder;
 mod life;
 mod limits;
