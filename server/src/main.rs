@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::options::{Flags, Options};
 use counterpoint_server::service;
@@ -39,6 +40,48 @@ enum Command {
         #[arg(long)]
         repair: bool,
     },
+    /// Copy the data folder, also that of a running server
+    Backup {
+        /// New folder
+        to: PathBuf,
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+    },
+    /// Make a backup the data folder, which must be new or empty
+    Restore {
+        /// The backup
+        from: PathBuf,
+        /// Restore a backup with damages
+        #[arg(long)]
+        damaged: bool,
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+    },
+}
+
+/// Does what needs no server of its own.
+fn run(command: &Command, data: &Path) -> ExitCode {
+    let done = match command {
+        Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
+        Command::Backup { to, data: own } => {
+            backup::backup(own.as_deref().unwrap_or(data), to).map(|Contents { jobs, blobs, left_out }| {
+                println!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {}", to.display());
+            })
+        }
+        Command::Restore { from, damaged, data: own } => {
+            let to = own.as_deref().unwrap_or(data);
+            backup::restore(from, to, *damaged).map(|()| println!("restored: {}", to.display()))
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("counterpointd: {error}");
+            ExitCode::from(3)
+        }
+    }
 }
 
 /// Examines a folder and prints what was found.
@@ -72,8 +115,8 @@ fn main() -> ExitCode {
         print!("{}", options.to_toml());
         return ExitCode::SUCCESS;
     }
-    if let Some(Command::Doctor { data, repair }) = arguments.command {
-        return examine(data.as_ref().unwrap_or(&options.data), repair);
+    if let Some(command) = arguments.command {
+        return run(&command, &options.data);
     }
     logging();
     match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {

@@ -175,6 +175,12 @@ impl Store {
         }
     }
 
+    /// Files with which backups ask for a copy of the ledger.
+    pub(crate) fn backups(&self) -> io::Result<Vec<PathBuf>> {
+        let asks = |name: &String| name.starts_with("backup-") && !name.contains('.');
+        Ok(names(&self.tmp())?.into_iter().filter(asks).map(|name| self.tmp().join(name)).collect())
+    }
+
     /// Identities of all jobs that have a folder.
     pub(crate) fn jobs(&self) -> io::Result<Vec<String>> {
         names(&self.root.join("jobs"))

@@ -44,6 +44,7 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     let work = move || {
         let mut next = Instant::now();
         while let Some(core) = core.upgrade() {
+            copy_ledger_if_asked(&core);
             remove_expired(&core, &keep);
             if next <= Instant::now() {
                 collect_blobs(&core, grace);
@@ -55,6 +56,24 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     };
     std::thread::Builder::new().name("housekeeping".to_owned()).spawn(work)?;
     Ok(())
+}
+
+/// Copies the ledger for each backup that asks for it: `tmp/backup-<id>` becomes `tmp/backup-<id>.ready`.
+fn copy_ledger_if_asked(core: &Core) {
+    for request in core.store.backups().unwrap_or_default() {
+        let copy = request.with_extension("copy");
+        let copied = core.ledger.copy(&copy, &core.store).and_then(|()| {
+            std::fs::remove_file(&request)?;
+            Ok(std::fs::rename(&copy, request.with_extension("ready"))?)
+        });
+        match copied {
+            Ok(()) => tracing::info!("the ledger has been copied for a backup"),
+            Err(error) => {
+                tracing::warn!(%error, "the ledger cannot be copied for a backup");
+                let _ = std::fs::remove_file(copy);
+            }
+        }
+    }
 }
 
 fn keep(options: &Retention) -> Keep {

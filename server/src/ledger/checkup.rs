@@ -3,9 +3,10 @@
 //! Invariant: a ledger that is only examined is not written; changes that opening it needs stay in memory.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use bytes::Bytes;
-use redb::{Database, ReadableDatabase, ReadableTable};
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
 use super::record::Record;
 use super::writer::Place;
@@ -116,6 +117,13 @@ impl Checkup {
         Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
     }
 
+    /// Removes ended jobs.
+    pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
+        let txn = self.database.begin_write().map_err(storage)?;
+        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ended_ms))?;
+        txn.commit().map_err(storage)
+    }
+
     /// Removes rows that cannot be read or belong to nothing, and counts again.
     pub(crate) fn repair(&self, rows: &Rows, store: &Store) -> Result<(), Refusal> {
         let txn = self.database.begin_write().map_err(storage)?;
@@ -136,4 +144,51 @@ impl Checkup {
         retention::list_all(&txn, store)?;
         txn.commit().map_err(storage)
     }
+}
+
+impl Rows {
+    /// Digests that jobs and machines need.
+    pub(crate) fn blobs(&self) -> BTreeSet<&str> {
+        let jobs = self.jobs.iter().flat_map(blob_refs::of_job);
+        jobs.chain(self.machines.iter().flat_map(blob_refs::of_machine)).collect()
+    }
+}
+
+/// Copies the ledger of a folder that no server uses; none if there is none.
+pub(crate) fn copy_ledger(store: &Store, to: &Path) -> Result<(), Refusal> {
+    super::not_lost(store)?;
+    let place = Place::File(store.ledger(), store.disk().clone());
+    copy(&place.try_frozen().map_err(storage)?.begin_read().map_err(storage)?, to, store)
+}
+
+/// Copies the state that a reader sees into a new file.
+pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(), Refusal> {
+    let database = Place::File(to.to_owned(), store.disk().clone()).open().map_err(storage)?;
+    let txn = database.begin_write().map_err(storage)?;
+    copy_table(from, &txn, schema::META)?;
+    copy_table(from, &txn, JOB)?;
+    copy_table(from, &txn, REQUEST)?;
+    copy_table(from, &txn, MACHINE)?;
+    // A ledger of an early schema does not have these.
+    copy_table(from, &txn, LOG)?;
+    copy_table(from, &txn, blob_refs::BLOB)?;
+    copy_table(from, &txn, retention::ENDED)?;
+    txn.commit().map_err(storage)
+}
+
+fn copy_table<K: redb::Key + 'static, V: redb::Value + 'static>(
+    from: &ReadTransaction,
+    to: &WriteTransaction,
+    table: TableDefinition<'_, K, V>,
+) -> Result<(), Refusal> {
+    let rows = match from.open_table(table) {
+        Err(redb::TableError::TableDoesNotExist(_)) => return Ok(()),
+        other => other.map_err(storage)?,
+    };
+    let mut copied = to.open_table(table).map_err(storage)?;
+    for row in rows.iter().map_err(storage)? {
+        let (key, value) = row.map_err(storage)?;
+        copied.insert(key.value(), value.value()).map_err(storage)?;
+    }
+    Ok(())
 }

@@ -11,6 +11,7 @@ pub(crate) mod retention;
 mod schema;
 mod writer;
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
@@ -388,6 +389,11 @@ impl Ledger {
             }
         }
         Ok(found)
+    }
+
+    /// Copies the last durable state into a new file.
+    pub(crate) fn copy(&self, to: &Path, store: &Store) -> Result<(), Refusal> {
+        checkup::copy(&self.snapshot()?, to, store)
     }
 
     /// Jobs that had not ended when the server went down, in order of submission.

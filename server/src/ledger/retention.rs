@@ -12,7 +12,7 @@ use crate::reason::Refusal;
 use crate::store::Store;
 
 /// Time of the end and identity → bytes of log, files and results.
-const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
+pub(super) const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
 
 /// What is kept of ended jobs.
 #[derive(Debug, Clone, Default)]

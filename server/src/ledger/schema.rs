@@ -9,7 +9,7 @@ use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, retention, storage};
 use crate::reason::Refusal;
 use crate::store::Store;
 
-const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
+pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 
 /// A step from one form to the next.
 type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;

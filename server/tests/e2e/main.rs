@@ -9,6 +9,7 @@
     clippy::indexing_slicing
 )]
 
+mod backup;
 mod collect;
 mod connections;
 mod damage;
