@@ -258,7 +258,7 @@ fn exit_codes_of_the_emulated_system() {
     };
     let clean = program(folder.path(), "clean.nc", "O1\nG0 X1.\nM30\n");
     let warns = program(folder.path(), "warns.nc", "O1\nG0 X1.\n");
-    let fails = program(folder.path(), "fails.nc", "O1\nG4\nM30\n");
+    let fails = program(folder.path(), "fails.nc", "O1\nG1 X1.\nM30\n");
     let loops = program(folder.path(), "loops.nc", "O1\nN1 GOTO 1\n");
     let empty = program(folder.path(), "empty.nc", "\n");
     assert_eq!(run(&clean, &[]), 0);

@@ -154,7 +154,8 @@ pub fn check(root: &Path, update: bool) -> Result<Vec<String>, String> {
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{LIST}: {error}"))?;
     let known: Exceptions = toml::from_str(&text).map_err(|error| format!("{LIST}: {error}"))?;
     if update {
-        std::fs::write(&path, written(&found, &known.tables)).map_err(|error| format!("{LIST}: {error}"))?;
+        let tables = known.tables.into_iter().filter(|name| found.types.contains_key(name)).collect();
+        std::fs::write(&path, written(&found, &tables)).map_err(|error| format!("{LIST}: {error}"))?;
         return Ok(Vec::new());
     }
     Ok(compare(&found, &known))

@@ -12,7 +12,7 @@ use crate::trace::{self, ACTION};
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
     let Some(seconds) = kernel.take_seconds(data::DELAY) else {
-        if kernel.machine.habits.bare_dwell {
+        if kernel.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(kernel);
         }
         let text = format!("a dwell needs its time in '{}'", kernel.block_text());
@@ -35,7 +35,7 @@ pub(super) fn revolutions(kernel: &mut Kernel<'_>) -> Acted {
 impl Kernel<'_> {
     /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
     pub(super) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.machine.habits.pointed_dwell && self.is_pointed(id);
+        let pointed = self.machine.habits.dwell.pointed && self.is_pointed(id);
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 

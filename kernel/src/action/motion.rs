@@ -358,7 +358,7 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn check_travel(&mut self, to: &Position) {
-        if self.place.limited && !self.place.limits_stop {
+        if self.place.bounds.limited && !self.place.bounds.stop {
             self.check_limits_of_axes(to);
         }
     }
@@ -366,7 +366,7 @@ impl Kernel<'_> {
     /// Where it is an alarm, an end beyond the limits stops the channel before the move.
     #[inline(always)]
     fn check_travel_before(&mut self, motion: &Motion) -> Acted {
-        if self.place.limited && self.place.limits_stop {
+        if self.place.bounds.limited && self.place.bounds.stop {
             self.check_limits_of_axes(&motion.to);
             return self.check_stop();
         }

@@ -71,7 +71,7 @@ impl Kernel<'_> {
                 self.queue(row, code, 0.0, false);
             }
         }
-        if self.block.firings.len() > 1 && !self.plan.exclusive.is_empty() {
+        if self.block.firings.len() > 1 && !self.plan.rules.exclusive.is_empty() {
             self.last_of_groups();
         }
         call
@@ -103,7 +103,8 @@ impl Kernel<'_> {
         let rows = self.machine.tables.code(word.register, word.value);
         let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
         let at = self.block.firings.iter().position(fired)?;
-        let group = self.block.firings.get(at).and_then(|firing| self.plan.exclusive.get(usize::from(firing.row)))?;
+        let group =
+            self.block.firings.get(at).and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
         (*group != 0).then_some((word, at, *group))
     }
 

@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     fn table(rule: DiagnosticRule, min_severity: u8) -> Diagnostics {
-        Diagnostics { rules: vec![rule], min_severity }
+        Diagnostics { rules: vec![rule], min_severity, refusals: Vec::new() }
     }
 
     fn rule() -> DiagnosticRule {

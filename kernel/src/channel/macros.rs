@@ -377,7 +377,7 @@ impl Kernel<'_> {
             Name::Register(register, _) => register,
             Name::Text(_) => return None,
         };
-        self.plan.steps.get(usize::from(register))?.get(usize::from(self.secondary)).copied()
+        self.plan.rules.steps.get(usize::from(register))?.get(usize::from(self.secondary)).copied()
     }
 
     /// A number beside an expression is read as on a line without one.

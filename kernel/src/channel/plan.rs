@@ -50,6 +50,15 @@ pub(crate) struct Plan {
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
     pub(crate) recall: Option<Vec<bool>>,
+    /// What the control makes of its blocks beyond their words.
+    pub(crate) rules: Rules,
+    /// Registers whose word an identifier must not take (`process = false`), bit by register.
+    pub(crate) refused: Vec<u128>,
+}
+
+/// What a control makes of blocks and values beyond the meaning of their words.
+#[derive(Debug)]
+pub(crate) struct Rules {
     /// Group within which only the last G code of a block acts, by code row, 0 for none; empty where all act.
     pub(crate) exclusive: Vec<u16>,
     /// Steps of one unit that values of expressions are rounded to, by register in primary and secondary units; empty
@@ -59,8 +68,17 @@ pub(crate) struct Plan {
     pub(crate) lead_is_feed: bool,
     /// Rules by which the control refuses blocks.
     pub(crate) refusals: Option<Box<Refusals>>,
-    /// Registers whose word an identifier must not take (`process = false`), bit by register.
-    pub(crate) refused: Vec<u128>,
+}
+
+impl Rules {
+    fn new(machine: &Machine, g: Option<u8>) -> Self {
+        Self {
+            exclusive: exclusive(machine, g),
+            steps: steps(machine),
+            lead_is_feed: lead_is_feed(machine),
+            refusals: Refusals::new(machine),
+        }
+    }
 }
 
 /// Modal data that no action remembers by itself: those the machine made modal beyond axes, feeds, speeds and tools.
@@ -281,12 +299,9 @@ impl Plan {
             speed_registers,
             rows_of_code: rows_of_code(machine),
             tape: Tape::new(&machine.tape_editor),
-            exclusive: exclusive(machine, g),
-            steps: steps(machine),
             reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
             recall,
-            lead_is_feed: lead_is_feed(machine),
-            refusals: Refusals::new(machine),
+            rules: Rules::new(machine, g),
             refused,
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
         }

@@ -14,8 +14,10 @@ use crate::machine::tables::form_range;
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]
 pub(crate) struct Refusals {
-    /// A rule looks for this code row.
-    rows: Vec<bool>,
+    /// Rules that look for each code row, bit by rule.
+    rows: Vec<u64>,
+    /// Rules without codes, bit by rule.
+    free: u64,
     /// Registers of data words that rules without codes look for, bit by register.
     registers: u128,
 }
@@ -23,20 +25,43 @@ pub(crate) struct Refusals {
 impl Refusals {
     /// `None` where the machine has no rules.
     pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
-        if machine.refusals.is_empty() {
+        if machine.diagnostics.refusals.is_empty() {
             return None;
         }
+        let rules = |of: &dyn Fn(&Refusal) -> bool| {
+            let found = machine.diagnostics.refusals.iter().enumerate().filter(|(_, rule)| of(rule));
+            found.fold(0, |bits, (at, _)| bits | bit(at))
+        };
         let looks = |row: &CodeRow| {
-            machine.refusals.iter().any(|rule| {
+            rules(&|rule| {
                 let word = rule.word.filter(|_| rule.codes.is_empty());
                 let own = word.is_some_and(|word| form_range(&row.form).is_some_and(|(at, ..)| at == word.register));
                 own || rule.codes.iter().any(|code| may_be(code, row))
             })
         };
-        let free = machine.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
+        let free =
+            machine.diagnostics.refusals.iter().filter(|rule| rule.codes.is_empty()).filter_map(|rule| rule.word);
         let registers = free.fold(0, |bits, word| bits | 1 << word.register);
-        Some(Box::new(Self { rows: machine.codes.iter().map(looks).collect(), registers }))
+        let rows = machine.codes.iter().map(looks).collect();
+        Some(Box::new(Self { rows, free: rules(&|rule| rule.codes.is_empty()), registers }))
     }
+}
+
+/// The bit of a rule; the last one stands for all rules that have none of their own.
+fn bit(rule: usize) -> u64 {
+    1 << rule.min(63)
+}
+
+/// The rules of these bits, in their order.
+fn named(rules: &[Refusal], mut bits: u64) -> impl Iterator<Item = &Refusal> {
+    let last = if bits & bit(63) == 0 { &[][..] } else { rules.get(63..).unwrap_or_default() };
+    bits &= !bit(63);
+    let own = std::iter::from_fn(move || {
+        let at = bits.trailing_zeros() as usize;
+        bits &= bits.checked_sub(1)?;
+        rules.get(at)
+    });
+    own.chain(last)
 }
 
 /// Some value of the row is what the rule names.
@@ -53,13 +78,14 @@ impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
     #[inline(always)]
     pub(super) fn check_refused(&mut self) -> Acted {
-        if self.block.present & self.place.foreign != 0 {
+        if self.block.present & self.place.bounds.foreign != 0 {
             self.foreign_axis()?;
         }
-        let Some(refusals) = self.plan.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(false);
-        if self.block.firings.iter().any(looked) || self.block.present & refusals.registers != 0 {
-            return self.refused();
+        let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
+        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
+        let rules = self.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
+        if rules != 0 || self.block.present & refusals.registers != 0 {
+            return self.refused(rules | refusals.free);
         }
         Ok(())
     }
@@ -69,7 +95,7 @@ impl Kernel<'_> {
     fn foreign_axis(&mut self) -> Acted {
         let machine = self.machine;
         let rows = || self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
-        let wrong = |register: u8| self.place.foreign & 1 << register != 0 && self.block.has(register);
+        let wrong = |register: u8| self.place.bounds.foreign & 1 << register != 0 && self.block.has(register);
         let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
         let mut words = self.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
         let Some(word) = words.next() else { return Ok(()) };
@@ -83,10 +109,13 @@ impl Kernel<'_> {
     }
 
     #[inline(never)]
-    fn refused(&mut self) -> Acted {
+    fn refused(&mut self, rules: u64) -> Acted {
         let machine = self.machine;
         let words = self.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
-        let Some(rule) = machine.refusals.iter().find(|rule| self.is_refused_by(rule, words)) else { return Ok(()) };
+        let Some(rule) = named(&machine.diagnostics.refusals, rules).find(|rule| self.is_refused_by(rule, words))
+        else {
+            return Ok(());
+        };
         let text = format!("{} {} in '{}'; nothing of the block is done", rule.alarm, rule.text, self.block_text());
         Err(self.alarm(&diag::REFUSED, text))
     }

@@ -130,6 +130,17 @@ pub(crate) struct Axis {
     pub(crate) limits: Option<(f64, f64)>,
 }
 
+/// What the axes of a channel do not allow.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// One of them has limits of travel.
+    pub(crate) limited: bool,
+    /// An end beyond them stops the channel before the move.
+    pub(crate) stop: bool,
+    /// Registers of axes that other channels have, where their words are alarms, bit by register.
+    pub(crate) foreign: u128,
+}
+
 /// Where the channel stands and how it moves.
 #[derive(Debug)]
 pub(crate) struct Place {
@@ -137,12 +148,8 @@ pub(crate) struct Place {
     pub(crate) axes: Vec<Axis>,
     /// One of them turns.
     pub(crate) rotary: bool,
-    /// One of them has limits of travel.
-    pub(crate) limited: bool,
-    /// An end beyond them stops the channel before the move.
-    pub(crate) limits_stop: bool,
-    /// Registers of axes that other channels have, where their words are alarms, bit by register.
-    pub(crate) foreign: u128,
+    /// What the axes do not allow.
+    pub(crate) bounds: Bounds,
     /// Axes whose absolute words are angles, not positions, bit by axis.
     pub(crate) angles: u8,
     /// Programmed position in the work frame.
@@ -211,9 +218,11 @@ impl Place {
         Self {
             position: machine.home(channel),
             rotary: axes.iter().any(|axis| axis.rotary),
-            limited: axes.iter().any(|axis| axis.limits.is_some()),
-            limits_stop: machine.stops_at(&diag::OVER_TRAVEL),
-            foreign: foreign(machine, &axes),
+            bounds: Bounds {
+                limited: axes.iter().any(|axis| axis.limits.is_some()),
+                stop: machine.stops_at(&diag::OVER_TRAVEL),
+                foreign: foreign(machine, &axes),
+            },
             angles: crate::action::turning::angles(machine, &axes),
             axes,
             shift: [0.0; MAX_AXES],

@@ -24,10 +24,8 @@ pub struct Habits {
     pub brackets: Option<u8>,
     /// A code of a reference point without axes sends all axes there.
     pub bare_home: bool,
-    /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
-    pub pointed_dwell: bool,
-    /// A dwell without a time is an exact stop.
-    pub bare_dwell: bool,
+    /// How a dwell tells its time.
+    pub dwell: Dwell,
     /// Values of expressions at addresses are rounded to the least increment of the register.
     pub rounded: bool,
     /// Codes, addresses and statements that nothing knows are alarms of the control; otherwise they are diagnosed and the
@@ -42,6 +40,15 @@ pub struct Habits {
     pub integers: Vec<f64>,
     /// Those that are numbers, `$WUDQ`.
     pub numbers: Vec<f64>,
+}
+
+/// How a dwell tells its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Dwell {
+    /// A dwell in thousandths of a second is one in seconds where its word has a decimal point.
+    pub pointed: bool,
+    /// A dwell without a time is an exact stop.
+    pub bare: bool,
 }
 
 /// How reference points are reached.
@@ -93,8 +100,7 @@ impl Default for Habits {
             rounded: false,
             brackets: None,
             bare_home: false,
-            pointed_dwell: false,
-            bare_dwell: false,
+            dwell: Dwell::default(),
             unknown_alarms: false,
             stops: false,
             texts: Vec::new(),

@@ -90,8 +90,6 @@ pub struct Machine {
     pub dialogs: Vec<crate::dialog::Dialog>,
     /// What the machine changes about diagnostics.
     pub diagnostics: Diagnostics,
-    /// Blocks that the control refuses with an alarm.
-    pub refusals: Vec<super::refusals::Refusal>,
     /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
     pub storage: Vec<StoredFile>,
     /// Dense lookups compiled from the rows.
@@ -99,12 +97,14 @@ pub struct Machine {
 }
 
 /// What a machine changes about diagnostics.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Diagnostics {
     /// Rules, ascending by number.
     pub rules: Vec<DiagnosticRule>,
     /// Diagnostics below this severity are not logged.
     pub min_severity: u8,
+    /// Blocks that the control refuses with an alarm.
+    pub refusals: Vec<super::refusals::Refusal>,
 }
 
 /// What a machine changes about one number.

@@ -16,10 +16,8 @@ use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{Limits, State};
 use rustc_hash::FxHashMap;
 
-use super::host::operations::Operations;
-use super::host::sums::Sums;
-use super::host::travel::Travel;
 use super::host::variables::Store;
+use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use super::without::Asked;

@@ -6,8 +6,8 @@
 mod cases;
 mod storms;
 
-use std::sync::Arc;
 use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use cases::Case;
@@ -86,8 +86,15 @@ fn peak() -> Option<u64> {
     Some(bytes)
 }
 
+/// The memory of the process is measured, so one test runs at a time.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[test]
 fn every_hostile_job_ends_within_its_limits() {
+    let _alone = alone();
     let mut wrong = Vec::new();
     for case in cases::all() {
         peak();
@@ -139,6 +146,7 @@ fn cancelled(case: Case, after: Duration, logged: bool) -> Option<Duration> {
 /// Cancelled at several moments of its life: while it is prepared, at its start, at its work; with a log and without.
 #[test]
 fn every_hostile_job_can_be_cancelled() {
+    let _alone = alone();
     let mut worst = (Duration::ZERO, String::new());
     for case in cases::all() {
         let name = case.name;
@@ -165,6 +173,7 @@ fn every_hostile_job_can_be_cancelled() {
 
 #[test]
 fn the_verdict_names_who_keeps_most() {
+    let _alone = alone();
     let case = cases::all().into_iter().find(|case| case.name == "macro: OBJECT sequence of texts").unwrap();
     let summary = run(&case, small(), &case.control(), false).unwrap();
     let verdict = summary.verdict.expect("a verdict");
@@ -174,6 +183,7 @@ fn the_verdict_names_who_keeps_most() {
 
 #[test]
 fn whether_memory_is_used_up_does_not_depend_on_scheduling() {
+    let _alone = alone();
     let case = cases::all().into_iter().find(|case| case.name == "macro: GLOBAL variables of two channels").unwrap();
     let told = |threads| {
         let options = Options { limits: small(), threads, ..Options::default() };
@@ -189,6 +199,7 @@ fn whether_memory_is_used_up_does_not_depend_on_scheduling() {
 
 #[test]
 fn limits_beyond_the_most_count_as_the_most() {
+    let _alone = alone();
     let limits = Limits { diagnostics: u32::MAX, block_length: 100 << 20, memory: u64::MAX, ..Limits::default() };
     let work = cases::all().remove(0).work(Options { limits, ..Options::default() });
     let spec = Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
@@ -201,6 +212,7 @@ fn limits_beyond_the_most_count_as_the_most() {
 /// Bytes of memory, a program, and what the verdict names.
 #[test]
 fn results_count_as_memory() {
+    let _alone = alone();
     let moves = "F9999.\nN1 G91 G2 X.01 I.005\nG2 X-.01 I-.005\nGOTO1\n";
     for (memory, named) in
         [(100 << 10, "the toolpath"), (40 << 10, "the toolpath"), (64 << 20, "more than 20000 blocks")]
@@ -223,6 +235,7 @@ fn results_count_as_memory() {
 /// A path takes no more than its part, however many arcs there are: it becomes coarser.
 #[test]
 fn a_path_has_no_more_than_its_part_of_the_memory() {
+    let _alone = alone();
     let arcs = "F9999.\nN1 G91 G2 X.01 I.005\nG1 Y.01\nG2 X-.01 I-.005\nG1 Y.01\nGOTO1\n";
     let limits = Limits { memory: 4 << 20, ..small() };
     let work = counterpoint_tests::Work::texts(

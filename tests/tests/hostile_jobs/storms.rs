@@ -106,7 +106,7 @@ fn of_programs() -> Vec<Case> {
         ),
         fanuc(
             "fanuc: a cycle that goes nowhere",
-            "G90 G0 X0 Y0 Z0\nN1 G81 X0 Y0 Z0 R0 F100. K99999999\nGOTO1\n".into(),
+            "G90 G0 X0 Y0 Z0\nN1 G81 X0 Y0 Z0 R0 F100. K99999\nGOTO1\n".into(),
             &[LIMIT],
         ),
         fanuc("fanuc: endless pecks", "G90 G0 X0 Y0 Z10.\nG83 Z-99999. R0. Q0.001 F1000.\nM30\n".into(), &[2_900_092]),

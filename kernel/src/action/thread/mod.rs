@@ -166,14 +166,14 @@ impl Kernel<'_> {
     /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
         self.modal.remember(data::INTERP_THREAD_PITCH, pitch);
-        if self.plan.lead_is_feed {
+        if self.plan.rules.lead_is_feed {
             self.modal.remember(data::FEED_UPR, pitch);
         }
     }
 
     /// The lead last programmed, or the feed per revolution where that is the same word.
     pub(super) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.plan.lead_is_feed { self.modal.value(data::FEED_UPR) } else { None };
+        let feed = if self.plan.rules.lead_is_feed { self.modal.value(data::FEED_UPR) } else { None };
         feed.or_else(|| self.modal.value(data::INTERP_THREAD_PITCH))
     }
 

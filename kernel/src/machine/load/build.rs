@@ -62,8 +62,8 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
     overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
     let tape_editor = tape::read(&mut top);
     let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
-    let diagnostics = diagnostics::read(&mut top, files);
-    let refusals = refusals::read(&mut top, &names, &codes);
+    let mut diagnostics = diagnostics::read(&mut top, files);
+    diagnostics.refusals = refusals::read(&mut top, &names, &codes);
     top.finish();
     let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
     Machine {
@@ -105,7 +105,6 @@ pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Mach
         tape_editor,
         dialogs,
         diagnostics,
-        refusals,
         storage,
         tables,
     }

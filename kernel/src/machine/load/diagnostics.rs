@@ -44,7 +44,7 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Diagnostics {
     }
     rules.sort_by_key(|rule| rule.number);
     let min_severity = top.integer("min_severity", 0..=99).map_or(0, |severity| severity as u8);
-    Diagnostics { rules, min_severity }
+    Diagnostics { rules, min_severity, refusals: Vec::new() }
 }
 
 /// Why a rule cannot be.

@@ -32,9 +32,9 @@ pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits 
     let homes = [("nothing", false), ("all", true)];
     habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);
     let dwells = [("as-written", false), ("seconds", true)];
-    habits.pointed_dwell = section.choice("dwell_with_point", &dwells).unwrap_or(habits.pointed_dwell);
+    habits.dwell.pointed = section.choice("dwell_with_point", &dwells).unwrap_or(habits.dwell.pointed);
     let dwells = [("missing", false), ("exact-stop", true)];
-    habits.bare_dwell = section.choice("dwell_without_time", &dwells).unwrap_or(habits.bare_dwell);
+    habits.dwell.bare = section.choice("dwell_without_time", &dwells).unwrap_or(habits.dwell.bare);
     let unknown = [("warn", false), ("alarm", true)];
     habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
     habits.stops = section.flag("stops").unwrap_or(habits.stops);
