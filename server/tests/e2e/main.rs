@@ -20,6 +20,7 @@ mod folder;
 mod life;
 mod limits;
 mod operator;
+mod rate;
 mod storage;
 mod submit;
 mod support;
