@@ -6,6 +6,7 @@
 use std::fs;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
+use std::time::{Duration, SystemTime};
 
 use bytes::Bytes;
 use dashmap::DashMap;
@@ -17,6 +18,11 @@ use crate::store::Store;
 
 /// Most bytes that are set aside for an announced size before they come.
 const RESERVE: usize = 64 << 20;
+
+/// A blob offered again within this time keeps its time.
+const FRESH: Duration = Duration::from_secs(1);
+/// Most blobs that are looked at in one step of a collection.
+const GROUP: usize = 64;
 
 /// Digest of a content as 64 lower-case hexadecimal digits.
 pub(crate) fn digest(content: &[u8]) -> String {
@@ -62,6 +68,60 @@ impl Blobs {
             Place::Files(store) => is_digest(digest) && store.blob(digest).is_file(),
             Place::Memory(blobs) => blobs.contains_key(digest),
         }
+    }
+
+    /// Whether the content of a blob is what its name says; nothing is done if not.
+    pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
+        let Place::Files(store) = &self.place else { return Ok(true) };
+        let mut hash = Sha256::new();
+        io::copy(&mut store.disk().open(&store.blob(digest))?, &mut hash)?;
+        Ok(hex(&hash.finalize()) == digest)
+    }
+
+    /// Refuses when one of these is not there.
+    pub(crate) fn require<'a>(&self, digests: impl Iterator<Item = &'a String>) -> Result<(), Refusal> {
+        let missing: Vec<String> = digests.filter(|digest| !self.has(digest)).cloned().collect();
+        if missing.is_empty() { Ok(()) } else { Err(Refusal::MissingBlobs(missing)) }
+    }
+
+    /// Same as [`has`](Self::has) for somebody who relies on it: the blob is as good as uploaded now.
+    pub(crate) fn offers(&self, digest: &str) -> bool {
+        if let Place::Files(store) = &self.place
+            && self.age(digest).is_some_and(|age| age > FRESH)
+        {
+            // Not being able to is fine: then the blob may be collected, and the client is asked for it again.
+            let file = fs::File::options().append(true).open(store.blob(digest));
+            let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
+        }
+        self.has(digest)
+    }
+
+    /// Time since a blob was uploaded or offered; `None` if there is none, or if the clock has been set back since.
+    fn age(&self, digest: &str) -> Option<Duration> {
+        match &self.place {
+            Place::Files(store) if is_digest(digest) => {
+                fs::metadata(store.blob(digest)).ok()?.modified().ok()?.elapsed().ok()
+            }
+            _ => None,
+        }
+    }
+
+    /// Blobs in files that have been neither uploaded nor offered for a while, in small groups.
+    pub(crate) fn older_than(&self, grace: Duration) -> impl Iterator<Item = Vec<String>> + '_ {
+        (0..=255u8).flat_map(move |first| {
+            let names = match &self.place {
+                Place::Files(store) => store.blobs(&hex(&[first])).unwrap_or_default(),
+                Place::Memory(_) => Vec::new(),
+            };
+            let old: Vec<_> = names.into_iter().filter(|name| self.age(name).is_some_and(|age| age >= grace)).collect();
+            old.chunks(GROUP).map(<[String]>::to_vec).collect::<Vec<_>>()
+        })
+    }
+
+    /// Removes a blob in a file if it is still that old.
+    pub(crate) fn remove_older(&self, digest: &str, grace: Duration) -> bool {
+        let Place::Files(store) = &self.place else { return false };
+        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(digest)).is_ok()
     }
 
     pub(crate) fn read(&self, digest: &str) -> io::Result<Bytes> {
@@ -194,7 +254,7 @@ impl Receiver {
             return Err(Refusal::DigestMismatch { announced: self.announced, actual });
         }
         match (self.content, &self.blobs.place) {
-            (Content::File(file), Place::Files(store)) if !self.blobs.has(&actual) => {
+            (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
                 store.keep(file, &store.blob(&actual))?
             }
             (Content::Memory(content), Place::Memory(blobs)) => drop(blobs.insert(actual, content.into())),
@@ -225,6 +285,30 @@ mod tests {
         receiver.chunk(b"M30\n").unwrap();
         assert_eq!(receiver.finish().unwrap(), 9);
         assert_eq!(&*blobs.read(&name).unwrap(), b"G0X1\nM30\n");
+    }
+
+    #[test]
+    fn a_blob_that_is_offered_is_as_young_as_one_that_was_uploaded() {
+        let (folder, blobs) = blobs(100);
+        let name = digest(b"x");
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"x").unwrap();
+        receiver.finish().unwrap();
+        let grace = Duration::from_secs(3600);
+        let age = || {
+            let file = fs::File::options().append(true).open(folder.path().join("blobs").join(&name[..2]).join(&name));
+            file.unwrap().set_modified(SystemTime::now() - 2 * grace).unwrap();
+        };
+        age();
+        assert_eq!(blobs.older_than(grace).collect::<Vec<_>>(), [[name.clone()]]);
+        assert!(blobs.offers(&name) && blobs.older_than(grace).next().is_none() && !blobs.remove_older(&name, grace));
+        age();
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"x").unwrap();
+        receiver.finish().unwrap();
+        assert!(blobs.older_than(grace).next().is_none(), "uploaded again");
+        age();
+        assert!(blobs.remove_older(&name, grace) && !blobs.has(&name));
     }
 
     #[test]

@@ -5,7 +5,9 @@
 //! [`service::Handle`]. Invariants: a submit answers only after the job is on stable storage; a watcher reads the
 //! log and never stands between a kernel and its log; nothing here knows how a block is processed.
 
+pub mod backup;
 mod blobs;
+pub mod doctor;
 mod drain;
 mod jobs;
 mod ledger;

@@ -1,11 +1,13 @@
-//! `counterpointd`: settings, build, announce, serve, drain.
+//! `counterpointd`: settings, build, announce, serve, drain; and the examination of a folder without a server.
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
+use counterpoint_server::backup::{self, Contents};
+use counterpoint_server::doctor;
 use counterpoint_server::options::{Flags, Options};
 use counterpoint_server::service;
 
@@ -21,6 +23,82 @@ struct Arguments {
     print_config: bool,
     #[command(flatten)]
     flags: Flags,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Examine the data folder of a stopped server: every damage, and what to do
+    ///
+    /// Exit code: 0 = no damage is left, 1 = there is damage, 3 = the folder cannot be examined.
+    Doctor {
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+        /// Remove what nobody can read or use
+        #[arg(long)]
+        repair: bool,
+    },
+    /// Copy the data folder, also that of a running server
+    Backup {
+        /// New folder
+        to: PathBuf,
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+    },
+    /// Make a backup the data folder, which must be new or empty
+    Restore {
+        /// The backup
+        from: PathBuf,
+        /// Restore a backup with damages
+        #[arg(long)]
+        damaged: bool,
+        /// Data folder
+        #[arg(long, value_name = "FOLDER")]
+        data: Option<PathBuf>,
+    },
+}
+
+/// Does what needs no server of its own.
+fn run(command: &Command, data: &Path) -> ExitCode {
+    let done = match command {
+        Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
+        Command::Backup { to, data: own } => {
+            backup::backup(own.as_deref().unwrap_or(data), to).map(|Contents { jobs, blobs, left_out }| {
+                println!("{jobs} jobs, {blobs} blobs, {left_out} jobs left out: {}", to.display());
+            })
+        }
+        Command::Restore { from, damaged, data: own } => {
+            let to = own.as_deref().unwrap_or(data);
+            backup::restore(from, to, *damaged).map(|()| println!("restored: {}", to.display()))
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("counterpointd: {error}");
+            ExitCode::from(3)
+        }
+    }
+}
+
+/// Examines a folder and prints what was found.
+fn examine(folder: &Path, repair: bool) -> ExitCode {
+    let found = match doctor::examine(folder, repair) {
+        Ok(found) => found,
+        Err(error) => {
+            eprintln!("counterpointd: the data folder cannot be examined: {error}");
+            return ExitCode::from(3);
+        }
+    };
+    for damage in &found {
+        println!("{damage}");
+    }
+    let left = found.iter().filter(|damage| !damage.repaired).count();
+    println!("{} damaged, {} repaired: {}", found.len(), found.len() - left, folder.display());
+    ExitCode::from(u8::from(left > 0))
 }
 
 fn main() -> ExitCode {
@@ -36,6 +114,9 @@ fn main() -> ExitCode {
     if arguments.print_config {
         print!("{}", options.to_toml());
         return ExitCode::SUCCESS;
+    }
+    if let Some(command) = arguments.command {
+        return run(&command, &options.data);
     }
     logging();
     match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {

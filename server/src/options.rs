@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 mod groups;
 
-pub use groups::{Connections, ConnectionsFlags, Maxima, MaximaFlags};
+pub use groups::{Connections, ConnectionsFlags, Maxima, MaximaFlags, Retention, RetentionFlags};
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,9 @@ pub struct Options {
     /// Patience with connections, and how many there may be.
     #[serde(flatten)]
     pub connections: Connections,
+    /// How long things are kept.
+    #[serde(flatten)]
+    pub retention: Retention,
     /// Nothing survives: no fsync, ledger in memory. For a server that lives as long as one command.
     #[serde(skip)]
     pub ephemeral: bool,
@@ -67,6 +70,7 @@ impl Default for Options {
             min_free_bytes: 256 << 20,
             maxima: Maxima::default(),
             connections: Connections::default(),
+            retention: Retention::default(),
             ephemeral: false,
             log: true,
         }
@@ -186,6 +190,9 @@ pub struct Flags {
     /// Connections
     #[command(flatten)]
     pub connections: ConnectionsFlags,
+    /// Retention
+    #[command(flatten)]
+    pub retention: RetentionFlags,
 }
 
 impl Flags {
@@ -209,6 +216,7 @@ impl Flags {
         set(&mut options.min_free_bytes, self.min_free_bytes);
         self.maxima.over(&mut options.maxima);
         self.connections.over(&mut options.connections);
+        self.retention.over(&mut options.retention);
         options
     }
 }

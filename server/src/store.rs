@@ -36,6 +36,15 @@ impl Store {
         Ok(store)
     }
 
+    /// Takes a folder that is there, and changes nothing in it.
+    pub(crate) fn examine(root: PathBuf) -> io::Result<Self> {
+        if !root.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
+        }
+        let lock = Arc::new(FolderLock::take(&root)?);
+        Ok(Self { root, durable: true, disk: Disk::default(), lock })
+    }
+
     pub(crate) fn durable(&self) -> bool {
         self.durable
     }
@@ -166,6 +175,28 @@ impl Store {
         }
     }
 
+    /// Files with which backups ask for a copy of the ledger.
+    pub(crate) fn backups(&self) -> io::Result<Vec<PathBuf>> {
+        let asks = |name: &String| name.starts_with("backup-") && !name.contains('.');
+        Ok(names(&self.tmp())?.into_iter().filter(asks).map(|name| self.tmp().join(name)).collect())
+    }
+
+    /// Identities of all jobs that have a folder.
+    pub(crate) fn jobs(&self) -> io::Result<Vec<String>> {
+        names(&self.root.join("jobs"))
+    }
+
+    /// Bytes in a job's folder.
+    pub(crate) fn job_bytes(&self, id: &str) -> u64 {
+        let entries = fs::read_dir(self.job(id)).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.metadata().ok()).map(|meta| meta.len()).sum()
+    }
+
+    /// Digests of the blobs whose folder has these two digits.
+    pub(crate) fn blobs(&self, digits: &str) -> io::Result<Vec<String>> {
+        names(&self.root.join("blobs").join(digits))
+    }
+
     /// Removes a job's folder; not being there is fine.
     pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
         match fs::remove_dir_all(self.job(id)) {
@@ -173,6 +204,19 @@ impl Store {
             other => other,
         }
     }
+}
+
+/// Names in a folder; none if there is no such folder.
+fn names(folder: &Path) -> io::Result<Vec<String>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        names.extend(entry?.file_name().into_string());
+    }
+    Ok(names)
 }
 
 /// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no

@@ -6,6 +6,7 @@
 
 pub(crate) mod describe;
 mod files;
+mod housekeeping;
 pub(crate) mod live;
 pub(crate) mod operator;
 pub(crate) mod progress;
@@ -121,7 +122,9 @@ impl Core {
                 self.admit(Arc::new(Live::new(record)));
             }
         }
+        housekeeping::remove_folders_without_a_row(self)?;
         self.pump();
+        housekeeping::start(self)?;
         let core = Arc::downgrade(self);
         std::thread::Builder::new().name("tick".to_owned()).spawn(move || {
             while let Some(core) = core.upgrade() {
@@ -166,7 +169,11 @@ impl Core {
                 core.admit(Arc::new(Live::new(record.clone())));
             }
         };
-        let submitted = self.ledger.submit(record, accepted).await?;
+        let blobs = self.blobs.clone();
+        let check = move |record: &Record| {
+            blobs.require(record.files.iter().map(|(_, digest)| digest).chain(record.machine.files.values()))
+        };
+        let submitted = self.ledger.submit(record, check, accepted).await?;
         drop(place);
         match submitted {
             Submitted::Known(known) => Ok((self.current(*known), true)),
@@ -335,7 +342,17 @@ impl Core {
             return Err(Refusal::JobNotEnded(id.to_owned()));
         }
         self.ledger.remove(record).await?;
+        self.forget(id)
+    }
+
+    /// Clears away what is left of a job that is no longer in the ledger.
+    fn forget(&self, id: &str) -> Result<(), Refusal> {
         self.live.remove(id);
         Ok(self.store.remove_job(id)?)
+    }
+
+    /// Whether somebody beside the list of jobs has a job in hand.
+    fn watched(&self, id: &str) -> bool {
+        self.live.get(id).is_some_and(|live| Arc::strong_count(&live) > 1)
     }
 }

@@ -235,7 +235,7 @@ impl Through {
             Some(writer) => writer.finish(core.store.durable())?,
             None => None,
         };
-        let finished = keep(core, live, finished, bytes)?;
+        let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
         if log.is_none() && core.options.log || has_files {
             core.store.sync_job(&live.id)?;
         }
@@ -249,6 +249,7 @@ impl Through {
             record.events = outcome.events;
             record.runs.limit = limit;
             record.runs.has_files = has_files;
+            record.runs.stored_bytes = stored_bytes;
             record.makespan_ns = summary.makespan_ns;
             record.log_digest.clone_from(&summary.log_digest);
             record.highest_severity = summary.highest_severity;
@@ -275,50 +276,54 @@ pub(crate) fn prepare(
 const RESULTS_FROM: u64 = 1 << 20;
 
 /// Stores what cannot be made from the log in no time, and keeps all results in memory for a while. `bytes`: of the log.
-fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<Arc<Finished>, Refusal> {
+/// Gives also the bytes of log, files and results.
+fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<(Arc<Finished>, u64), Refusal> {
     let folder = core.store.job(&live.id);
     let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
     finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);
     let finished = Arc::new(finished);
     live.keep(finished.clone());
+    let mut stored = finished.bytes;
     if core.options.ephemeral {
-        return Ok(finished);
+        return Ok((finished, stored));
     }
     if let Some(files) = files {
         core.store.write(&folder.join(Document::Files.file()), &files)?;
     }
     if bytes >= RESULTS_FROM {
         let (core, finished) = (core.clone(), finished.clone());
-        store_results(live, move || store(&core, &folder, &finished));
+        stored += store_results(live, move || store(&core, &folder, &finished));
     }
-    Ok(finished)
+    Ok((finished, stored))
 }
 
-/// Stores results that can be made again. That may take long: when the run is to end meanwhile, it continues by itself
-/// after the end of the job. Results that cannot be stored are made from the log when asked for.
-fn store_results(live: &Live, work: impl FnOnce() -> io::Result<()> + Send + 'static) {
-    let (done, stored) = channel::<()>();
-    let work = move || {
-        if let Err(error) = work() {
-            tracing::warn!(%error, "results are not stored; they will be made from the log");
-        }
-        drop(done);
+/// Stores results that can be made again; gives their bytes. That may take long: when the run is to end meanwhile, it
+/// continues by itself after the end of the job. Results that cannot be stored are made from the log when asked for.
+fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 'static) -> u64 {
+    let (done, stored) = channel();
+    let work = move || match work() {
+        Ok(bytes) => drop(done.send(bytes)),
+        Err(error) => tracing::warn!(%error, "results are not stored; they will be made from the log"),
     };
     if let Err(error) = std::thread::Builder::new().name("results".to_owned()).spawn(work) {
         tracing::warn!(%error, "results are not stored; they will be made from the log");
     }
-    while let Err(RecvTimeoutError::Timeout) = stored.recv_timeout(LOOK) {
-        if live.stop().asked() {
-            return;
+    loop {
+        match stored.recv_timeout(LOOK) {
+            Ok(bytes) => return bytes,
+            Err(RecvTimeoutError::Timeout) if !live.stop().asked() => {}
+            Err(_) => return 0,
         }
     }
 }
 
-fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<()> {
+fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<u64> {
+    let mut bytes = 0;
     for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
         if let Some(text) = finished.document(document) {
             core.store.write(&folder.join(document.file()), &text)?;
+            bytes += text.len() as u64;
         }
     }
-    Ok(())
+    Ok(bytes)
 }

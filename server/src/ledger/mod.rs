@@ -4,9 +4,14 @@
 //! snapshots. Invariant: jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read
 //! is reported to whoever asks for it and hidden from all others.
 
+mod blob_refs;
+pub(crate) mod checkup;
 pub(crate) mod record;
+pub(crate) mod retention;
+mod schema;
 mod writer;
 
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::thread::JoinHandle;
 
@@ -20,14 +25,13 @@ use crate::machines::Definition;
 use crate::reason::Refusal;
 use crate::store::Store;
 use record::{Record, State};
+use retention::{Ended, Keep};
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
 const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
 const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
 const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
-const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
-const SCHEMA: u64 = 1;
 
 /// Handle on the ledger.
 #[derive(Debug)]
@@ -83,7 +87,17 @@ fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
 fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
     let bytes = serde_json::to_vec(record).map_err(storage)?;
     txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
-    Ok(())
+    if record.state.ended() { retention::list(txn, record) } else { Ok(()) }
+}
+
+/// Removes an ended job with all that belongs to it; it may be gone already.
+fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
+    retention::unlist(txn, id, ended_ms)?;
+    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
+    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
+    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
+    txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
+    blob_refs::subtract(txn, &blob_refs::of_job(&record))
 }
 
 fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
@@ -96,29 +110,17 @@ impl Ledger {
     /// Opens or creates the ledger.
     pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
-        if store.durable() {
-            let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
-            if length.unwrap_or(0) == 0 && store.in_use() {
-                let what = if length.is_some() { "is empty" } else { "is missing" };
-                return Err(lost(store, &format!("{what} although there are jobs or blobs")));
-            }
-        }
+        not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
         let txn = database.begin_write().map_err(storage)?;
-        {
-            txn.open_table(JOB).map_err(storage)?;
-            txn.open_table(REQUEST).map_err(storage)?;
-            txn.open_table(MACHINE).map_err(storage)?;
-            txn.open_table(LOG).map_err(storage)?;
-            let mut meta = txn.open_table(META).map_err(storage)?;
-            let schema = meta.get("schema").map_err(storage)?.map(|v| v.value());
-            match schema {
-                None => drop(meta.insert("schema", SCHEMA).map_err(storage)?),
-                Some(SCHEMA) => {}
-                Some(other) => return Err(storage(format!("the ledger has form {other}, this server reads {SCHEMA}"))),
-            }
-        }
+        let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
+            Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
+            other => other,
+        })?;
         txn.commit().map_err(storage)?;
+        if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
+            tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
+        }
         let database = RwLock::new(Some(Arc::new(database)));
         let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
         let (operations, queue) = mpsc::channel(1024);
@@ -191,11 +193,12 @@ impl Ledger {
         answered.blocking_recv().map_err(|_| closed())?
     }
 
-    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `accepted` is
-    /// called after the commit, in the order of acceptance.
+    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `check` is asked
+    /// while no blob can be collected, `accepted` is called after the commit, in the order of acceptance.
     pub(crate) async fn submit(
         &self,
         mut record: Record,
+        check: impl FnOnce(&Record) -> Result<(), Refusal> + Send + 'static,
         accepted: impl FnOnce(&Record) + Send + 'static,
     ) -> Result<Submitted, Refusal> {
         let work = move |txn: &WriteTransaction| {
@@ -204,8 +207,10 @@ impl Ledger {
             if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
                 return same(known, &record);
             }
+            check(&record)?;
             record.id = next_id(txn)?;
             put(txn, &record)?;
+            blob_refs::add(txn, &blob_refs::of_job(&record))?;
             requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
@@ -268,13 +273,17 @@ impl Ledger {
 
     /// Removes a job and its request id.
     pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| {
-            txn.open_table(JOB).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
-            txn.open_table(LOG).map_err(storage)?.remove(record.id.as_str()).map_err(storage)?;
-            txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
-            Ok(())
-        })
-        .await
+        self.write(move |txn| take_out(txn, &record.id, record.ended_ms)).await
+    }
+
+    /// Ended jobs beyond what is to be kept, oldest first, with the time of their end.
+    pub(crate) fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
+        retention::expired(&self.snapshot()?, keep, now_ms, most)
+    }
+
+    /// Removes ended jobs from a thread that may block.
+    pub(crate) fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| jobs.iter().try_for_each(|job| take_out(txn, &job.id, job.ended_ms)))
     }
 
     /// One job.
@@ -315,17 +324,51 @@ impl Ledger {
         Ok(found)
     }
 
-    /// Stores a machine under its name and its revision.
-    pub(crate) async fn put_machine(&self, definition: Definition) -> Result<(), Refusal> {
+    /// Stores a machine under its name and its revision. `check` is asked while no blob can be collected.
+    pub(crate) async fn put_machine(
+        &self,
+        definition: Definition,
+        check: impl FnOnce(&Definition) -> Result<(), Refusal> + Send + 'static,
+    ) -> Result<(), Refusal> {
         self.write(move |txn| {
+            check(&definition)?;
             let bytes = serde_json::to_vec(&definition).map_err(storage)?;
             let pinned = format!("{}@{}", definition.name, definition.revision());
             let mut table = txn.open_table(MACHINE).map_err(storage)?;
             table.insert(definition.name.as_str(), bytes.as_slice()).map_err(storage)?;
-            table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?;
-            Ok(())
+            let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
+            drop(table);
+            if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
         })
         .await
+    }
+
+    /// Calls `remove` for those of the blobs that no row needs; meanwhile no row can begin to need one.
+    pub(crate) fn collect_blocking(
+        &self,
+        digests: Vec<String>,
+        remove: impl Fn(&str) -> bool + Send + 'static,
+    ) -> Result<usize, Refusal> {
+        let shared = self.shared.clone();
+        self.write_blocking(move |txn| {
+            // A row that goes in this very transaction is still there when the transaction fails.
+            let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
+            let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
+            let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
+            let mut removed = 0;
+            for digest in &digests {
+                let needed = durable.get(digest.as_str()).map_err(storage)?.is_some()
+                    || table.get(digest.as_str()).map_err(storage)?.is_some();
+                removed += usize::from(!needed && remove(digest));
+            }
+            Ok(removed)
+        })
+    }
+
+    /// Whether there is a row of a job, readable or not.
+    pub(crate) fn knows(&self, id: &str) -> Result<bool, Refusal> {
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
+        Ok(table.get(id).map_err(storage)?.is_some())
     }
 
     /// A machine by `name` or `name@revision`.
@@ -348,6 +391,11 @@ impl Ledger {
         Ok(found)
     }
 
+    /// Copies the last durable state into a new file.
+    pub(crate) fn copy(&self, to: &Path, store: &Store) -> Result<(), Refusal> {
+        checkup::copy(&self.snapshot()?, to, store)
+    }
+
     /// Jobs that had not ended when the server went down, in order of submission.
     pub(crate) fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
         self.jobs("", usize::MAX, |record| !record.state.ended())
@@ -360,8 +408,18 @@ impl Drop for Ledger {
     }
 }
 
+/// Refuses a missing or empty ledger beside jobs or blobs.
+pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
+    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
+    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
+        let what = if length.is_some() { "is empty" } else { "is missing" };
+        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+    }
+    Ok(())
+}
+
 /// A ledger that cannot be used, with the way out.
-fn lost(store: &Store, what: &str) -> Refusal {
+pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
     let root = store.root().display();
     Refusal::DataLoss(format!(
         "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",

@@ -80,6 +80,8 @@ pub struct Runs {
     pub limit: String,
     /// Its macros have written files.
     pub has_files: bool,
+    /// Bytes of its log, files and results.
+    pub stored_bytes: u64,
 }
 
 /// A job.

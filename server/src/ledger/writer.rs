@@ -52,8 +52,14 @@ impl Place {
 
     /// The last durable state, to be read only.
     fn frozen(&self) -> Option<Database> {
-        let Self::File(path, _) = self else { return None };
-        Database::builder().create_with_backend(Frozen::open(path).ok()?).ok()
+        self.try_frozen().ok()
+    }
+
+    /// Same, or why it cannot be read.
+    pub(super) fn try_frozen(&self) -> Result<Database, String> {
+        let Self::File(path, _) = self else { return Err("it is in memory".to_owned()) };
+        let file = Frozen::open(path).map_err(|error| error.to_string())?;
+        Database::builder().create_with_backend(file).map_err(|error| error.to_string())
     }
 }
 
@@ -67,7 +73,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    fn current(&self) -> Option<Arc<Database>> {
+    pub(super) fn current(&self) -> Option<Arc<Database>> {
         self.database.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

@@ -65,31 +65,49 @@ pub(crate) async fn serve(
         idle: Duration::from_secs(options.connections.idle_s),
     };
     let connections = watch::Sender::new(());
+    // Accepts that have failed since the last one that did not.
+    let mut failed: u64 = 0;
     loop {
         let accepted = tokio::select! {
             _ = closing.wait_for(|closing| *closing) => break,
             accepted = listener.accept() => accepted,
         };
-        match accepted {
+        let (stream, peer) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) if left(&error) => continue,
             Err(error) => {
-                tracing::warn!(%error, "no connection can be accepted");
-                sleep(ACCEPT_PAUSE).await;
-            }
-            Ok((stream, peer)) => match places.take(peer.ip()) {
-                None => tracing::debug!(%peer, "refused: too many connections"),
-                Some(place) => {
-                    let (routes, closing, open) = (routes.clone(), closing.clone(), connections.subscribe());
-                    // Ends with the connection.
-                    tokio::spawn(async move {
-                        connection(stream, peer, routes, patience, closing).await;
-                        drop((place, open));
-                    });
+                if failed == 0 {
+                    tracing::warn!(%error, "no connection can be accepted");
                 }
-            },
+                failed += 1;
+                sleep(ACCEPT_PAUSE).await;
+                continue;
+            }
+        };
+        if failed > 0 {
+            tracing::info!(failed, "connections are accepted again");
+            failed = 0;
+        }
+        match places.take(peer.ip()) {
+            None => tracing::debug!(%peer, "refused: too many connections"),
+            Some(place) => {
+                let (routes, closing, open) = (routes.clone(), closing.clone(), connections.subscribe());
+                // Ends with the connection.
+                tokio::spawn(async move {
+                    connection(stream, peer, routes, patience, closing).await;
+                    drop((place, open));
+                });
+            }
         }
     }
     drop(listener);
     connections.closed().await;
+}
+
+/// Whether an accept failed because its peer has left: the next may succeed at once.
+fn left(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{ConnectionAborted, ConnectionReset, Interrupted};
+    matches!(error.kind(), ConnectionAborted | ConnectionReset | Interrupted)
 }
 
 /// Serves one connection to its end.

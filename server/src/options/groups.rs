@@ -93,6 +93,20 @@ group! {
     }
 }
 
+group! {
+    /// How long blobs that nothing needs and jobs that have ended are kept.
+    Retention, RetentionFlags {
+        /// Seconds that a blob is kept which no job and no machine needs, from its last upload or question for it on
+        blob_grace_s: u64 = 86_400, "COUNTERPOINT_BLOB_GRACE_S", "SECONDS";
+        /// Seconds that an ended job is kept; 0 = without limit
+        keep_s: u64 = 0, "COUNTERPOINT_KEEP_S", "SECONDS";
+        /// Most ended jobs that are kept; 0 = without limit
+        keep_jobs: u64 = 0, "COUNTERPOINT_KEEP_JOBS", "N";
+        /// Most bytes of logs, files and results of ended jobs that are kept; 0 = without limit
+        keep_bytes: u64 = 0, "COUNTERPOINT_KEEP_BYTES", "BYTES";
+    }
+}
+
 impl Maxima {
     /// Limits, none beyond the maxima of this server.
     pub(crate) fn capped(&self, limits: &Limits) -> Limits {

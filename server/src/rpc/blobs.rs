@@ -38,7 +38,7 @@ impl Service for Blobs {
             return Err(Refusal::field(format!("digests[{at}]"), text).into());
         }
         let blobs = self.0.blobs.clone();
-        let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.has(d)).collect())).await?;
+        let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.offers(d)).collect())).await?;
         Ok(Response::new(v1::FindMissingResponse { digests }))
     }
 

@@ -33,7 +33,9 @@ impl Service for Machines {
         })
         .await?;
         let machine = Some(summary(&definition, &checked));
-        self.0.ledger.put_machine(definition).await?;
+        let blobs = self.0.blobs.clone();
+        let check = move |definition: &Definition| blobs.require(definition.files.values());
+        self.0.ledger.put_machine(definition, check).await?;
         Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
     }
 
@@ -102,10 +104,7 @@ fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<
     for (i, file) in files.iter().enumerate() {
         submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;
     }
-    let missing: Vec<_> = files.iter().map(|f| f.digest.clone()).filter(|d| !core.blobs.has(d)).collect();
-    if !missing.is_empty() {
-        return Err(Refusal::MissingBlobs(missing));
-    }
+    core.blobs.require(files.iter().map(|file| &file.digest))?;
     Ok(Definition { name, files: files.into_iter().map(|f| (f.path, f.digest)).collect() })
 }
 

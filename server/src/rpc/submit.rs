@@ -30,10 +30,7 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     // The maxima of the server are not part of what was submitted.
     options.limits = core.options.maxima.capped(&options.limits);
     let machine = machine(core, &request.machine)?;
-    let missing: Vec<String> = files.iter().filter(|(_, d)| !core.blobs.has(d)).map(|(_, d)| d.clone()).collect();
-    if !missing.is_empty() {
-        return Err(Refusal::MissingBlobs(missing));
-    }
+    core.blobs.require(files.iter().map(|(_, digest)| digest))?;
     Ok(Record {
         // The ledger gives it when it accepts the job.
         id: String::new(),

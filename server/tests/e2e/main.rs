@@ -9,14 +9,21 @@
     clippy::indexing_slicing
 )]
 
+mod backup;
+mod collect;
 mod connections;
 mod damage;
+#[cfg(target_os = "linux")]
+mod descriptors;
+mod doctor;
 mod folder;
 mod life;
 mod limits;
 mod operator;
+mod rate;
 mod storage;
 mod submit;
 mod support;
 mod trouble;
+mod upgrade;
 mod watch;

@@ -1,0 +1,165 @@
+//! Copies of a data folder: made while a server runs or not, and put back.
+//!
+//! A running server is asked with a file in its folder for a copy of its ledger; whoever may write there may ask. What
+//! the rows of that copy need never changes once it is there, so it is copied without the server. Invariant: a backup
+//! is a data folder of its own, whole at the end of the call or not used.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use uuid::Uuid;
+
+use crate::doctor::examine;
+use crate::ledger::checkup::{Checkup, copy_ledger};
+use crate::reason::Refusal;
+use crate::results::Document;
+use crate::store::Store;
+
+/// Time that a server gets to begin with the copy of its ledger.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Time that it gets beyond that to end it.
+const COPYING: Duration = Duration::from_secs(600);
+/// Between two looks for the copy.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What a backup holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Contents {
+    /// Jobs.
+    pub jobs: usize,
+    /// Blobs.
+    pub blobs: usize,
+    /// Ended jobs that were left out: deleted while the backup was made, or their log is lost.
+    pub left_out: usize,
+}
+
+/// Copies the data folder `from`, which a server may use, to the new folder `to`.
+///
+/// # Errors
+/// When `to` is not empty, when a file cannot be read or written, or when the server does not answer.
+pub fn backup(from: &Path, to: &Path) -> Result<Contents, String> {
+    make_empty(to)?;
+    copy_with_ledger(from, to)
+        .map_err(|refusal| format!("the backup is not whole, remove '{}': {refusal}", to.display()))
+}
+
+fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
+    match Store::examine(from.to_owned()) {
+        Ok(store) => copy_ledger(&store, &to.join("ledger.redb"))?,
+        Err(error) if error.kind() == io::ErrorKind::ResourceBusy => ask(from, &to.join("ledger.redb"))?,
+        Err(error) => return Err(error.into()),
+    }
+    let target = Store::examine(to.to_owned())?;
+    let checkup = Checkup::open(&target, true)?;
+    let rows = checkup.rows()?;
+    let mut gone = Vec::new();
+    for record in rows.jobs.iter().filter(|record| record.state.ended()) {
+        match copy_folder(&from.join("jobs").join(&record.id), &target.job(&record.id)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
+            _ => {}
+        }
+        let has = |file: &str| target.job(&record.id).join(file).is_file();
+        let log = record.log_digest.is_empty() || has("log") || checkup.log(&record.id)?.is_some();
+        if !log || record.runs.has_files && !has(Document::Files.file()) {
+            target.remove_job(&record.id)?;
+            gone.push(record);
+        }
+    }
+    checkup.remove(&gone)?;
+    let left_out = gone.len();
+    let rows = checkup.rows()?;
+    let needed = rows.blobs();
+    for digest in &needed {
+        let new = target.blob(digest);
+        let old = from.join("blobs").join(digest.get(..2).unwrap_or_default()).join(digest);
+        match new.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| copy_file(&old, &new)) {
+            // The examination of the backup reports it.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            other => other?,
+        }
+    }
+    Ok(Contents { jobs: rows.jobs.len(), blobs: needed.len(), left_out })
+}
+
+/// Asks the server that uses a folder for a copy of its ledger.
+fn ask(folder: &Path, to: &Path) -> Result<(), Refusal> {
+    let request = folder.join("tmp").join(format!("backup-{}", Uuid::now_v7()));
+    let ready = request.with_extension("ready");
+    File::create(&request)?;
+    let until = Instant::now() + PATIENCE;
+    while !ready.is_file() {
+        // A server that has taken the request is still copying; one that was started again has dropped it.
+        let late = Instant::now().saturating_duration_since(until);
+        if !late.is_zero() && (fs::remove_file(&request).is_ok() || late > COPYING) {
+            return Err(Refusal::Storage("the server that uses the folder does not answer".to_owned()));
+        }
+        std::thread::sleep(LOOK);
+    }
+    copy_file(&ready, to)?;
+    Ok(fs::remove_file(&ready)?)
+}
+
+/// Puts a backup back as the data folder `to`, which must be new or empty; one with damages only if `damaged` allows it.
+///
+/// # Errors
+/// When the backup is damaged, when `to` is not empty, or when a file cannot be read or written.
+pub fn restore(from: &Path, to: &Path, damaged: bool) -> Result<(), String> {
+    if !from.join("ledger.redb").is_file() {
+        return Err(format!("'{}' is not a backup: it has no ledger.redb", from.display()));
+    }
+    if let (Some(damage), false) = (examine(from, false)?.first(), damaged) {
+        let all = format!("counterpointd doctor --data '{}'", from.display());
+        return Err(format!(
+            "the backup is damaged (all damages: {all}; restore it all the same: --damaged): {damage}"
+        ));
+    }
+    make_empty(to)?;
+    let unfinished = |error: io::Error| format!("the folder '{}' is not whole, remove it: {error}", to.display());
+    for part in ["blobs", "jobs"] {
+        match copy_folder(&from.join(part), &to.join(part)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(unfinished(error)),
+            _ => {}
+        }
+    }
+    // Last: a folder without it is not taken for a whole one.
+    copy_file(&from.join("ledger.redb"), &to.join("ledger.redb")).map_err(unfinished)
+}
+
+fn make_empty(folder: &Path) -> Result<(), String> {
+    let shown = folder.display();
+    fs::create_dir_all(folder).map_err(|error| format!("'{shown}' cannot be created: {error}"))?;
+    match fs::read_dir(folder).map(|mut entries| entries.next().is_none()) {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(format!("'{shown}' is not empty: choose a new folder")),
+        Err(error) => Err(format!("'{shown}' cannot be read: {error}")),
+    }
+}
+
+fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    let entries = fs::read_dir(from)?;
+    fs::create_dir_all(to)?;
+    for entry in entries {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        match entry.file_type()?.is_dir() {
+            true => copy_folder(&entry.path(), &target)?,
+            false => copy_file(&entry.path(), &target)?,
+        }
+    }
+    sync_folder(to)
+}
+
+/// Copies a file and makes it durable.
+fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
+    let mut source = File::open(from)?;
+    let mut target = File::create(to)?;
+    io::copy(&mut source, &mut target)?;
+    target.sync_all()?;
+    to.parent().map_or(Ok(()), sync_folder)
+}
+
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}

@@ -1,0 +1,220 @@
+//! Examines a data folder without a server: every damage with its place and what to do.
+//!
+//! Invariant: without `repair` nothing in the folder changes; a repair removes only what nobody can read or use.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::{fmt, fs, io};
+
+use crate::blobs::{Blobs, is_digest};
+use crate::ledger::checkup::{Checkup, Rows};
+use crate::ledger::record::Record;
+use crate::ledger::{lost, not_lost};
+use crate::log::kept::Kept;
+use crate::log::reader::{Events, Reader};
+use crate::reason::Refusal;
+use crate::results::Document;
+use crate::store::Store;
+
+/// A damage.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Damage {
+    /// File or folder.
+    pub path: PathBuf,
+    /// What is wrong.
+    pub what: String,
+    /// What to do, or what has been done.
+    pub remedy: String,
+    /// It is there no longer.
+    pub repaired: bool,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let state = if self.repaired { "repaired" } else { "damaged" };
+        write!(f, "{state}: {}: {}; {}", self.path.display(), self.what, self.remedy)
+    }
+}
+
+/// Examines the folder of a stopped server and repairs it if asked to. Gives every damage.
+///
+/// # Errors
+/// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read or written.
+pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
+    let store = Store::examine(folder.to_owned()).map_err(|error| format!("'{}': {error}", folder.display()))?;
+    let mut doctor = Doctor { blobs: Blobs::new(store.clone(), u64::MAX), store, repair, found: Vec::new() };
+    doctor.folder().map_err(|refusal| refusal.to_string())?;
+    Ok(doctor.found)
+}
+
+struct Doctor {
+    store: Store,
+    blobs: Blobs,
+    repair: bool,
+    found: Vec<Damage>,
+}
+
+impl Doctor {
+    /// Notes a damage that only somebody else can mend.
+    fn lasting(&mut self, path: PathBuf, what: impl Into<String>, remedy: impl Into<String>) {
+        self.found.push(Damage { path, what: what.into(), remedy: remedy.into(), repaired: false });
+    }
+
+    /// Notes a damage that a repair mends by `done`.
+    fn mendable(&mut self, path: PathBuf, what: impl Into<String>, done: &str, then: &str) {
+        let remedy = match self.repair {
+            true => format!("{done}{then}"),
+            false => format!("run again with --repair: {done}{then}"),
+        };
+        self.found.push(Damage { path, what: what.into(), remedy, repaired: self.repair });
+    }
+
+    fn folder(&mut self) -> Result<(), Refusal> {
+        let ledger = self.store.ledger();
+        let opened = not_lost(&self.store).and_then(|()| {
+            // A folder without anything is one in which no server has been.
+            if !ledger.is_file() {
+                return Ok(None);
+            }
+            let opened = Checkup::open(&self.store, self.repair);
+            opened.map(Some).map_err(|error| lost(&self.store, &format!("cannot be opened ({error})")))
+        });
+        let checkup = match opened {
+            Ok(Some(checkup)) => checkup,
+            Ok(None) => return Ok(()),
+            Err(refusal) => {
+                self.lasting(ledger, "the ledger cannot be used", refusal.to_string());
+                return Ok(());
+            }
+        };
+        if !checkup.whole {
+            self.mendable(ledger, "pages of the ledger do not agree", "the last state that agrees is taken", "");
+        }
+        let rows = checkup.rows()?;
+        self.rows(&rows);
+        if self.repair {
+            checkup.repair(&rows, &self.store)?;
+        }
+        for record in &rows.jobs {
+            self.job(&checkup, record)?;
+        }
+        self.folders(&rows)?;
+        self.blobs(&rows)
+    }
+
+    fn rows(&mut self, rows: &Rows) {
+        let ledger = self.store.ledger();
+        for row in &rows.unreadable {
+            let (what, then) = match row.machine {
+                true => ("machine", "put the machine again"),
+                false => ("job", "submit the job again"),
+            };
+            let text = format!("the row of {what} '{}' cannot be read", row.key);
+            self.mendable(ledger.clone(), text, "the row is removed, ", then);
+        }
+        for request in &rows.requests {
+            self.mendable(ledger.clone(), format!("request id '{request}' has no job"), "it is removed", "");
+        }
+        for id in &rows.logs {
+            self.mendable(ledger.clone(), format!("the log of job '{id}' has no job"), "it is removed", "");
+        }
+        if rows.wrong_counts {
+            let what = "the counts of blobs or the list of ended jobs do not agree with the rows";
+            self.mendable(ledger, what, "they are made again", "");
+        }
+    }
+
+    /// Reads the log of a job that has ended, and the files that its macros have written.
+    fn job(&mut self, checkup: &Checkup, record: &Record) -> Result<(), Refusal> {
+        let again = "delete the job and submit it again: the same job gives the same log";
+        if record.state.ended() && !record.log_digest.is_empty() {
+            let path = self.store.log(&record.id);
+            let kept = if path.is_file() {
+                Some(Kept::File(path.clone()))
+            } else {
+                checkup.log(&record.id)?.map(Kept::Ledger)
+            };
+            match kept {
+                None => self.lasting(path, "the log of an ended job is gone", again),
+                Some(kept) => {
+                    if let Some(error) = damage_of_log(&kept, record.events)? {
+                        let path = if matches!(kept, Kept::File(_)) { path } else { self.store.ledger() };
+                        self.lasting(path, format!("job '{}': {error}", record.id), again);
+                    }
+                }
+            }
+        }
+        if record.runs.has_files {
+            let path = self.store.job(&record.id).join(Document::Files.file());
+            let read = fs::read(&path).ok();
+            if read.is_none_or(|text| serde_json::from_slice::<serde::de::IgnoredAny>(&text).is_err()) {
+                self.lasting(path, "the files that macros have written cannot be read", again);
+            }
+        }
+        Ok(())
+    }
+
+    fn folders(&mut self, rows: &Rows) -> Result<(), Refusal> {
+        let jobs = rows.jobs.iter().map(|record| &record.id);
+        let unreadable = rows.unreadable.iter().filter(|row| !row.machine && !self.repair).map(|row| &row.key);
+        let known: BTreeSet<&String> = jobs.chain(unreadable).collect();
+        for id in self.store.jobs()? {
+            if !known.contains(&id) {
+                if self.repair {
+                    self.store.remove_job(&id)?;
+                }
+                self.mendable(self.store.job(&id), "the folder belongs to no job", "it is removed", "");
+            }
+        }
+        Ok(())
+    }
+
+    fn blobs(&mut self, rows: &Rows) -> Result<(), Refusal> {
+        let upload = "upload the file again";
+        let mut damaged = BTreeSet::new();
+        for first in 0..=255u8 {
+            for name in self.store.blobs(&format!("{first:02x}"))? {
+                let path = self.store.blob(&name);
+                let what = if is_digest(&name) {
+                    match self.blobs.has_its_digest(&name)? {
+                        true => continue,
+                        false => "the content of the blob has changed",
+                    }
+                } else if name.ends_with(".damaged") {
+                    "the server has found that the content of the blob has changed"
+                } else {
+                    self.lasting(path, "the file is not a blob", "move it elsewhere");
+                    continue;
+                };
+                if self.repair {
+                    fs::remove_file(&path)?;
+                }
+                self.mendable(path, what, "it is removed, ", upload);
+                damaged.insert(name);
+            }
+        }
+        let jobs = rows.jobs.iter().flat_map(|record| record.files.iter().map(|(_, digest)| digest));
+        let machines = rows.jobs.iter().map(|record| &record.machine).chain(&rows.machines);
+        let needed: BTreeSet<&String> = jobs.chain(machines.flat_map(|machine| machine.files.values())).collect();
+        for digest in needed {
+            if !damaged.contains(digest) && !self.blobs.has(digest) {
+                self.lasting(self.store.blob(digest), "a blob that jobs or machines need is gone", upload);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a log cannot be read to its last event; `None` if it can.
+fn damage_of_log(log: &Kept, events: u64) -> Result<Option<io::Error>, Refusal> {
+    let whole = || {
+        let mut read = Events::new(Reader::open_ended(log, 0)?, events);
+        (&mut read).for_each(drop);
+        read.error().map_or(Ok(()), Err)
+    };
+    match whole() {
+        Ok(()) => Ok(None),
+        Err(error) if error.kind() == io::ErrorKind::InvalidData => Ok(Some(error)),
+        Err(error) => Err(error.into()),
+    }
+}

@@ -1,0 +1,105 @@
+//! Backups of a running and of a stopped server, and their way back.
+
+use std::path::Path;
+use std::process::Command;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+use counterpoint_server::doctor::examine;
+
+use crate::support::*;
+
+/// Exit code and output of a command of the server, while servers of this test go on.
+async fn command(arguments: &[&str], folder: &Path, data: &Path) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    command.args(arguments).arg(folder).arg("--data").arg(data);
+    let output = tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap();
+    (output.status.code(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
+}
+
+async fn events(server: &Server, job: &str) -> Vec<v1::Event> {
+    let mut stream = server.watch(job, 0, v1::WatchLevel::Everything).await;
+    let mut events = Vec::new();
+    while let Some(message) = stream.message().await.unwrap() {
+        if let Some(Content::Batch(batch)) = message.content {
+            events.extend(batch.events);
+        }
+    }
+    events
+}
+
+#[tokio::test]
+async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_not_ended() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, copy, back) =
+        (folder.path().join("data"), folder.path().join("backup"), folder.path().join("a/restored"));
+    let server = Server::start(options(&data)).await;
+    let mut ended = Vec::new();
+    for (name, script) in [("large", "EVENTS 20000"), ("small", "EVENTS 9"), ("wrote", "EVENTS 1\nWRITE a.txt")] {
+        let job = server.submit(name, script).await;
+        server.wait(&job).await;
+        ended.push((job.clone(), events(&server, &job).await));
+    }
+    let unused = server.upload(b"nobody needs this").await;
+    let running = server.submit("running", "EVENTS 3000\nHANG\nEVENTS 5").await;
+    server.until(&running, v1::JobState::Running).await;
+    let (code, text) = command(&["backup"], &copy, &data).await;
+    assert!(code == Some(0) && text.starts_with("4 jobs, 4 blobs, 0 jobs left out"), "{code:?} {text}");
+    assert_eq!(std::fs::read_dir(data.join("tmp")).unwrap().count(), 0, "nothing is left of the request");
+    let (code, text) = command(&["backup"], &copy, &data).await;
+    assert!(code == Some(3) && text.contains("not empty"), "{text}");
+    // The server goes on, and what happens now is not in the backup.
+    server.jobs().delete_job(v1::DeleteJobRequest { job_id: ended[0].0.clone() }).await.unwrap();
+    let later = server.submit("later", "EVENTS 2").await;
+    server.wait(&later).await;
+    server.stop().await;
+
+    let (code, text) = command(&["restore"], &copy, &data).await;
+    assert!(code == Some(3) && text.contains("not empty"), "{text}");
+    let (code, text) = command(&["restore"], &copy, &back).await;
+    assert_eq!(code, Some(0), "{text}");
+    assert_eq!(examine(&back, false), Ok(Vec::new()));
+    let server = Server::start(options(&back)).await;
+    server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
+    let status = server.wait(&running).await;
+    assert_eq!((status.state(), status.events, status.attempt), (v1::JobState::Succeeded, 3005, 1));
+    for (job, expected) in &ended {
+        assert!(events(&server, job).await == *expected);
+    }
+    let files = v1::ListFilesRequest { job_id: ended[2].0.clone() };
+    assert_eq!(server.results().list_files(files).await.unwrap().into_inner().files.len(), 1);
+    let again = server.request("small", "EVENTS 9").await;
+    assert!(server.jobs().submit_job(again).await.unwrap().into_inner().duplicate);
+    let ask = v1::FindMissingRequest { digests: vec![unused.clone()] };
+    assert_eq!(server.blobs().find_missing(ask).await.unwrap().into_inner().digests, [unused]);
+    let gone = server.jobs().get_job(v1::GetJobRequest { job_id: later }).await.unwrap_err();
+    assert_eq!(reason(&gone), "UNKNOWN_JOB");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_stopped_server_can_be_backed_up_and_a_damaged_backup_is_restored_only_on_demand() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, copy, back) = (folder.path().join("data"), folder.path().join("backup"), folder.path().join("back"));
+    let server = Server::start(options(&data)).await;
+    let (lost, kept) = (server.submit("lost", "EVENTS 20000").await, server.submit("kept", "EVENTS 20001").await);
+    server.wait(&lost).await;
+    server.wait(&kept).await;
+    server.stop().await;
+    std::fs::remove_dir_all(data.join("jobs").join(&lost)).unwrap();
+    let (code, text) = command(&["backup"], &copy, &data).await;
+    assert!(code == Some(0) && text.starts_with("1 jobs, 1 blobs, 1 jobs left out"), "{code:?} {text}");
+    let log = copy.join("jobs").join(&kept).join("log");
+    std::fs::File::options().write(true).open(&log).unwrap().set_len(30_000).unwrap();
+    let (code, text) = command(&["restore"], &copy, &back).await;
+    assert!(code == Some(3) && text.contains("--damaged") && text.contains(&kept) && !back.exists(), "{text}");
+    let (code, text) = command(&["restore", "--damaged"], &copy, &back).await;
+    assert_eq!(code, Some(0), "{text}");
+    let server = Server::start(options(&back)).await;
+    assert_eq!(server.status(&kept).await.events, 20_001);
+    server.stop().await;
+    let (code, text) = command(&["restore"], &folder.path().join("none"), &back).await;
+    assert!(code == Some(3) && text.contains("not a backup"), "{text}");
+    let (code, text) = command(&["backup"], &folder.path().join("new"), &folder.path().join("none")).await;
+    assert!(code == Some(3) && text.contains("no such folder"), "{text}");
+}

@@ -1,0 +1,198 @@
+//! The examination of a data folder without a server.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use counterpoint_proto::v1;
+use counterpoint_server::doctor::{Damage, examine};
+use redb::{ReadableTable as _, TableDefinition};
+
+use crate::support::*;
+use crate::upgrade::{folder_1, write_ledger};
+
+const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
+const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
+const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
+const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
+
+fn blob(folder: &Path, content: &str) -> PathBuf {
+    let name = digest(content.as_bytes());
+    folder.join("blobs").join(&name[..2]).join(name)
+}
+
+/// Exit code and output of the command.
+fn command(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpointd"));
+    let output = command.args(["doctor", "--data"]).arg(folder).args(arguments).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(text).unwrap())
+}
+
+/// Contents of all files of a folder but the lock.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if !entry.ends_with("lock") {
+                all.push((entry.clone(), std::fs::read(entry).unwrap()));
+            }
+        }
+    }
+    all.sort();
+    all
+}
+
+fn one<'a>(found: &'a [Damage], path: &Path, what: &str) -> &'a Damage {
+    let all: Vec<_> = found.iter().filter(|damage| damage.path == path && damage.what.contains(what)).collect();
+    assert_eq!(all.len(), 1, "{what} of {}: {found:#?}", path.display());
+    all[0]
+}
+
+#[tokio::test]
+async fn a_whole_folder_has_no_damage_and_one_in_use_is_not_examined() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    for (n, script) in ["EVENTS 20000", "EVENTS 3\nWRITE a.txt", "REFUSE", "EVENTS 2\nALARM"].into_iter().enumerate() {
+        let job = server.submit(&format!("r-{n}"), script).await;
+        server.wait(&job).await;
+    }
+    let (code, text) = command(folder.path(), &[]);
+    assert!(code == Some(3) && text.contains("process"), "{code:?} {text}");
+    server.stop().await;
+    let before = contents(folder.path());
+    assert_eq!(examine(folder.path(), false), Ok(Vec::new()));
+    assert!(contents(folder.path()) == before, "an examination changes nothing");
+    assert_eq!(command(folder.path(), &[]).0, Some(0));
+    assert_eq!(examine(folder.path(), true), Ok(Vec::new()));
+    assert_eq!(command(&folder.path().join("none"), &[]).0, Some(3));
+    // Neither is what a killed server leaves a damage.
+    let (running, killed) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let server = Server::start(options(running.path())).await;
+    let job = server.submit("r", "EVENTS 20000\nHANG").await;
+    server.until(&job, v1::JobState::Running).await;
+    crate::life::copy(running.path(), killed.path());
+    server.stop().await;
+    assert_eq!(examine(killed.path(), false), Ok(Vec::new()));
+    // A ledger of an earlier schema is none the worse for that, and stays as it is.
+    let old = tempfile::tempdir().unwrap();
+    folder_1(old.path()).await;
+    let before = contents(old.path());
+    assert_eq!(examine(old.path(), false), Ok(Vec::new()));
+    assert!(contents(old.path()) == before);
+}
+
+#[tokio::test]
+async fn every_damage_is_found_with_its_place_and_a_repair_leaves_only_what_nobody_else_can_mend() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let mut jobs = Vec::new();
+    for (name, script) in [
+        ("cut", "EVENTS 20000"),
+        ("gone", "EVENTS 20001"),
+        ("small", "EVENTS 5"),
+        ("wrote", "EVENTS 6\nWRITE a.txt"),
+        ("row", "EVENTS 7"),
+        ("whole", "EVENTS 8"),
+    ] {
+        let job = server.submit(name, script).await;
+        assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+        jobs.push(job);
+    }
+    server.stop().await;
+    let data = folder.path();
+    let log = |n: usize| data.join("jobs").join(&jobs[n]).join("log");
+    std::fs::File::options().write(true).open(log(0)).unwrap().set_len(30_000).unwrap();
+    std::fs::remove_file(log(1)).unwrap();
+    let files = data.join("jobs").join(&jobs[3]).join("files.json");
+    std::fs::write(&files, "{").unwrap();
+    let orphan = data.join("jobs").join("00000000-0000-7000-8000-000000000000");
+    std::fs::create_dir(&orphan).unwrap();
+    std::fs::write(blob(data, "EVENTS 5"), "EVENTS 9").unwrap();
+    std::fs::remove_file(blob(data, "EVENTS 20000")).unwrap();
+    let ledger = data.join("ledger.redb");
+    let database = redb::Database::open(&ledger).unwrap();
+    let txn = database.begin_write().unwrap();
+    {
+        txn.open_table(JOB).unwrap().insert(jobs[4].as_str(), b"{".as_slice()).unwrap();
+        txn.open_table(REQUEST).unwrap().insert("stray", "no-job").unwrap();
+        let mut logs = txn.open_table(LOG).unwrap();
+        let cut = logs.get(jobs[2].as_str()).unwrap().unwrap().value()[..200].to_vec();
+        logs.insert(jobs[2].as_str(), cut.as_slice()).unwrap();
+        logs.insert("no-job", b"x".as_slice()).unwrap();
+        drop(logs);
+        txn.open_table(BLOB).unwrap().insert(digest(b"EVENTS 8").as_str(), 7).unwrap();
+    }
+    txn.commit().unwrap();
+    drop(database);
+
+    let before = contents(data);
+    let found = examine(data, false).unwrap();
+    assert!(contents(data) == before, "an examination changes nothing");
+    assert!(found.iter().all(|damage| !damage.repaired), "{found:#?}");
+    let lasting = |found: &[Damage]| {
+        assert!(one(found, &log(0), "damaged").remedy.contains("submit it again"));
+        one(found, &log(1), "gone");
+        one(found, &ledger, &jobs[2]);
+        one(found, &files, "macros");
+        one(found, &blob(data, "EVENTS 20000"), "gone");
+    };
+    lasting(&found);
+    let mendable = |found: &[Damage], repaired: bool| {
+        for (path, what) in [
+            (&ledger, jobs[4].as_str()),
+            (&ledger, "request id 'stray'"),
+            (&ledger, "the log of job 'no-job'"),
+            (&ledger, "counts"),
+            (&orphan, "belongs to no job"),
+            (&blob(data, "EVENTS 5"), "has changed"),
+        ] {
+            assert_eq!(one(found, path, what).repaired, repaired);
+        }
+    };
+    mendable(&found, false);
+    let (code, text) = command(data, &[]);
+    assert!(code == Some(1) && text.lines().count() == found.len() + 1 && text.contains("11 damaged"), "{text}");
+
+    let found = examine(data, true).unwrap();
+    mendable(&found, true);
+    assert!(!orphan.exists() && !blob(data, "EVENTS 5").exists());
+    let found = examine(data, false).unwrap();
+    lasting(&found);
+    one(&found, &blob(data, "EVENTS 5"), "gone");
+    assert_eq!(found.len(), 6, "{found:#?}");
+
+    // What the remedies say mends the rest.
+    let server = Server::start(options(data)).await;
+    for job in [&jobs[0], &jobs[1], &jobs[2], &jobs[3]] {
+        server.jobs().delete_job(v1::DeleteJobRequest { job_id: job.clone() }).await.unwrap();
+    }
+    for (name, script) in [("cut", "EVENTS 20000"), ("small", "EVENTS 5"), ("row", "EVENTS 7")] {
+        let job = server.submit(name, script).await;
+        assert_eq!(server.wait(&job).await.state(), v1::JobState::Succeeded);
+    }
+    server.stop().await;
+    assert_eq!(examine(data, false), Ok(Vec::new()));
+}
+
+#[tokio::test]
+async fn a_ledger_that_cannot_be_used_is_reported_with_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    server.upload(b"x").await;
+    server.stop().await;
+    let ledger = folder.path().join("ledger.redb");
+    write_ledger(folder.path(), 999, &[]);
+    let later = examine(folder.path(), true).unwrap();
+    assert!(later.len() == 1 && later[0].remedy.contains("schema 999"), "{later:?}");
+    for content in [b"".as_slice(), b"not a ledger"] {
+        std::fs::write(&ledger, content).unwrap();
+        let found = examine(folder.path(), true).unwrap();
+        assert!(found.len() == 1 && found[0].path == ledger && !found[0].repaired, "{found:?}");
+        assert!(found[0].remedy.contains("mv "), "{found:?}");
+        assert_eq!(std::fs::read(&ledger).unwrap(), content);
+    }
+    assert_eq!(command(folder.path(), &["--repair"]).0, Some(1));
+}

@@ -1,0 +1,131 @@
+//! Ledgers of other versions of the server.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use counterpoint_proto::v1;
+use counterpoint_proto::v1::watch_job_response::Content;
+use counterpoint_server::service;
+use redb::{ReadableDatabase, TableDefinition};
+use serde_json::{Value, json};
+
+use crate::support::*;
+
+const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
+const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
+const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
+const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
+
+/// A row as schema 1 began: without answers, limits of the server and counters of the host.
+pub fn row_1(id: &str, request: &str, state: &str, script: &str) -> Value {
+    let ended = !matches!(state, "QUEUED" | "RUNNING");
+    json!({
+        "id": id, "request_id": request, "content": "c",
+        "machine_name": "fanuc-2path-lathe", "machine": {"name": "fanuc-2path-lathe", "files": {}},
+        "programs": [{"file": "main.nc", "number": null, "channel": null}],
+        "files": [["main.nc", digest(script.as_bytes())]],
+        "options": {
+            "opskip": [], "opstop": false, "ignore_waits": [], "threads": 0,
+            "limits": {
+                "simulated_ns": 86_400_000_000_000_i64, "blocks": 10_000_000, "zero_time_blocks": 1_000_000,
+                "events": 40_000_000, "block_length": 8192, "nesting": 32, "diagnostics": 1000
+            }
+        },
+        "state": state, "attempt": u32::from(state != "QUEUED"), "cancel": false,
+        "submitted_ms": 1_700_000_000_000_i64, "started_ms": if state == "QUEUED" { 0 } else { 1_700_000_000_001_i64 },
+        "ended_ms": if ended { 1_700_000_000_002_i64 } else { 0 },
+        "events": 0, "makespan_ns": 0, "highest_severity": 0, "verdict": "", "error": "", "findings": [],
+        "log_digest": ""
+    })
+}
+
+/// Writes a ledger of a schema with these rows.
+pub fn write_ledger(folder: &Path, schema: u64, rows: &[Value]) {
+    let path = folder.join("ledger.redb");
+    let _ = std::fs::remove_file(&path);
+    let database = redb::Database::create(path).unwrap();
+    let txn = database.begin_write().unwrap();
+    txn.open_table(MACHINE).unwrap();
+    txn.open_table(META).unwrap().insert("schema", schema).unwrap();
+    for row in rows {
+        let (id, request) = (row["id"].as_str().unwrap(), row["request_id"].as_str().unwrap());
+        txn.open_table(JOB).unwrap().insert(id, row.to_string().as_bytes()).unwrap();
+        txn.open_table(REQUEST).unwrap().insert(request, id).unwrap();
+    }
+    txn.commit().unwrap();
+}
+
+fn schema(folder: &Path) -> u64 {
+    let database = redb::Database::open(folder.join("ledger.redb")).unwrap();
+    let meta = database.begin_read().unwrap().open_table(META).unwrap();
+    meta.get("schema").unwrap().unwrap().value()
+}
+
+/// A folder as a server of schema 1 left it: a job that has ended, one that was running, one that waited.
+pub async fn folder_1(folder: &Path) -> BTreeMap<&'static str, String> {
+    let server = Server::start(options(folder)).await;
+    let ended = server.submit("ended", "EVENTS 2000").await;
+    let status = server.wait(&ended).await;
+    server.upload(b"EVENTS 7").await;
+    server.stop().await;
+    assert!(folder.join("jobs").join(&ended).join("log").is_file(), "schema 1 has logs in files");
+    let mut done = row_1(&ended, "ended", "SUCCEEDED", "EVENTS 2000");
+    done["events"] = status.events.into();
+    done["makespan_ns"] = status.makespan_ns.into();
+    done["log_digest"] = status.log_digest.into();
+    let id = |n: u8| format!("ffffffff-ffff-7fff-bfff-0000000000{n:02}");
+    write_ledger(
+        folder,
+        1,
+        &[done, row_1(&id(1), "running", "RUNNING", "EVENTS 2000"), row_1(&id(2), "queued", "QUEUED", "EVENTS 7")],
+    );
+    BTreeMap::from([("ended", ended), ("running", id(1)), ("queued", id(2))])
+}
+
+#[tokio::test]
+async fn a_ledger_of_schema_1_is_opened_and_its_jobs_are_listed_watched_and_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = folder_1(folder.path()).await;
+    let server = Server::start(options(folder.path())).await;
+    let listed = server.jobs().list_jobs(v1::ListJobsRequest::default()).await.unwrap().into_inner().jobs;
+    let listed: Vec<_> = listed.into_iter().map(|job| job.job_id).collect();
+    assert_eq!(listed, [&jobs["ended"], &jobs["running"], &jobs["queued"]].map(Clone::clone));
+    for (name, events, attempt) in [("ended", 2000, 1), ("running", 2000, 2), ("queued", 7, 1)] {
+        let status = server.wait(&jobs[name]).await;
+        assert_eq!((status.state(), status.events), (v1::JobState::Succeeded, events), "{name}: {status:?}");
+        assert_eq!(status.attempt, attempt, "{name}");
+        let mut watch = server.watch(&jobs[name], 0, v1::WatchLevel::Everything).await;
+        let mut seen = 0;
+        while let Some(message) = watch.message().await.unwrap() {
+            if let Some(Content::Batch(batch)) = message.content {
+                seen += batch.events.len() as u64;
+            }
+        }
+        assert_eq!(seen, events, "{name}");
+    }
+    server.jobs().delete_job(v1::DeleteJobRequest { job_id: jobs["ended"].clone() }).await.unwrap();
+    server.script.hang.store(false, Ordering::SeqCst);
+    let next = server.submit("next", "EVENTS 3").await;
+    assert!(next > jobs["queued"], "order goes on behind the rows that were there");
+    server.wait(&next).await;
+    server.stop().await;
+    assert!(schema(folder.path()) > 1, "a server of schema 1 must not open rows that it does not know");
+    let server = Server::start(options(folder.path())).await;
+    assert_eq!(server.status(&next).await.events, 3);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_ledger_of_a_later_schema_is_refused_and_not_touched() {
+    let folder = tempfile::tempdir().unwrap();
+    write_ledger(folder.path(), 999, &[]);
+    let refused = match service::build_with(options(folder.path()), Script::default()).await {
+        Ok(_) => panic!("the server must not start"),
+        Err(error) => error.to_string(),
+    };
+    for part in ["ledger.redb", "schema 999", "later version", "backup"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+    assert_eq!(schema(folder.path()), 999);
+}
