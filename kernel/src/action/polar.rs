@@ -11,6 +11,7 @@ use super::arc::Circle;
 use super::time::Path;
 use crate::channel::data::Datum;
 use crate::channel::frames::polar::{Polar, round_the_centre};
+use crate::channel::report::STRAIGHT;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
@@ -110,8 +111,8 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     let local = kernel.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
     let level = kernel.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
-        let text =
-            format!("the frame makes no circle of the part of '{}', its end is reached straight", kernel.block_text());
+        let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let text = format!("the frame makes no circle of the part of '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_SCALED, text);
         return kernel.feed_to(coded, to, feed, unit);
     };

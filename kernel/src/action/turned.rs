@@ -8,6 +8,7 @@ use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use crate::channel::frames::affine::{Affine, Point};
+use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, plane};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
@@ -33,7 +34,8 @@ struct Sides {
 pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> Acted {
     let map = kernel.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
-        let text = format!("unequal scales make no circle of '{}', the end is reached straight", kernel.block_text());
+        let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let text = format!("unequal scales make no circle of '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_SCALED, text);
         return kernel.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };

@@ -24,6 +24,12 @@ pub(crate) struct Alarms {
 /// Severity from which a diagnostic is an error.
 const ERROR: u8 = 8;
 
+/// What an alarm makes of its block.
+pub(crate) const NOT_DONE: &str = "nothing of the block is done";
+
+/// What a circle becomes that cannot be made.
+pub(crate) const STRAIGHT: &str = "the end is reached straight";
+
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
@@ -89,6 +95,11 @@ impl Kernel<'_> {
     /// The machine goes on from this alarm.
     pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
         !self.stops_at(facts)
+    }
+
+    /// What becomes of a block about which this is reported: what is done instead, unless the channel stops.
+    pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
+        if self.goes_on_at(facts) { instead } else { NOT_DONE }
     }
 
     /// Counts what has come into the log.

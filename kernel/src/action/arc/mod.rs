@@ -17,6 +17,7 @@ use super::cutter::{Shape, Step};
 use super::time::Path;
 use super::turned;
 use crate::channel::block::Firing;
+use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, group, plane};
 use crate::channel::{Acted, Kernel};
 use crate::diag;
@@ -79,7 +80,8 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
         return Ok(());
     }
     let Some(clockwise) = define::direction(kernel, form) else {
-        let text = format!("the circle of '{}' has no direction, its end is reached straight", kernel.block_text());
+        let done = kernel.becomes(&diag::ARC_DIRECTION, STRAIGHT);
+        let text = format!("the circle of '{}' has no direction, {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_DIRECTION, text);
         return kernel.feed_to_point(coded, target, feed, unit);
     };
@@ -200,7 +202,8 @@ pub(super) fn not_made(kernel: &mut Kernel<'_>, error: geometry::Error) {
     if error == geometry::Error::SamePoint && kernel.machine.arcs.stands {
         return;
     }
-    let text = format!("the circle cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+    let done = kernel.becomes(&diag::ARC_RADIUS, STRAIGHT);
+    let text = format!("the circle cannot be made: {error} in '{}', {done}", kernel.block_text());
     kernel.diagnose(&diag::ARC_RADIUS, text);
 }
 

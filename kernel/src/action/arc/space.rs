@@ -8,6 +8,7 @@ use counterpoint_motion::space::Circle;
 
 use super::check_radius;
 use crate::action::time::Path;
+use crate::channel::report::STRAIGHT;
 use crate::channel::state::group;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
@@ -29,10 +30,8 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         return kernel.feed_to(coded, target, feed, unit);
     }
     if kernel.polar().is_some() {
-        let text = format!(
-            "an arc in space is none under polar interpolation in '{}', the end is reached straight",
-            kernel.block_text()
-        );
+        let done = kernel.becomes(&diag::ARC_PLANE, STRAIGHT);
+        let text = format!("an arc in space is none under polar interpolation in '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_PLANE, text);
         return kernel.feed_to(coded, target, feed, unit);
     }
@@ -46,8 +45,8 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     let circle = match Circle::through(start, middle, end) {
         Ok(circle) => circle,
         Err(error) => {
-            let text =
-                format!("the arc cannot be made: {error} in '{}', the end is reached straight", kernel.block_text());
+            let done = kernel.becomes(&diag::ARC_RADIUS, STRAIGHT);
+            let text = format!("the arc cannot be made: {error} in '{}', {done}", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
             return kernel.feed_to(coded, target, feed, unit);
         }

@@ -10,6 +10,7 @@ use counterpoint_motion::thread::Lead;
 
 use super::spindle::Turning;
 use crate::channel::block::Firing;
+use crate::channel::report::NOT_DONE;
 use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
@@ -149,9 +150,6 @@ fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
     starts
 }
 
-/// What is said of a block that an alarm stops.
-const NOT_DONE: &str = "nothing of the block is done";
-
 impl Kernel<'_> {
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
@@ -201,7 +199,7 @@ impl Kernel<'_> {
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
         let from = self.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let done = if self.goes_on_at(&diag::NO_LEAD) { "the move is timed as rapid" } else { NOT_DONE };
+            let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
             let text = format!("thread without a lead in '{}', {done}", self.block_text());
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
