@@ -186,7 +186,7 @@ async fn jobs(arguments: Jobs) -> Result<u8, Error> {
         say::data(lines.as_bytes())?;
         return Ok(0);
     }
-    let mut lines = vec![["job", "state", "machine", "makespan", "programs"].map(str::to_owned).to_vec()];
+    let mut lines = vec![["job", "state", "machine", "cycle time", "programs"].map(str::to_owned).to_vec()];
     lines.extend(rows.iter().map(|job| {
         let programs = job.programs.iter().map(|p| p.path.as_str()).collect::<Vec<_>>().join(" ");
         let state = job.state().as_str_name().trim_start_matches("JOB_STATE_").to_owned();

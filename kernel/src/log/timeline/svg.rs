@@ -81,17 +81,17 @@ fn title(out: &mut String, timeline: &Timeline) {
     let mut programs: Vec<&str> =
         timeline.channels.iter().map(|c| c.program.as_str()).filter(|p| !p.is_empty()).collect();
     programs.dedup();
-    let mut makespan = format!("makespan {}", time_text(timeline.makespan_ns, 1_000_000));
+    let mut total = format!("cycle time {}", time_text(timeline.makespan_ns, 1_000_000));
     let meetings = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
     if meetings > 0 {
-        let _ = write!(makespan, ", {meetings} meeting{}", if meetings == 1 { "" } else { "s" });
+        let _ = write!(total, ", {meetings} sync point{}", if meetings == 1 { "" } else { "s" });
     }
     let machine = format!("{}{}", if programs.is_empty() { "" } else { " on " }, timeline.machine);
     let machine = fit(&machine, 17, 360.0);
-    let room = RIGHT - 16.0 - width(&makespan, 15) - 24.0 - width(&machine, 17);
+    let room = RIGHT - 16.0 - width(&total, 15) - 24.0 - width(&machine, 17);
     let line = format!("{}{machine}", fit(&programs.join(" + "), 17, room));
     text(out, (16.0, 27.0), 17, "start", INK, &line);
-    text(out, (RIGHT, 27.0), 15, "end", INK, &makespan);
+    text(out, (RIGHT, 27.0), 15, "end", INK, &total);
 }
 
 fn legend(out: &mut String, open_ended: bool) {

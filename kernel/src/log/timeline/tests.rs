@@ -105,7 +105,7 @@ fn texts_in_the_picture_are_escaped() {
 
 #[test]
 fn a_job_without_time_is_still_a_picture() {
-    assert!(timeline(&lathe(&["x"]), &[]).svg().contains("makespan 0.000 s"));
+    assert!(timeline(&lathe(&["x"]), &[]).svg().contains("cycle time 0.000 s"));
 }
 
 /// `x` and width of the marks of meetings.
