@@ -45,7 +45,7 @@ async fn running_and_queued_jobs_can_be_cancelled_and_deleted() {
     let server = Server::start(Options { workers: 1, ..options(folder.path()) }).await;
     let running = server.submit("r-1", "EVENTS 5\nHANG").await;
     let queued = server.submit("r-2", "EVENTS 5").await;
-    server.until(&running, v1::JobState::Running).await;
+    server.until_events(&running, 5).await;
     let delete = |id: &str| v1::DeleteJobRequest { job_id: id.into() };
     assert_eq!(reason(&server.jobs().delete_job(delete(&running)).await.unwrap_err()), "JOB_NOT_ENDED");
     for id in [&queued, &running] {

@@ -307,6 +307,18 @@ impl Server {
         panic!("{job} never became {state:?}");
     }
 
+    /// Waits until a running job has logged this many events.
+    pub async fn until_events(&self, job: &str, events: usize) {
+        let mut watch = self.watch(job, 0, v1::WatchLevel::Everything).await;
+        let mut seen = 0;
+        while seen < events {
+            let message = watch.message().await.unwrap().expect("the job logs as many events");
+            if let Some(v1::watch_job_response::Content::Batch(batch)) = message.content {
+                seen += batch.events.len();
+            }
+        }
+    }
+
     pub async fn watch(
         &self,
         job: &str,
