@@ -14,7 +14,7 @@ use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
 use crate::log::info::File;
-use crate::machine::model::{MainReturn, Preprocessor, StoredFile};
+use crate::machine::model::{MainReturn, StoredFile};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{TICKS, Task};
 use crate::mcd::program::Range;
@@ -207,9 +207,8 @@ impl Kernel<'_> {
     /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
     /// block that was interrupted.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
-        let interpreted =
-            matches!(self.machine.preprocessor, Preprocessor::Okuma | Preprocessor::Siemens | Preprocessor::Heidenhain);
-        let reading = interpreted && self.interpreter.is_none();
+        let has_interpreter = crate::dialect::concerns(self.machine.preprocessor).is_some();
+        let reading = has_interpreter && self.interpreter.is_none();
         let ends = self.flow.frames.len() <= 1 && self.machine.subprograms.main_return == MainReturn::End;
         !reading && (!ends || target.is_some())
     }
