@@ -4,7 +4,6 @@ use std::path::Path;
 use std::process::Command;
 
 use counterpoint_proto::v1;
-use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::doctor::examine;
 
 use crate::support::*;
@@ -17,17 +16,6 @@ async fn command(arguments: &[&str], folder: &Path, data: &Path) -> (Option<i32>
     (output.status.code(), String::from_utf8([output.stdout, output.stderr].concat()).unwrap())
 }
 
-async fn events(server: &Server, job: &str) -> Vec<v1::Event> {
-    let mut stream = server.watch(job, 0, v1::WatchLevel::Everything).await;
-    let mut events = Vec::new();
-    while let Some(message) = stream.message().await.unwrap() {
-        if let Some(Content::Batch(batch)) = message.content {
-            events.extend(batch.events);
-        }
-    }
-    events
-}
-
 #[tokio::test]
 async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_not_ended() {
     let folder = tempfile::tempdir().unwrap();
@@ -38,7 +26,7 @@ async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_
     for (name, script) in [("large", "EVENTS 20000"), ("small", "EVENTS 9"), ("wrote", "EVENTS 1\nWRITE a.txt")] {
         let job = server.submit(name, script).await;
         server.wait(&job).await;
-        ended.push((job.clone(), events(&server, &job).await));
+        ended.push((job.clone(), server.events(&job, 0).await));
     }
     let unused = server.upload(b"nobody needs this").await;
     let running = server.submit("running", "EVENTS 3000\nHANG\nEVENTS 5").await;
@@ -64,7 +52,7 @@ async fn a_backup_of_a_running_server_has_every_job_and_finishes_those_that_had_
     let status = server.wait(&running).await;
     assert_eq!((status.state(), status.events, status.attempt), (v1::JobState::Succeeded, 3005, 1));
     for (job, expected) in &ended {
-        assert!(events(&server, job).await == *expected);
+        assert!(server.events(job, 0).await == *expected);
     }
     let files = v1::ListFilesRequest { job_id: ended[2].0.clone() };
     assert_eq!(server.results().list_files(files).await.unwrap().into_inner().files.len(), 1);

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 
 use counterpoint_proto::v1;
-use counterpoint_proto::v1::watch_job_response::Content;
 use counterpoint_server::local::disk::{Disk, Faults, Step};
 use counterpoint_server::options::Options;
 
@@ -65,28 +64,17 @@ async fn the_end_of_a_tiny_job_costs_one_commit_that_it_shares() {
     server.stop().await;
 }
 
-async fn events(server: &Server, job: &str, after: u64) -> Vec<v1::Event> {
-    let mut stream = server.watch(job, after, v1::WatchLevel::Everything).await;
-    let mut events = Vec::new();
-    while let Some(message) = stream.message().await.unwrap() {
-        if let Some(Content::Batch(batch)) = message.content {
-            events.extend(batch.events);
-        }
-    }
-    events
-}
-
 #[tokio::test]
 async fn a_small_log_survives_is_watched_and_goes_with_its_job() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(options(folder.path())).await;
     let job = server.submit("small", "EVENTS 20\nALARM").await;
-    let whole = events(&server, &job, 0).await;
+    let whole = server.events(&job, 0).await;
     assert_eq!(whole.len(), 21);
     server.stop().await;
     let server = Server::start(options(folder.path())).await;
-    assert_eq!(events(&server, &job, 0).await, whole);
-    assert_eq!(events(&server, &job, 15).await, whole[15..]);
+    assert_eq!(server.events(&job, 0).await, whole);
+    assert_eq!(server.events(&job, 15).await, whole[15..]);
     let summary = server.results().get_summary(v1::GetSummaryRequest { job_id: job.clone() }).await;
     assert!(summary.unwrap().into_inner().message().await.unwrap().is_some());
     let files = server.results().list_files(v1::ListFilesRequest { job_id: job.clone() }).await.unwrap();

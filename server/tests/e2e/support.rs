@@ -307,6 +307,18 @@ impl Server {
         panic!("{job} never became {state:?}");
     }
 
+    /// All events of a job after this one, up to its end.
+    pub async fn events(&self, job: &str, after: u64) -> Vec<v1::Event> {
+        let mut stream = self.watch(job, after, v1::WatchLevel::Everything).await;
+        let mut events = Vec::new();
+        while let Some(message) = stream.message().await.unwrap() {
+            if let Some(v1::watch_job_response::Content::Batch(batch)) = message.content {
+                events.extend(batch.events);
+            }
+        }
+        events
+    }
+
     /// Waits until a running job has logged this many events.
     pub async fn until_events(&self, job: &str, events: usize) {
         let mut watch = self.watch(job, 0, v1::WatchLevel::Everything).await;
