@@ -19,8 +19,8 @@ use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
 use crate::func::stamp;
 use crate::source::Source;
+use crate::state::{Scale, State};
 use crate::value::{Kind, Value};
-use crate::vm::{Scale, State};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a system variable takes.
