@@ -32,7 +32,7 @@ pub(super) fn load(kernel: &mut Kernel<'_>, number: Option<u32>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    kernel.states.head = id;
+    kernel.channel.state.others.head = id;
     kernel.head_event(2.0, id)
 }
 

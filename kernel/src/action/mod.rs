@@ -300,10 +300,10 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 
 /// Carries out an action.
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
-    if kernel.cycle.running && !firing.implied && action.moves() {
+    if kernel.channel.state.cycle.running && !firing.implied && action.moves() {
         cycle::meets_motion(kernel)?;
     }
-    if kernel.place.frames.is_some() {
+    if kernel.channel.state.place.frames.is_some() {
         cutter::before(kernel, action)?;
     }
     match action {

@@ -39,8 +39,9 @@ pub(super) fn probe(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     }
     kernel.feed_to(coded, target, feed, unit)?;
-    *kernel.skip = State { result: 2.0, end: kernel.place.position, block: kernel.blocks };
-    if kernel.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
+    *kernel.channel.state.skip =
+        State { result: 2.0, end: kernel.channel.state.place.position, block: kernel.channel.at.blocks };
+    if kernel.channel.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
         let text = format!("the probe has touched nothing in '{}'", kernel.block_text());
         kernel.diagnose(&diag::PROBE_MISSED, text);
     }

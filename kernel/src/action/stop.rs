@@ -12,7 +12,7 @@ pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {
             Ok(())
         }
         Stop::Optional => {
-            if kernel.options.opstop {
+            if kernel.channel.env.options.opstop {
                 kernel.emit(0, Kind::Stop(stop));
             }
             Ok(())

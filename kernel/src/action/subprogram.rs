@@ -26,7 +26,7 @@ pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
         return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     let id = id as u32;
-    let (number, packed) = match kernel.machine.subprograms.call {
+    let (number, packed) = match kernel.channel.env.machine.subprograms.call {
         // O0012 called 3 times is P30012; a number of up to four digits is only that.
         CallForm::RepeatAndNumber if repeat.is_none() && id > 9999 => (id % 10_000, id / 10_000),
         _ => (id, 1),
@@ -64,7 +64,7 @@ pub(crate) fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
         return 1;
     }
     let count = count.min(f64::from(u32::MAX - 1)) as u32;
-    if kernel.machine.subprograms.repeat_is_executions { count } else { count + 1 }
+    if kernel.channel.env.machine.subprograms.repeat_is_executions { count } else { count + 1 }
 }
 
 /// Return, optionally to a sequence number of the caller.

@@ -36,7 +36,7 @@ impl Kernel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
     pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
-        for (((slot, axis), a), b) in out.iter_mut().zip(&self.place.axes).zip(from).zip(to) {
+        for (((slot, axis), a), b) in out.iter_mut().zip(&self.channel.state.place.axes).zip(from).zip(to) {
             *slot = (b - a) * axis.scale;
         }
         out
@@ -44,13 +44,15 @@ impl Kernel<'_> {
 
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if self.place.frames.is_none() || self.tip().is_none() {
+        let changes = if self.channel.state.place.frames.is_none() || self.tip().is_none() {
             self.changes(from, to)
         } else {
             self.changes(&self.machine_point(from), &self.machine_point(to))
         };
-        match self.machine.time.rapid {
+        match self.channel.env.machine.time.rapid {
             RapidPath::SlowestAxis => self
+                .channel
+                .state
                 .place
                 .axes
                 .iter()
@@ -60,7 +62,7 @@ impl Kernel<'_> {
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.place.axes.iter().zip(&changes) {
+                for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
@@ -75,7 +77,7 @@ impl Kernel<'_> {
     /// Seconds of a feed move without a usable feed: at the smallest one of the control, else those of a rapid move.
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
-        let least = self.machine.habits.least_feed;
+        let least = self.channel.env.machine.habits.least_feed;
         let how = match least {
             _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
@@ -130,13 +132,14 @@ impl Kernel<'_> {
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
-        let exact = self.block.exact_stop || self.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        let exact = self.channel.block.exact_stop
+            || self.channel.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         if !exact {
             return path.length / speed;
         }
         let changes = self.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.place.axes.iter().zip(&changes) {
+        for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
             if *change != 0.0
                 && let Some(a) = axis.acceleration
             {
@@ -171,8 +174,8 @@ impl Kernel<'_> {
 
     /// Distance from the spindle axis at a position.
     pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
-        x.and_then(|i| Some(position.get(i)? * self.place.axes.get(i)?.scale)).unwrap_or(0.0)
+        let x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from);
+        x.and_then(|i| Some(position.get(i)? * self.channel.state.place.axes.get(i)?.scale)).unwrap_or(0.0)
     }
 
     /// Time of a code from the machine's table.
@@ -190,7 +193,7 @@ impl Kernel<'_> {
             CodeForm::Text(_) | CodeForm::NotApplicable => None,
         };
         let letter = register
-            .and_then(|r| self.machine.registers.get(usize::from(r)))
+            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
             .and_then(|r| r.name.chars().next())
             .unwrap_or('?');
         (letter, firing.value)

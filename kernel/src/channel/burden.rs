@@ -129,7 +129,7 @@ pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
 impl Kernel<'_> {
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
-        Shares::of_channels(&self.options.limits, self.machine.channels.len())
+        Shares::of_channels(&self.channel.env.options.limits, self.channel.env.machine.channels.len())
     }
 
     /// Counts work within a block, in elements, and looks whether the job is to end.
@@ -137,13 +137,13 @@ impl Kernel<'_> {
     /// # Errors
     /// It is.
     pub(crate) fn work(&mut self, elements: usize) -> Acted {
-        let before = self.burden.work;
-        self.burden.work = before.saturating_add(elements as u64);
-        self.idle_blocks += self.burden.work / PER_BLOCK - before / PER_BLOCK;
-        if self.burden.work / LOOK_EVERY == before / LOOK_EVERY {
+        let before = self.channel.burden.work;
+        self.channel.burden.work = before.saturating_add(elements as u64);
+        self.channel.at.idle_blocks += self.channel.burden.work / PER_BLOCK - before / PER_BLOCK;
+        if self.channel.burden.work / LOOK_EVERY == before / LOOK_EVERY {
             return Ok(());
         }
-        if self.control.cancelled() {
+        if self.ports.control.cancelled() {
             return Err(Halt::Stopped);
         }
         self.check_limits()
@@ -154,12 +154,12 @@ impl Kernel<'_> {
         let shares = self.shares();
         let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
-        let events = self.emitter.count();
-        let several = self.machine.channels.len() > 1;
-        let interpreter = self.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
+        let events = self.ports.emitter.count();
+        let several = self.channel.env.machine.channels.len() > 1;
+        let interpreter = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
         let tables = (self.flow.compiled.bytes() + self.flow.tables) as u64;
         let parts = [
-            (self.burden.results, "diagnostics and meetings"),
+            (self.channel.burden.results, "diagnostics and meetings"),
             (interpreter, "variables of the program"),
             (tables, "tables of the program's labels and lines"),
             (room.path.min(events.saturating_mul(PATH)), "the toolpath"),
@@ -171,7 +171,7 @@ impl Kernel<'_> {
         ];
         let all: u64 = parts.iter().map(|(bytes, _)| bytes).sum();
         let largest = parts.iter().max_by_key(|(bytes, _)| *bytes).map_or("", |(_, name)| name);
-        let channel = self.rank;
+        let channel = self.channel.at.channel;
         (all > limit).then(|| format!("channel {channel} keeps more than {limit} bytes, most of them in {largest}"))
     }
 

@@ -88,13 +88,13 @@ impl Kernel<'_> {
                 break;
             };
             self.embed(code, &mut out)?;
-            if out.len() > self.options.limits.block_length.max(text.len()) {
+            if out.len() > self.channel.env.options.limits.block_length.max(text.len()) {
                 break;
             }
             rest = behind;
         }
         out.push_str(rest);
-        let (length, limit) = (out.len(), self.options.limits.block_length.max(text.len()));
+        let (length, limit) = (out.len(), self.channel.env.options.limits.block_length.max(text.len()));
         if length > limit {
             let text = format!("embedded macro code makes {length} bytes of the block, it may have {limit}");
             return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
@@ -123,7 +123,7 @@ impl Kernel<'_> {
 
     /// Compiles embedded code once.
     fn compiled_code(&mut self, code: &str) -> Option<(u16, bool)> {
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let runtime = self.macros.as_deref_mut()?;
         if let Some(known) = runtime.embedded.get(code) {
             return *known;

@@ -290,7 +290,7 @@ impl Kernel<'_> {
         let Some(row) = rows().get(index as usize) else { return Ok(()) };
         let value = checked(row.variable, value)?;
         check_indices(row.variable, indices)?;
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         if row.variable.access == Access::Start && !runtime.store.starting {
             let text = format!("{} has no effect after Machine Startup", row.variable.name);
