@@ -217,7 +217,8 @@ fn explain_knows_numbers_and_names() {
     let folder = folder(&[]);
     let explained = |what: &str| counterpoint(folder.path(), &["explain", what]);
     let (code, out, _) = explained("2910011");
-    assert!(code == 0 && out.starts_with("# 02910011: "), "{out}");
+    assert!(code == 0 && out.starts_with("# 02910011 `unknown-command`: "), "{out}");
+    assert_eq!(explained("unknown-command"), explained("2910011"));
     assert_eq!(explained("02910011"), explained("2910011"));
     assert_eq!(explained("$FSIN").1, "$FSIN(angle)\ngives: number\n\nSine of an angle in degrees.\n");
     assert_eq!(explained("fsin"), explained("$FSIN"));
