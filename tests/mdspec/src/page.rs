@@ -76,7 +76,7 @@ pub struct Example {
     pub name: String,
     /// Line of its first fence.
     pub line: usize,
-    /// The machine of its section or page.
+    /// The machine written last before it in its section, or else that of the page, which is the first one of its head.
     pub machine: Option<Named>,
     /// Its fences in order.
     pub fences: Vec<Fence>,
@@ -224,7 +224,7 @@ impl Reader {
             return;
         };
         self.machine = Some(Named { name: name.to_owned(), line });
-        if self.heading.is_empty() {
+        if self.heading.is_empty() && self.page_machine.is_none() {
             self.page_machine.clone_from(&self.machine);
         }
     }
@@ -267,7 +267,11 @@ impl Reader {
 
     /// The example that ends here has something to run or to look at.
     fn finish(&self) -> Result<(), Fault> {
-        let Some(example) = self.examples.last() else { return Ok(()) };
+        let Some((example, earlier)) = self.examples.split_last() else { return Ok(()) };
+        if earlier.iter().any(|other| other.name == example.name) {
+            let text = format!("another example is called {}: give the sections different headings", example.name);
+            return Err(Fault { line: example.line, text });
+        }
         let whole = example.fences.iter().any(|fence| {
             let role = self.fences.iter().find(|(kind, _)| *kind == fence.kind).map(|(_, role)| *role);
             matches!(role, Some(Role::Program | Role::Setup))
