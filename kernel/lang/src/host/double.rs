@@ -107,8 +107,8 @@ impl Test {
     #[must_use]
     pub fn bare() -> Test {
         let mut test = Test::default();
-        for (number, severity, about) in diag::TABLE {
-            test.add_diagnostic(number.0, *severity, about);
+        for row in diag::TABLE {
+            test.add_diagnostic(row.number.0, row.severity, row.about);
         }
         test
     }
