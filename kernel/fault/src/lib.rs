@@ -4,11 +4,12 @@
 //! control-emulator.md 7.5). *Invariant:* every entry has a page `docs/diagnostics/<number, 8 digits>.md` whose head
 //! names its word, and no word has two numbers, those of the macro language included.
 
-use counterpoint_lang::diag::TABLE;
+pub mod language;
 
 mod halt;
 
 pub use halt::{Acted, Halt, Stop};
+use language::TABLE;
 
 /// Facts of one diagnostic number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
