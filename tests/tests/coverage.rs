@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::Kind;
+use counterpoint_kernel::log::event::{Kind, Trace};
 use counterpoint_kernel::machine::ident::{codes, data};
 use counterpoint_kernel::machine::load;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
@@ -101,7 +101,7 @@ impl Example {
         self.files.iter().for_each(|(name, text)| files.insert(name.clone(), text.clone()));
         let Ok(done) = (Work { machine, files, programs, options }).run(None) else { return };
         for event in &done.events {
-            let Kind::Trace { text, .. } = &event.kind else { continue };
+            let Kind::Trace(Trace { text, .. }) = &event.kind else { continue };
             let mut words = text.split_whitespace();
             let name = words.next().unwrap_or_default().to_uppercase();
             let ignored = words.next() == Some("(ignored)");

@@ -55,7 +55,7 @@ pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
 }
@@ -95,7 +95,7 @@ pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
     let direction = kernel.place.compensation.vector.map(wildcard_text).join(",");
     let text = format!("comp diam vector n={} pqr={direction}", kernel.place.compensation.diameter);
     super::cutter::switched(kernel, codes::COMP_3D_VECTOR)?;
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use counterpoint_lang::format::wildcard_text;
 use super::spindle::Turning;
 use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Dwell, Kind};
 use crate::machine::ident::{DataId, data};
 use crate::trace::{self, ACTION};
 
@@ -81,7 +81,7 @@ fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {
         return Ok(());
     }
     let ns = Kernel::ns(seconds);
-    kernel.emit(ns, Kind::Dwell);
+    kernel.emit(ns, Kind::Dwell(Dwell));
     kernel.advance(ns);
     Ok(())
 }

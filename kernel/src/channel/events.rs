@@ -7,7 +7,7 @@ use counterpoint_lang::value::Value;
 
 use super::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
+use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use crate::log::geometry::Loop;
 use crate::macros::host::tools::column;
 use crate::macros::host::variables::names;
@@ -191,7 +191,7 @@ impl Kernel<'_> {
     /// The event itself: only the listing shows it.
     pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
         let verb = if kind == 1.0 { "select" } else { "load" };
-        self.emit(0, Kind::Mode { text: format!("{verb} head n={id}").into() });
+        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
         Ok(())
     }
 
@@ -229,7 +229,7 @@ impl Kernel<'_> {
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
             self.place.selected = tool;
-            self.emit(0, Kind::Tool { action, tool, offset });
+            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
         let before = self.place.tool;
@@ -248,7 +248,7 @@ impl Kernel<'_> {
             self.tool_row(tool);
             self.operation_of_tool();
         }
-        self.emit(ns, Kind::Tool { action, tool: self.place.tool, offset });
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.place.tool, offset }));
         self.advance(ns);
         Ok(())
     }

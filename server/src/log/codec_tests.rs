@@ -11,6 +11,8 @@ use counterpoint_kernel::trace::Letters;
 use counterpoint_proto::v1;
 use prost::Message as _;
 
+use super::{decode, encode};
+
 fn kinds() -> Vec<Kind> {
     let mut from = [0.0; MAX_AXES];
     from[0] = -0.0;
@@ -35,11 +37,11 @@ fn kinds() -> Vec<Kind> {
     let plain = Motion { kind: MotionKind::Rapid, center: [0.0; 2], plane_axes: [255; 2], turns: 0, ..motion };
     vec![
         Kind::Lifecycle(Phase::Blocked),
-        Kind::Block { number: 1 << 40 },
+        Kind::Block(Block { number: 1 << 40 }),
         Kind::Motion(motion),
         Kind::Motion(plain),
-        Kind::Dwell,
-        Kind::Tool { action: ToolAction::Load, tool: 12, offset: 0 },
+        Kind::Dwell(Dwell),
+        Kind::Tool(ToolChange { action: ToolAction::Load, tool: 12, offset: 0 }),
         Kind::Spindle(Spindle {
             spindle: 1,
             direction: Direction::Clockwise,
@@ -51,14 +53,14 @@ fn kinds() -> Vec<Kind> {
         Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
         Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
         Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
-        Kind::Function { letter: 'M', value: 0.0 },
-        Kind::Mode { text: "plane zx".into() },
-        Kind::Frame { shift: Box::new(from) },
+        Kind::Function(Function { letter: 'M', value: 0.0 }),
+        Kind::mode("plane zx"),
+        Kind::Frame(Frame { shift: Box::new(from) }),
         Kind::Stop(Stop::Rewind),
-        Kind::Call { program: "O9001".into(), level: 2 },
-        Kind::Return { level: 2 },
-        Kind::Message { text: "é\"".repeat(90).into(), printed: false },
-        Kind::Message { text: "printed".into(), printed: true },
+        Kind::Call(Call { program: "O9001".into(), level: 2 }),
+        Kind::Return(Return { level: 2 }),
+        Kind::Message(Message { text: "é\"".repeat(90).into(), printed: false }),
+        Kind::Message(Message { text: "printed".into(), printed: true }),
         Kind::Wait(Arc::new(Wait {
             key: "M101".into(),
             primitive: Primitive::Order,
@@ -82,7 +84,7 @@ fn kinds() -> Vec<Kind> {
                 Member { channel: 2, file: 1, line: 0, waiting_for: vec![] },
             ],
         })),
-        Kind::Trace { letter: 'C', text: "  code_rapid".into() },
+        Kind::Trace(Trace { letter: 'C', text: "  code_rapid".into() }),
         Kind::Motion(Motion { kind: MotionKind::ArcSpace, center: [-3.5, 0.25], ..plain }),
         Kind::Diagnostic(Box::new(Diagnostic {
             number: 2_910_090,
@@ -113,8 +115,8 @@ fn kinds() -> Vec<Kind> {
         Kind::Stop(Stop::Program),
         Kind::Stop(Stop::Optional),
         Kind::Stop(Stop::End),
-        Kind::Tool { action: ToolAction::Select, tool: 7, offset: 300 },
-        Kind::Tool { action: ToolAction::Offset, tool: 7, offset: 300 },
+        Kind::Tool(ToolChange { action: ToolAction::Select, tool: 7, offset: 300 }),
+        Kind::Tool(ToolChange { action: ToolAction::Offset, tool: 7, offset: 300 }),
         Kind::Spindle(Spindle { direction: Direction::Off, ..spindle }),
         Kind::Spindle(Spindle { direction: Direction::CounterClockwise, ..spindle }),
         Kind::Spindle(Spindle { direction: Direction::Oriented, ..spindle }),
@@ -138,29 +140,29 @@ fn kinds() -> Vec<Kind> {
         verdict(VerdictKind::PartnerSpinning),
         verdict(VerdictKind::LeaseCycle),
         verdict(VerdictKind::Limit),
-        Kind::Message { text: "".into(), printed: false },
-        Kind::Message { text: "".into(), printed: true },
-        Kind::Function { letter: 'é', value: -0.0 },
-        Kind::Function { letter: '"', value: f64::NAN },
-        Kind::Mode { text: "".into() },
-        Kind::Mode { text: "comp length n=3".into() },
-        Kind::Mode { text: "comp diam left n=3".into() },
-        Kind::Mode { text: "comp diam vector n=3 pqr=1,0,0".into() },
-        Kind::Trace { letter: 'A', text: "      | dwell rev=2".into() },
-        Kind::Trace { letter: 'L', text: "on".into() },
-        Kind::Trace { letter: 'L', text: "off".into() },
-        Kind::Trace { letter: 'L', text: "3".into() },
-        Kind::Trace { letter: 'L', text: "block G1 X2".into() },
+        Kind::Message(Message { text: "".into(), printed: false }),
+        Kind::Message(Message { text: "".into(), printed: true }),
+        Kind::Function(Function { letter: 'é', value: -0.0 }),
+        Kind::Function(Function { letter: '"', value: f64::NAN }),
+        Kind::mode(""),
+        Kind::mode("comp length n=3"),
+        Kind::mode("comp diam left n=3"),
+        Kind::mode("comp diam vector n=3 pqr=1,0,0"),
+        Kind::Trace(Trace { letter: 'A', text: "      | dwell rev=2".into() }),
+        Kind::Trace(Trace { letter: 'L', text: "on".into() }),
+        Kind::Trace(Trace { letter: 'L', text: "off".into() }),
+        Kind::Trace(Trace { letter: 'L', text: "3".into() }),
+        Kind::Trace(Trace { letter: 'L', text: "block G1 X2".into() }),
         Kind::ToolData(Box::default()),
         Kind::ToolData(Box::new(ToolData { tool: 1, length: Some(-0.5), ..ToolData::default() })),
         Kind::Diagnostic(Box::default()),
         Kind::Diagnostic(Box::new(Diagnostic { kernel: "TURRET".into(), ..Diagnostic::default() })),
         Kind::Diagnostic(Box::new(Diagnostic { operation: "BORE".into(), ..Diagnostic::default() })),
-        Kind::Call { program: "\u{1}".into(), level: u16::MAX },
+        Kind::Call(Call { program: "\u{1}".into(), level: u16::MAX }),
     ]
 }
 
-fn events() -> Vec<Event> {
+pub(super) fn events() -> Vec<Event> {
     kinds()
         .into_iter()
         .zip(0..)
@@ -208,7 +210,7 @@ fn info() -> Info {
 fn forms(seq: u64, event: &Event) -> String {
     let (mut json, mut wire, mut digest) = (Vec::new(), Vec::new(), Digest::new());
     jsonl::write_event(&info(), seq, event, &mut json);
-    super::numbers::event(&mut wire, seq, event, 4);
+    encode::event(&mut wire, seq, event, 4);
     digest.event(event);
     let wire: String = wire.iter().map(|byte| format!("{byte:02x}")).collect();
     let digest = digest::log([(event.channel, digest)].into_iter());
@@ -231,7 +233,7 @@ fn every_kind_is_written_as_it_always_was() {
 
 fn batch(events: &[Event], axes: usize) -> Vec<u8> {
     let mut out = Vec::new();
-    events.iter().zip(1..).for_each(|(event, seq)| super::numbers::event(&mut out, seq, event, axes));
+    events.iter().zip(1..).for_each(|(event, seq)| encode::event(&mut out, seq, event, axes));
     out
 }
 
@@ -239,7 +241,7 @@ fn batch(events: &[Event], axes: usize) -> Vec<u8> {
 fn decoding_gives_the_same_events_bit_for_bit() {
     let events = events();
     let bytes = batch(&events, MAX_AXES);
-    let back: Vec<_> = super::events(&bytes).map(|e| super::event(e).unwrap()).collect();
+    let back: Vec<_> = decode::events(&bytes).map(|e| decode::event(e).unwrap()).collect();
     assert_eq!(back.len(), events.len());
     for ((seq, back), (event, expected)) in back.iter().zip(events.iter().zip(1..)) {
         // As text: signs of zero too, and NaN.
@@ -293,12 +295,12 @@ fn generated_types_see_the_same_content() {
 fn damage_is_no_panic() {
     let bytes = batch(&events(), 4);
     for cut in 0..bytes.len() {
-        super::events(&bytes[..cut]).for_each(|e| drop(super::event(e)));
+        decode::events(&bytes[..cut]).for_each(|e| drop(decode::event(e)));
     }
     for at in 0..bytes.len().min(2000) {
         let mut bad = bytes.clone();
         bad[at] ^= 0x55;
-        super::events(&bad).for_each(|e| drop(super::event(e)));
+        decode::events(&bad).for_each(|e| drop(decode::event(e)));
     }
     drop(Bytes::from(bytes));
 }

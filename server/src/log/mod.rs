@@ -6,6 +6,10 @@
 //! the bytes in the file are the bytes a watcher gets; what was committed never changes while its job lives. A second
 //! run of the same job writes the same events, though batches may be cut elsewhere.
 
+#[cfg(test)]
+mod codec_tests;
+#[cfg(test)]
+mod contract_tests;
 pub(crate) mod decode;
 pub mod encode;
 pub(crate) mod filter;

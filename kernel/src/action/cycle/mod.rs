@@ -129,7 +129,7 @@ pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
     if kernel.machine.cycles.motion_cancels {
         kernel.cycle.end();
         kernel.modal.activate(group::CYCLE, codes::CYCLE_OFF, kernel.cycle.off);
-        kernel.emit(0, EventKind::Mode { text: "cycle off".into() });
+        kernel.emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
 }
