@@ -5,8 +5,8 @@
 use super::Kernel;
 use crate::diag::Facts;
 use crate::machine::Machine;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{DiagnosticRule, Diagnostics};
-use crate::macros::model::Hook;
 
 /// The machine's own text for what the kernel says.
 const ORIGINAL: &str = "!(*)";
@@ -98,12 +98,12 @@ impl Kernel<'_> {
         (severity, alarm): (u8, bool),
         text: String,
     ) -> Option<(u8, String)> {
-        let table = &self.machine.diagnostics;
+        let table = &self.channel.env.machine.diagnostics;
         if table.is_plain() {
             return Some((severity, text));
         }
         let before = if table.rule(number).is_some_and(|rule| rule.repeat.is_some()) {
-            let count = self.raised.entry(number).or_insert(0);
+            let count = self.channel.reports.raised.entry(number).or_insert(0);
             *count = count.saturating_add(1);
             count.saturating_sub(1)
         } else {

@@ -9,14 +9,15 @@
 mod tests;
 
 use crate::log::event::fields::{Field, Fields, Presence, Record, Value};
-use crate::log::event::{Event, Motion, MotionKind};
+use crate::log::event::{Event, Kind, Motion, MotionKind};
 use crate::log::geometry::Loop;
 use crate::log::info::{Axis, Info};
 
 /// Appends the event as one JSON object and a newline. `seq` is its number in the log, from 1.
 pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
     let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);
-    let mut object = Object { info, axes, out, first: true };
+    let motion = if let Kind::Motion(motion) = &event.kind { Some(motion) } else { None };
+    let mut object = Object { info, axes, motion, out, first: true };
     object.out.push(b'{');
     event.head(seq, &mut object);
     event.kind.fields(&mut object);
@@ -28,6 +29,7 @@ struct Object<'a> {
     info: &'a Info,
     /// Those of the channel.
     axes: &'a [Axis],
+    motion: Option<&'a Motion>,
     out: &'a mut Vec<u8>,
     /// It has no member yet.
     first: bool,
@@ -41,12 +43,12 @@ impl Fields for Object<'_> {
             Presence::NotBlank if value.is_blank() => return,
             _ => {}
         }
-        if let Value::Center(motion) = value {
-            self.center(field.name, motion);
-            return;
+        if value == Value::Center {
+            self.motion.into_iter().for_each(|motion| self.center(field.name, motion));
+        } else {
+            self.name(field.name);
+            self.value(value);
         }
-        self.name(field.name);
-        self.value(value);
     }
 
     fn message<R: Record>(&mut self, field: Field, record: Option<&R>) {
@@ -85,7 +87,7 @@ impl Object<'_> {
 
     fn object(&mut self, record: &impl Record) {
         self.out.push(b'{');
-        let mut inner = Object { info: self.info, axes: self.axes, out: self.out, first: true };
+        let mut inner = Object { motion: None, out: self.out, first: true, ..*self };
         record.fields(&mut inner);
         self.out.push(b'}');
     }
@@ -108,7 +110,7 @@ impl Object<'_> {
             Value::Axes(axes) => serial(out, axes),
             Value::Pair(pair) => serial(out, pair),
             Value::File(file, line) => serial(out, if line == 0 { "" } else { self.info.file_name(file) }),
-            Value::Center(_) => {}
+            Value::Center => {}
         }
     }
 

@@ -23,7 +23,7 @@ impl Wire {
         match value {
             Value::Float(_) | Value::Known(_) => Self::Fixed64,
             Value::Text(_) | Value::Letter(_) | Value::Channels(_) => Self::Bytes,
-            Value::Position(_) | Value::Axes(_) | Value::Pair(_) | Value::Center(_) => Self::Bytes,
+            Value::Position(_) | Value::Axes(_) | Value::Pair(_) | Value::Center => Self::Bytes,
             _ => Self::Varint,
         }
     }

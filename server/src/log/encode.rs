@@ -55,7 +55,7 @@ impl Fields for Wire<'_> {
                 self.key(tag, FIXED64);
                 self.out.extend_from_slice(&number.to_le_bytes());
             }
-            Value::Known(None) | Value::Center(_) => {}
+            Value::Known(None) | Value::Center => {}
             Value::Text(text) => self.text(tag, text),
             Value::Letter(letter) => self.text(tag, letter.encode_utf8(&mut [0; 4])),
             Value::Channels([]) => {}

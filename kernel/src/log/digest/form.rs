@@ -69,7 +69,7 @@ impl Fields for Bytes<'_> {
             Value::Pair(pair) => pair.iter().for_each(|&number| float(out, number)),
             Value::Axes(axes) => out.extend_from_slice(axes),
             // Motions have a form of their own.
-            Value::Center(_) => {}
+            Value::Center => {}
         }
         if field.digest == Presence::Always || !value.is_blank() {
             self.counts();

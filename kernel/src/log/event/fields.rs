@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::work::Work;
-use super::{FileId, MAX_AXES, Motion, Position};
+use super::{FileId, MAX_AXES, Position};
 
 /// When a field is written in a form that could leave it out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,8 +113,9 @@ pub enum Value<'a> {
     Axes(&'a [u8; 2]),
     /// Two measures.
     Pair(&'a [f64; 2]),
-    /// The centre of an arc, and of one in space its middle: how, depends on the axes of the channel.
-    Center(&'a Motion),
+    /// The centre of the motion, and of a circle in space its middle, if it has one: how, depends on the axes of the
+    /// channel.
+    Center,
     /// A file, by name where it has one: that of line 0 has none.
     File(FileId, u32),
 }
@@ -135,7 +136,7 @@ impl Value<'_> {
             Self::Text(text) => text.is_empty(),
             Self::Letter(letter) => *letter == '\0',
             Self::Channels(list) => list.is_empty(),
-            Self::Position(_) | Self::Axes(_) | Self::Pair(_) | Self::Center(_) => false,
+            Self::Position(_) | Self::Axes(_) | Self::Pair(_) | Self::Center => false,
         }
     }
 }

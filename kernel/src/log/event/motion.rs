@@ -89,7 +89,7 @@ impl Record for Motion {
         self.moving.put(Field::wire(2), out);
         out.put(Field::new(3, "from"), Value::Position(&self.from));
         out.put(Field::new(4, "to"), Value::Position(&self.to));
-        out.put(Field::shown("center"), Value::Center(self));
+        out.put(Field::shown("center"), Value::Center);
         if self.plane_axes != NO_PLANE || self.center.iter().any(|value| value.to_bits() != 0) {
             out.put(Field::wire(5), Value::Pair(&self.center));
             out.put(Field::wire(6), Value::Axes(&self.plane_axes));

@@ -1,30 +1,24 @@
 //! Stops and ends of programs.
 
-use super::declare::words;
-use super::fields::{Datum, Field, Fields, Record, Source};
+pub use counterpoint_fault::Stop;
+
+use super::fields::{Field, Fields, Record, Source, Value};
 use super::work::Work;
 
-words! {
-    /// Why the program stops.
-    pub enum Stop {
-        /// M0.
-        Program = 1 "program",
-        /// M1 with the switch on.
-        Optional = 2 "optional",
-        /// M2.
-        End = 3 "end",
-        /// M30.
-        Rewind = 4 "rewind",
-    }
-}
+/// Each with its word in JSON, in the order of their numbers on the wire, from 1.
+const WORDS: [(Stop, &str); 4] =
+    [(Stop::Program, "program"), (Stop::Optional, "optional"), (Stop::End, "end"), (Stop::Rewind, "rewind")];
 
 impl Record for Stop {
     fn fields(&self, out: &mut impl Fields) {
-        self.put(Field::new(1, "stop"), out);
+        let known = (1..).zip(WORDS).find(|(_, (stop, _))| stop == self);
+        let (number, word) = known.map_or((0, ""), |(number, (_, word))| (number, word));
+        out.put(Field::new(1, "stop"), Value::Word(number, word));
     }
 
     fn read(from: &impl Source) -> Option<Self> {
-        Self::get(1, from)
+        let number = usize::try_from(from.number(1)).ok()?;
+        WORDS.get(number.checked_sub(1)?).map(|(stop, _)| *stop)
     }
 
     fn work(&self) -> Option<Work> {

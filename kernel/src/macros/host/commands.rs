@@ -17,7 +17,7 @@ use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Kind, Message, Trace};
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 
 /// Steps that processing a block costs the macro that asks for it.
@@ -37,11 +37,11 @@ pub(super) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
 impl Kernel<'_> {
     /// Makes codes active again that were saved.
     pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
-        self.modal.restore(saved);
+        self.channel.state.modal.restore(saved);
         self.follow_cycle();
         self.follow_spindle();
         self.follow_clamps();
-        self.secondary = self.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
+        self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
     }
 
     pub(super) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
@@ -61,7 +61,7 @@ impl Kernel<'_> {
             }
             Command::Search(number) => self.search_record(state, number)?,
             Command::SaveModal => {
-                let groups = self.modal.saved();
+                let groups = self.channel.state.modal.saved();
                 let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
                 if runtime.saved.len() >= MOST_SAVED {
                     let text = format!("more than {MOST_SAVED} modal states are saved");
@@ -144,7 +144,7 @@ impl Kernel<'_> {
 
     fn exec_text(&mut self, state: &mut State, now: bool, text: &str) -> Outcome<()> {
         self.may_exec(state)?;
-        let limit = self.options.limits.block_length;
+        let limit = self.channel.env.options.limits.block_length;
         if text.len() > limit {
             return Err(fault(
                 &diag::BLOCK_TOO_LONG,
@@ -187,7 +187,7 @@ impl Kernel<'_> {
 
     /// TAPERD: the next block that is not blank.
     fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
-        let info = self.info;
+        let info = self.channel.env.info;
         let found = self.flow.frames.last_mut().and_then(|frame| {
             let source = info.source(frame.file)?;
             let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
@@ -220,13 +220,13 @@ impl Kernel<'_> {
             let text = format!("SEARCH for record {number}, the program has {first} to {last}");
             return Err(Fault::new(Number::OUT_OF_RANGE, text));
         };
-        if line > self.line {
+        if line > self.channel.at.line {
             if let Some(frame) = self.frame() {
                 frame.next = line;
             }
             return Ok(());
         }
-        if line == self.line {
+        if line == self.channel.at.line {
             if let Some(frame) = self.frame() {
                 frame.next = line + 1;
             }

@@ -17,10 +17,10 @@ use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
+use crate::machine::macros::without;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
-use crate::macros::without;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
@@ -52,7 +52,9 @@ impl Kernel<'_> {
             "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
             "$FREGFMT" => Value::text(self.register_format(arguments)),
             "$FREGPOS" => {
-                let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
+                let at = self
+                    .register_at(arguments.first())
+                    .map(|at| self.channel.env.machine.registers.get(at).map(|r| r.index));
                 at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
             "$FCEADD" | "$FCEGET" | "$FCESEEK" if self.before_block() => return Self::not_here(function.name),
@@ -113,7 +115,7 @@ impl Kernel<'_> {
         let name = text(arguments, 0).trim();
         let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);
         let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
-        let file = self.info.files.iter().position(|file| file.name == name);
+        let file = self.channel.env.info.files.iter().position(|file| file.name == name);
         let good = (1.0..=f64::from(u32::MAX)).contains(&line);
         let (Some(file), true, Some(runtime)) = (file, good, self.macros.as_deref_mut()) else {
             state
@@ -126,7 +128,7 @@ impl Kernel<'_> {
 
     /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.
     fn macro_ids(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
-        let Some(macros) = self.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
+        let Some(macros) = self.channel.env.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
         let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
         let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
         let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
@@ -158,7 +160,7 @@ impl Kernel<'_> {
 
     /// State of a macro before it was switched.
     fn switch_macro(&mut self, id: f64, on: Option<bool>) -> Option<bool> {
-        let macros = self.machine.macros.as_deref()?;
+        let macros = self.channel.env.machine.macros.as_deref()?;
         let runtime = self.macros.as_deref_mut()?;
         let is = |other: u32| f64::from(other) == id;
         let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.codes_on.get_mut(at));
@@ -179,7 +181,7 @@ impl Kernel<'_> {
 
     /// Register by its number in the list, or by the start of its descriptor.
     fn register_at(&self, value: Option<&Value>) -> Option<usize> {
-        let registers = &self.machine.registers;
+        let registers = &self.channel.env.machine.registers;
         match value? {
             Value::Real(index) => registers.iter().position(|register| f64::from(register.index) == *index),
             Value::Text(text) => {
@@ -196,8 +198,10 @@ impl Kernel<'_> {
     }
 
     fn register_format(&self, arguments: &[Value]) -> String {
-        match self.register_at(arguments.first()).and_then(|at| self.machine.registers.get(at)) {
-            Some(register) => descriptor(if self.secondary { &register.secondary } else { &register.format }),
+        match self.register_at(arguments.first()).and_then(|at| self.channel.env.machine.registers.get(at)) {
+            Some(register) => {
+                descriptor(if self.channel.state.secondary { &register.secondary } else { &register.format })
+            }
             None => String::new(),
         }
     }
@@ -208,17 +212,17 @@ impl Kernel<'_> {
             Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
             Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
         }?;
-        let register = self.machine.registers.get(at)?;
+        let register = self.channel.env.machine.registers.get(at)?;
         let value = match value {
             Some(value) => value,
             None => {
-                let rows = self.machine.tables.data_of(u8::try_from(at).ok()?);
-                let ids = rows.iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
-                let mut known = ids.filter_map(|row| self.modal.value(row.id));
+                let rows = self.channel.env.machine.tables.data_of(u8::try_from(at).ok()?);
+                let ids = rows.iter().filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+                let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
                 known.next().unwrap_or(0.0)
             }
         };
-        let format = if self.secondary { &register.secondary } else { &register.format };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
         let mut out = if word { register.name.clone() } else { String::new() };
         numeric(format).write(&mut out, value);
         Some(out)
@@ -227,7 +231,7 @@ impl Kernel<'_> {
     /// `$FCEGNCV`
     fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
         use crate::dialect::fanuc::is_vacant;
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             return Ok(self.interpreted_variable(arguments));
         }
         let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
@@ -237,7 +241,7 @@ impl Kernel<'_> {
         Ok(match self.get_known(index) {
             Ok(value) if !is_vacant(value) => Value::Real(value),
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Value::Null
             }
             _ => Value::Null,
@@ -246,7 +250,7 @@ impl Kernel<'_> {
 
     /// `$FCESNCV`
     fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
         }
         let value = arguments.get(1).and_then(Value::as_real);
@@ -255,7 +259,7 @@ impl Kernel<'_> {
         };
         match self.set_variable(index, value) {
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Ok(Value::Logical(false))
             }
             done => Ok(Value::Logical(done.is_ok())),
