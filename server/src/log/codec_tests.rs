@@ -3,11 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
+use counterpoint_kernel::event::Letters;
 use counterpoint_kernel::log::digest::{self, Digest};
 use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
 use counterpoint_kernel::log::jsonl;
-use counterpoint_kernel::event::Letters;
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -200,7 +200,7 @@ fn info() -> Info {
         parameters: String::new(),
         unit: Unit::Mm,
         trace: Letters::default(),
-        room: Room::default(),
+        room: Room { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
         channels: (1..4).map(channel).collect(),
         files: ["a.nc", "b.nc", "c.nc"].map(file).into(),
     }
