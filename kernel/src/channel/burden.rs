@@ -1,137 +1,10 @@
-//! What a kernel uses up besides time: memory of its job, and work within blocks.
-//!
-//! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
-//! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
-
-use counterpoint_lang::value::Value;
-use counterpoint_lang::vm::Scale;
+//! Limits of memory and of work within blocks.
 
 use super::{Acted, Halt, Kernel};
-use crate::log::event::{Event, VerdictKind};
-use crate::log::info::Room;
-use crate::log::timeline::bars::Bar;
-use crate::log::toolpath::store::{Curve, Move};
-use crate::options::Limits;
-
-/// Elements that a block may set or look at before it counts as one more.
-const PER_BLOCK: u64 = 256;
-/// Elements that a block within a block counts as.
-pub(crate) const BLOCK: usize = PER_BLOCK as usize;
-/// Elements between two looks at whether the job is to end.
-const LOOK_EVERY: u64 = 4096;
-/// Bytes of the text of a message or a diagnostic; the rest is cut off.
-pub(crate) const LONGEST_TEXT: usize = 4096;
-
-/// Bytes that a diagnostic or a stay takes besides its text.
-pub(crate) const RESULT: usize = 256;
-
-/// Bytes that an event takes at most: in the toolpath, as half of the block and the move with an arc that it mostly is;
-/// as a bar; and while it waits.
-const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
-const BAR: u64 = size_of::<Bar>() as u64 / 2;
-const EVENT: u64 = size_of::<Event>() as u64;
-
-/// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
-/// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
-/// than their part of the rest, whatever a program does.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares {
-    /// Variables and files that all kernels share.
-    pub(crate) common: u64,
-    /// Values of the macros of one kernel.
-    pub(crate) macros: u64,
-    /// Everything else of one kernel.
-    pub(crate) rest: u64,
-}
-
-impl Shares {
-    /// The shares of a job with so many kernels.
-    pub(crate) fn of(limits: &Limits, kernels: usize) -> Self {
-        let common = limits.memory / 4;
-        let each = (limits.memory - common) / kernels.max(1) as u64;
-        Self { common, macros: each - each / 3, rest: each / 3 }
-    }
-
-    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
-    pub(crate) fn of_channels(limits: &Limits, channels: usize) -> Self {
-        Self::of(limits, channels + usize::from(channels > 1))
-    }
-
-    /// How much of the rest results and events may take; there is a least that is of any use.
-    pub(crate) fn room(&self) -> Room {
-        Room {
-            path: (self.rest / 2).max(32 << 10),
-            bars: (self.rest / 8).max(16 << 10),
-            waiting: (self.rest / 8).max(64 << 10),
-        }
-    }
-}
-
-/// What a kernel has used up.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Burden {
-    /// Work within blocks, in elements.
-    work: u64,
-    /// Steps of macros.
-    pub(crate) steps: u64,
-    /// Bytes of diagnostics and of stays at meetings.
-    results: u64,
-}
-
-impl Burden {
-    /// Blocks that the work within blocks counts as.
-    pub(crate) fn blocks(&self) -> u64 {
-        self.work / PER_BLOCK
-    }
-
-    /// Counts bytes that stay in the results.
-    pub(crate) fn result(&mut self, bytes: usize) {
-        self.results += bytes as u64;
-    }
-}
-
-/// A text without its part beyond [`LONGEST_TEXT`].
-pub(crate) fn shortened(text: &str) -> &str {
-    let mut end = text.len().min(LONGEST_TEXT);
-    while !text.is_char_boundary(end) {
-        end -= 1;
-    }
-    text.get(..end).unwrap_or(text)
-}
-
-/// Variables that many may write to, with what they take. They are weighed when what was written since could be too
-/// much.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Hoard {
-    kept: u64,
-    fresh: u64,
-}
-
-impl Hoard {
-    /// Counts a change that adds so many bytes at most; true if all together is more than `limit`.
-    pub(crate) fn grown(&mut self, bytes: usize, limit: u64, weigh: impl FnOnce() -> u64) -> bool {
-        self.fresh += bytes as u64;
-        if self.kept + self.fresh <= limit {
-            return false;
-        }
-        (self.kept, self.fresh) = (weigh(), 0);
-        self.kept > limit - limit / 8
-    }
-}
-
-/// Bytes of values.
-pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
-    let mut scale = Scale::default();
-    values.for_each(|value| scale.add(value));
-    scale.bytes
-}
+use crate::log::event::VerdictKind;
+use crate::state::burden::{BAR, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
 
 impl Kernel<'_> {
-    /// The shares of the memory of the job.
-    pub(crate) fn shares(&self) -> Shares {
-        Shares::of_channels(&self.channel.env.options.limits, self.channel.env.machine.channels.len())
-    }
-
     /// Counts work within a block, in elements, and looks whether the job is to end.
     ///
     /// # Errors
@@ -151,7 +24,7 @@ impl Kernel<'_> {
 
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
-        let shares = self.shares();
+        let shares = self.channel.shares();
         let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
         let events = self.ports.emitter.count();
@@ -178,46 +51,5 @@ impl Kernel<'_> {
     /// Ends the job: its memory is used up.
     pub(crate) fn out_of_memory(&mut self, what: &str) -> Halt {
         self.limit(&format!("the memory of the job is used up: {what}"), VerdictKind::Limit)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_shares_are_never_more_than_the_memory() {
-        for kernels in 1..20 {
-            let limits = Limits::default();
-            let shares = Shares::of(&limits, kernels);
-            let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
-            assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
-        }
-    }
-
-    #[test]
-    fn results_leave_room_for_the_rest() {
-        for kernels in 1..40 {
-            let shares = Shares::of(&Limits::default(), kernels);
-            let room = shares.room();
-            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
-        }
-    }
-
-    #[test]
-    fn a_hoard_is_weighed_when_it_could_be_too_much() {
-        let mut hoard = Hoard::default();
-        assert!(!hoard.grown(600, 1000, || unreachable!("it fits for sure")));
-        assert!(!hoard.grown(600, 1000, || 100), "most of it is gone again");
-        assert!(!hoard.grown(800, 1000, || unreachable!("it fits for sure")));
-        assert!(hoard.grown(200, 1000, || 900), "too little would be left");
-    }
-
-    #[test]
-    fn a_long_text_is_cut_between_characters() {
-        let text = "ä".repeat(LONGEST_TEXT);
-        assert_eq!(shortened(&text).len(), LONGEST_TEXT);
-        let text = format!("x{text}");
-        assert_eq!(shortened(&text).len(), LONGEST_TEXT - 1);
     }
 }

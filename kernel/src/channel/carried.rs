@@ -7,14 +7,17 @@
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
-use super::burden::Burden;
 use super::flow::Flow;
-use super::parts::{At, BlockText, DialectState, Reports, State};
-use super::{Acted, Channel, Halt, Kernel, tape};
+use super::parts::DialectState;
+use super::{Acted, Halt, Kernel};
 use crate::log::event::FileId;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
+use crate::mcd::tape;
+use crate::state::State;
+use crate::state::burden::Burden;
+use crate::state::channel::{At, BlockText, Channel, Reports};
 
 /// How the life of a kernel ended.
 pub(crate) struct Lived {

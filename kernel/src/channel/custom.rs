@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel, burden};
+use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
@@ -18,6 +17,7 @@ use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
+use crate::state::block::Block;
 use crate::trace::{self, Stage};
 
 impl Kernel<'_> {
@@ -33,7 +33,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
+        let text = format!("{}{}", trace::BLOCK, crate::state::burden::shortened(&text)).into();
         self.emit(0, Kind::Trace { letter: trace::LISTING, text });
     }
 
@@ -70,7 +70,7 @@ impl Kernel<'_> {
         let (as_data, mode_changed) = (self.channel.acting.as_data.take(), self.channel.acting.mode_changed);
         let asked = self.flow.pending.take();
         // A block within a block is one, too.
-        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
+        let begun = self.work(crate::state::burden::BLOCK).and_then(|()| self.check_limits());
         let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
         // The rest of that block is dropped, not that of the one around it.
         let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };

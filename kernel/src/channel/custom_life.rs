@@ -5,7 +5,6 @@
 use counterpoint_lang::value::Value;
 
 use super::flow::{Flow, Frame};
-use super::state::Modal;
 use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
@@ -15,6 +14,7 @@ use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
 use crate::mcd::program::Range;
+use crate::state::modal::Modal;
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -39,7 +39,7 @@ impl Kernel<'_> {
         runtime.later.clear();
         runtime.closing = true;
         runtime.text = None;
-        self.clear_stop();
+        self.channel.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -81,15 +81,17 @@ impl Kernel<'_> {
             (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
                 (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
-                (action::cycle::State::new(self.channel.env.machine), action::arc::State::default());
+                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
             action::frame::forget(self);
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
-                *self.channel.state.others = action::states::States::new(self.channel.env.machine, channel);
+                *self.channel.state.others = crate::state::Others::new(self.channel.env.machine, channel);
             }
-            (*self.channel.state.threads, *self.channel.state.skip) =
-                (action::thread::State::new(self.channel.env.machine), action::skip::State::default());
+            (*self.channel.state.threads, *self.channel.state.skip) = (
+                crate::state::thread::Threads::new(self.channel.env.machine),
+                crate::state::probing::Probing::default(),
+            );
             if let Some(runtime) = self.macros.as_deref_mut() {
                 (runtime.store.counts, runtime.operations) = Default::default();
                 runtime.store.listed.clear();

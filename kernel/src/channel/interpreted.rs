@@ -9,9 +9,6 @@ use counterpoint_lang::value::Value;
 
 use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
-use super::frames::affine::Affine;
-use super::frames::offsets::Table;
-use super::state::group;
 use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
@@ -23,6 +20,9 @@ use crate::machine::number::written;
 use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use crate::state::frames::affine::Affine;
+use crate::state::frames::offsets::Table;
+use crate::state::modal::group;
 
 impl Kernel<'_> {
     /// A block that is not plain words.
@@ -76,7 +76,7 @@ impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
         let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
-        let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
+        let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
 
@@ -225,7 +225,7 @@ impl Host for Kernel<'_> {
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = Kernel::shared(self, |order| match value {
             Some(value) => {
@@ -294,8 +294,8 @@ impl Host for Kernel<'_> {
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
         let axes =
             self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
@@ -323,9 +323,9 @@ impl Host for Kernel<'_> {
     }
 
     fn axes(&self) -> Vec<AxisPlace> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
-        let counted = self.counted();
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let counted = self.channel.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
         let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
             |((at, axis), ((work, machine), from))| {
@@ -376,13 +376,13 @@ impl Host for Kernel<'_> {
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
-        let values = self.offset_values(Table::Work, number);
+        let values = self.channel.offset_values(Table::Work, number);
         let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
-        let mut offset = self.offset_values(Table::Work, number);
+        let mut offset = self.channel.offset_values(Table::Work, number);
         for (at, (slot, value)) in offset.iter_mut().zip(values).enumerate() {
             *slot = value * self.program_factor(at);
         }

@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::block::Firing;
-use super::burden::shortened;
 use super::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
+use crate::state::block::Firing;
+use crate::state::burden::shortened;
 
 impl Kernel<'_> {
     /// The block has messages, or comments and messages fire codes.

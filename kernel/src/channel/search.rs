@@ -8,7 +8,6 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::block::Block;
 use super::custom_calls::Callee;
 use super::scan::Kind;
 use super::{Halt, Kernel};
@@ -19,6 +18,7 @@ use crate::machine::number::written;
 use crate::macros::host::variables;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
+use crate::state::block::Block;
 
 /// Lines of a file by label, ascending.
 pub(super) type Labels = FxHashMap<u32, Vec<u32>>;

@@ -5,11 +5,11 @@
 
 use std::sync::Arc;
 
-use super::tape::Within;
 use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
+use crate::mcd::tape::Within;
 use crate::trace::Stage;
 
 /// The text of a block.

@@ -6,10 +6,10 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use crate::channel::burden::Shares;
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
 use crate::options::Limits;
+use crate::state::burden::Shares;
 use crate::trace::Letters;
 
 /// Most characters of a block in results.

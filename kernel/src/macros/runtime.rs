@@ -23,10 +23,10 @@ use super::reused::Reused;
 use super::without::Asked;
 use crate::action::cycle::Hole;
 use crate::channel::Halt;
-use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
+use crate::state::block::{Block, Firing};
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

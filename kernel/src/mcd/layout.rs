@@ -12,7 +12,6 @@ use rustc_hash::FxHashSet;
 use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
-use crate::channel::burden::Shares;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
@@ -20,6 +19,7 @@ use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
+use crate::state::burden::Shares;
 use crate::trace::{Letters, letters};
 
 /// Characters that the user's parameters of a job may have.

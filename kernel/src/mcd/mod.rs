@@ -6,3 +6,4 @@ pub mod program;
 pub mod source;
 pub(crate) mod special;
 pub(crate) mod spot;
+pub(crate) mod tape;

@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". Invariant: every way is
 //! finite; where the tool does not fit, the way goes beside the contour's points and says so.
 
-use super::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
+use crate::state::cutter::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
 
 /// The offset of a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]

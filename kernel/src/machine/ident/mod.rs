@@ -5,6 +5,7 @@
 
 pub mod codes;
 pub mod data;
+pub(crate) mod kind;
 pub mod takes;
 
 /// A code identifier: what fires an action.

@@ -3,7 +3,7 @@
 //! Invariant: only a warning, and none for families, since what is missing may come with the machine. Facts: reference
 //! control-emulator.md 4.
 
-use crate::action::cycle::Kind;
+use crate::machine::ident::kind::cycle::Kind;
 use crate::machine::ident::{code_facts, codes};
 use crate::machine::model::{CodeRow, Preprocessor};
 use crate::machine::toml::check::Check;

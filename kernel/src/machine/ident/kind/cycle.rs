@@ -2,7 +2,7 @@
 //!
 //! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
 
-use crate::machine::ident::{CodeId, codes};
+use super::super::{CodeId, codes};
 
 /// A kind of drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub(crate) struct Kind(u8);
 
 /// How the depth is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Steps {
+pub(crate) enum Steps {
     /// In one go.
     None,
     /// Back to the clearance height after each step.
@@ -21,7 +21,7 @@ pub(super) enum Steps {
 
 /// How the tool comes out of the hole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Out {
+pub(crate) enum Out {
     /// At rapid.
     Rapid,
     /// At feed.
@@ -62,17 +62,17 @@ impl Kind {
     }
 
     /// The kind of a number in `$CYTYPE`.
-    pub(super) fn numbered(number: f64) -> Option<Self> {
+    pub(crate) fn numbered(number: f64) -> Option<Self> {
         (1..=19_u8).find(|&kind| f64::from(kind) == number).map(Self)
     }
 
     /// Its number in `$CYTYPE`.
-    pub(super) fn number(self) -> f64 {
+    pub(crate) fn number(self) -> f64 {
         f64::from(self.0)
     }
 
     /// The kind under rigid tapping: a tap becomes a rigid one, with steps one that breaks chips.
-    pub(super) fn rigid(self, steps: bool) -> Self {
+    pub(crate) fn rigid(self, steps: bool) -> Self {
         match (self.0, steps) {
             (3, false) => Self(14),
             (4, false) => Self(15),
@@ -82,7 +82,7 @@ impl Kind {
         }
     }
 
-    pub(super) fn steps(self) -> Steps {
+    pub(crate) fn steps(self) -> Steps {
         match self.0 {
             11 | 16 | 17 => Steps::Full,
             12 | 18 | 19 => Steps::Small,
@@ -90,7 +90,7 @@ impl Kind {
         }
     }
 
-    pub(super) fn out(self) -> Out {
+    pub(crate) fn out(self) -> Out {
         match self.0 {
             3 | 4 | 14..=19 => Out::Reversed,
             5 | 6 => Out::Stopped,
@@ -101,39 +101,39 @@ impl Kind {
     }
 
     /// Feeds upwards from below.
-    pub(super) fn bores_back(self) -> bool {
+    pub(crate) fn bores_back(self) -> bool {
         self.0 == 8
     }
 
     /// A tap of this type: 0 floating, 1 rigid, 2 deep, 3 breaking chips; none for another type.
-    pub(super) fn tap(self, kind: f64) -> Option<Self> {
+    pub(crate) fn tap(self, kind: f64) -> Option<Self> {
         let left = u8::from(self.direction() == 2.0);
         let base = [3, 14, 16, 18].into_iter().zip(0_u8..).find(|(_, number)| f64::from(*number) == kind)?.0;
         Some(Self(base + left))
     }
 
     /// Goes through several webs.
-    pub(super) fn has_webs(self) -> bool {
+    pub(crate) fn has_webs(self) -> bool {
         self.0 == 13
     }
 
     /// Taps.
-    pub(super) fn taps(self) -> bool {
+    pub(crate) fn taps(self) -> bool {
         self.out() == Out::Reversed
     }
 
     /// A rigid tap.
-    pub(super) fn is_rigid(self) -> bool {
+    pub(crate) fn is_rigid(self) -> bool {
         self.0 >= 14
     }
 
     /// Dwells at depth.
-    pub(super) fn dwells(self) -> bool {
+    pub(crate) fn dwells(self) -> bool {
         !matches!(self.0, 1 | 5 | 9)
     }
 
     /// `$CYDIR`: in-feed of a tap clockwise 1, counter-clockwise 2.
-    pub(super) fn direction(self) -> f64 {
+    pub(crate) fn direction(self) -> f64 {
         match self.0 {
             3 | 14 | 16 | 18 => 1.0,
             4 | 15 | 17 | 19 => 2.0,
