@@ -4,10 +4,11 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, codes, data};
 use crate::state::compensation::number_of;
+use counterpoint_fault::Acted;
 
 /// An extended work offset: its register, in a range if the control has several.
 pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {

@@ -5,13 +5,14 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Coolant, Kind, Outlet};
 use crate::machine::ident::kind::coolant::{Flow, Switch};
 use crate::machine::ident::{codes, data};
 use crate::state::coolant::head;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// Carries out a code.
 pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {

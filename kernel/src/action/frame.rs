@@ -2,13 +2,14 @@
 //!
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, MAX_AXES, Position};
 use crate::machine::ident::{codes, data};
 use crate::state::block::Firing;
 use crate::state::frames::offsets::Table;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
 /// any frame.

@@ -5,13 +5,14 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, codes, data};
-use crate::state::frames::affine::{Affine, Point};
-use crate::state::frames::local::{Given, Part, Refused};
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::local::{Given, Part, Refused};
 
 /// What a code does to its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,13 +3,14 @@
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{feed_of, group};
+use counterpoint_fault::Acted;
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {

@@ -9,14 +9,15 @@ use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::{DataId, data};
 use crate::state::alarms::STRAIGHT;
 use crate::state::frames::polar::{Polar, round_the_centre};
+use counterpoint_fault::Acted;
 
 /// Degrees of a circle that one step goes round its own centre.
 const STEP: f64 = 2.0;

@@ -4,11 +4,12 @@
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
 use crate::state::spindle::index_of;
+use counterpoint_fault::Acted;
 
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
 pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {

@@ -7,7 +7,7 @@ mod start;
 
 use std::sync::Arc;
 
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::control::State;
 use crate::diag;
 use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, Wait};
@@ -18,6 +18,7 @@ use crate::multi::coordinator::turn::Met;
 use crate::multi::order::{Order, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting};
+use counterpoint_fault::{Acted, Halt};
 
 /// What the arrival means for the arriving kernel.
 enum After {

@@ -6,13 +6,14 @@
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, RapidPath};
 use crate::state::block::Firing;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// What is said about a feed that cannot be used.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
@@ -105,7 +106,7 @@ impl Kernel<'_> {
         path: &Path<'_>,
         feed: Option<f64>,
         unit: FeedUnit,
-    ) -> Result<f64, crate::channel::Halt> {
+    ) -> Result<f64, counterpoint_fault::Halt> {
         let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
             let (facts, what) = lack(feed);
             return Ok(self.without_feed(path, facts, what));
@@ -141,7 +142,7 @@ impl Kernel<'_> {
     }
 
     /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
-    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, crate::channel::Halt> {
+    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.spindle_speed()? else {
             let text = format!(
                 "feed per revolution while the spindle stands in '{}', the move is timed as rapid",

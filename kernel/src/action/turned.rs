@@ -7,14 +7,15 @@
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
 use crate::state::alarms::STRAIGHT;
-use crate::state::frames::affine::{Affine, Point};
 use crate::state::modal::{Plane, plane};
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::affine::{Affine, Point};
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;

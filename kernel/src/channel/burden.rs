@@ -1,8 +1,10 @@
 //! Limits of memory and of work within blocks.
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::log::event::VerdictKind;
+use crate::log::info::Room;
 use crate::state::burden::{BAR, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Counts work within a block, in elements, and looks whether the job is to end.
@@ -25,7 +27,7 @@ impl Kernel<'_> {
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.channel.shares();
-        let (limit, room) = (shares.rest, shares.room());
+        let (limit, room) = (shares.rest, Room::of(&shares));
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;

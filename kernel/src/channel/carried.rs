@@ -7,17 +7,18 @@
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::flow::Flow;
 use super::parts::DialectState;
-use super::{Acted, Halt, Kernel};
 use crate::log::event::FileId;
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
 use crate::mcd::tape;
 use crate::state::State;
 use crate::state::burden::Burden;
 use crate::state::channel::{At, BlockText, Channel, Reports};
+use counterpoint_fault::{Acted, Halt};
 
 /// How the life of a kernel ended.
 pub(crate) struct Lived {

@@ -7,18 +7,19 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
 use crate::state::block::Block;
 use crate::trace::{self, Stage};
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// A block that EXEC/NEXT left for later.

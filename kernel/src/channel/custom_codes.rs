@@ -5,16 +5,17 @@
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::data::Datum;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
-use crate::macros::condition::Item;
 use crate::macros::host::{code_id, code_value, data_value};
 use crate::macros::runtime::Task;
 use crate::state::block::Firing;
 use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -361,7 +362,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It made the kernel leave its program.
-    pub(crate) fn plain_macro(&mut self, hook: crate::macros::model::Hook) -> Result<(), Halt> {
+    pub(crate) fn plain_macro(&mut self, hook: crate::machine::macros::model::Hook) -> Result<(), Halt> {
         match self.hook(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),

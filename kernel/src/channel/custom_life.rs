@@ -4,17 +4,18 @@
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::{Flow, Frame};
-use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
 use crate::mcd::program::Range;
 use crate::state::modal::Modal;
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.

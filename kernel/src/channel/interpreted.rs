@@ -7,22 +7,23 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
-use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Dimension;
 use crate::machine::number::written;
-use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
-use crate::state::frames::affine::Affine;
 use crate::state::frames::offsets::Table;
 use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
     /// A block that is not plain words.

@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::machine::ident::data;
 use crate::state::block::odd;
 use crate::state::modal::feed_of;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
 use crate::mcd::spot::Spot;
 use crate::state::block::{Word, odd};
+use counterpoint_fault::{Acted, Halt};
 
 /// Why a statement has come to no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

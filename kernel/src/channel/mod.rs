@@ -40,12 +40,12 @@ mod unknown;
 pub(crate) mod variables;
 mod word_calls;
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
 use flow::Flow;
 use parts::{DialectState, Ports, Setup};
 use plan::Plan;
 
-pub(crate) use crate::halt::{Acted, Halt};
 use crate::log::event::Kind;
 use crate::machine::model::Channel as MachineChannel;
 use crate::macros::runtime::Runtime;

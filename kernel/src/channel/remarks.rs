@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
 use crate::state::block::Firing;
 use crate::state::burden::shortened;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// The block has messages, or comments and messages fire codes.

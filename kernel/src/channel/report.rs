@@ -5,11 +5,12 @@
 //! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
 //! succeeded, however softly the alarm is told.
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
 use crate::state::alarms::Alarms;
 use crate::state::burden::{RESULT, shortened};
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then

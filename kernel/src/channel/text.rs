@@ -5,12 +5,13 @@
 
 use std::sync::Arc;
 
-use super::{Halt, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
 use crate::mcd::tape::Within;
 use crate::trace::Stage;
+use counterpoint_fault::Halt;
 
 /// The text of a block.
 pub(crate) enum Reshaped<'l> {

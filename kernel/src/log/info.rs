@@ -8,9 +8,9 @@ use std::sync::{Arc, OnceLock};
 
 use crate::log::event::FileId;
 use crate::mcd::source::Source;
-use crate::options::Limits;
-use crate::state::burden::Shares;
 use crate::trace::Letters;
+use counterpoint_ports::Shares;
+use counterpoint_ports::options::Limits;
 
 /// Most characters of a block in results.
 pub(crate) const BLOCK_TEXT: usize = 200;
@@ -53,10 +53,22 @@ pub struct Room {
     pub waiting: u64,
 }
 
+impl Room {
+    /// How much of a kernel's share results and events may take; there is a least that is of any use.
+    #[must_use]
+    pub fn of(shares: &Shares) -> Self {
+        Self {
+            path: (shares.rest / 2).max(32 << 10),
+            bars: (shares.rest / 8).max(16 << 10),
+            waiting: (shares.rest / 8).max(64 << 10),
+        }
+    }
+}
+
 impl Default for Room {
     /// That of a job with one channel and no limits of its own.
     fn default() -> Self {
-        Shares::of_channels(&Limits::default(), 1).room()
+        Self::of(&Shares::of_channels(&Limits::default(), 1))
     }
 }
 
@@ -163,6 +175,20 @@ impl Info {
         match self.channels.get(index) {
             Some(channel) if channel.number == number => Some(index),
             _ => self.channels.iter().position(|c| c.number == number),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_leave_room_for_the_rest() {
+        for kernels in 1..40 {
+            let shares = Shares::of(&Limits::default(), kernels);
+            let room = Room::of(&shares);
+            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
         }
     }
 }

@@ -7,6 +7,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
 use super::heads;
@@ -15,11 +16,10 @@ use super::source::Source;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
-use crate::log::info::{Axis, Channel, File, Info};
+use crate::log::info::{Axis, Channel, File, Info, Room};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
-use crate::state::burden::Shares;
 use crate::trace::{Letters, letters};
 
 /// Characters that the user's parameters of a job may have.
@@ -50,7 +50,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<Info
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
+        room: Room::of(&Shares::of_channels(&spec.options.limits, channels.len())),
         channels,
         files: table,
     })

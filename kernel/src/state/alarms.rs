@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use crate::diag::Facts;
-use crate::halt::{Acted, Halt};
+use counterpoint_fault::{Acted, Halt};
 
 /// Alarms of a channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

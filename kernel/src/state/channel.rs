@@ -9,7 +9,9 @@ use rustc_hash::FxHashMap;
 use super::State;
 use super::alarms::Alarms;
 use super::block::Block;
-use super::burden::{Burden, Shares};
+use counterpoint_ports::Shares;
+
+use super::burden::Burden;
 use super::waits::KnownWaits;
 use crate::files::Files;
 use crate::log::event::FileId;

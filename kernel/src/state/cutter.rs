@@ -1,14 +1,12 @@
 //! What compensation remembers between moves.
 
-pub(crate) mod element;
-
 use std::sync::Arc;
 
 use counterpoint_motion::arc::Arc as MotionArc;
 
 use super::channel::Channel;
 use crate::log::event::{FeedUnit, FileId, Position};
-use element::{Element, Spot};
+use counterpoint_motion::contour::element::{Element, Spot};
 
 /// Where compensation is.
 #[derive(Debug, Clone, Copy, PartialEq)]

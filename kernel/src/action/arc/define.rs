@@ -5,12 +5,13 @@
 //! its block, then takes the last one.
 
 use crate::action::Action;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::kind::arc::{By, Form};
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::Heights;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// Direction of a circle: that of its code, of another code on the block, or the last one.
 pub(super) fn direction(kernel: &mut Kernel<'_>, form: Form) -> Option<bool> {

@@ -14,7 +14,7 @@ use counterpoint_motion::arc as geometry;
 
 use super::time::Path;
 use super::turned;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::ident::data;
@@ -24,6 +24,7 @@ use crate::state::alarms::STRAIGHT;
 use crate::state::block::Firing;
 use crate::state::cutter::{Shape, Step};
 use crate::state::modal::{Plane, group, plane};
+use counterpoint_fault::Acted;
 
 /// The plane of a circle by its axes in the channel, with their factors to radius values.
 #[derive(Clone, Copy)]

@@ -8,13 +8,14 @@ use counterpoint_motion::space::Circle;
 
 use super::check_radius;
 use crate::action::time::Path;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::spatial;
 use crate::machine::ident::{codes, data};
 use crate::state::alarms::STRAIGHT;
 use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// An arc by way of a point.
 pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {

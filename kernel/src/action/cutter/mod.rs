@@ -5,19 +5,19 @@
 //! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
-mod corner;
 mod held;
 mod moves;
 
 use super::Action;
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{CodeId, codes, data};
 use crate::state::modal::{group, plane};
+use counterpoint_fault::{Acted, Halt};
 
-use crate::state::cutter::element::{self, Element};
 use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
+use counterpoint_motion::contour::element::Element;
 
 /// Blocks without motion in the plane that are looked through.
 const LOOKED_THROUGH: u32 = 2;
@@ -299,11 +299,13 @@ impl Kernel<'_> {
             Shape::Circle { .. } => {
                 let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
                 self.diagnose(&diag::CUTTER_PLANE, text);
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
+                (counterpoint_motion::contour::element::distance(start, end)
+                    > counterpoint_motion::contour::element::NOISE)
+                    .then_some(Element { from: start, to: end, arc: None })
             }
-            _ => {
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
-            }
+            _ => (counterpoint_motion::contour::element::distance(start, end)
+                > counterpoint_motion::contour::element::NOISE)
+                .then_some(Element { from: start, to: end, arc: None }),
         }
     }
 

@@ -11,7 +11,7 @@ mod webs;
 mod words;
 
 use super::Action;
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
@@ -22,6 +22,7 @@ use crate::state::block::Firing;
 use crate::state::burden::BLOCK;
 use crate::state::cycle::FURTHER_WEBS;
 use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;

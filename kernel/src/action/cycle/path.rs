@@ -5,12 +5,13 @@
 
 use super::Hole;
 use crate::action::{dwell, spindle};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Position};
 use crate::machine::ident::kind::cycle::{Kind, Out, Steps};
 use crate::machine::model::Approach;
 use crate::state::cycle::Cycle;
+use counterpoint_fault::Acted;
 
 /// Most steps of a hole.
 const MOST_STEPS: u32 = 10_000;

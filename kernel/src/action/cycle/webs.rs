@@ -4,10 +4,11 @@
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{DataId, data};
 use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
+use counterpoint_fault::Acted;
 
 /// Their data: start and depth.
 pub(super) const DATA: [[DataId; 2]; FURTHER_WEBS] = [

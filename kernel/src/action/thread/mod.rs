@@ -9,13 +9,14 @@ pub(crate) mod cycle;
 use counterpoint_motion::thread::Lead;
 
 use super::spindle::Turning;
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::ident::kind::thread::Change;
 use crate::machine::ident::{DataId, data};
 use crate::state::alarms::NOT_DONE;
 use crate::state::block::Firing;
+use counterpoint_fault::{Acted, Halt};
 
 /// A thread as words tell it.
 #[derive(Debug, Clone, Copy)]

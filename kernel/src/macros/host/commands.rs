@@ -15,7 +15,7 @@ use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 use crate::state::burden::shortened;
 use crate::state::modal::group;

@@ -12,7 +12,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Task;
 use crate::state::burden::{RESULT, shortened};
 

@@ -9,10 +9,11 @@ mod path;
 mod words;
 
 use super::Screw;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::ident::kind::thread::{Kind, Setting};
+use counterpoint_fault::Acted;
 use passes::Plan;
 
 /// A thread to cut, in geometry units: radius values along X.
