@@ -8,6 +8,7 @@
 mod action;
 mod channel;
 pub mod control;
+pub use counterpoint_event as event;
 pub use counterpoint_fault as diag;
 pub use counterpoint_ports::{dialog, files, options, system};
 mod dialect;

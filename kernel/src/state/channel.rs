@@ -18,10 +18,11 @@ use crate::log::event::FileId;
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
+use crate::mcd::sources::Sources;
 use crate::mcd::tape;
 use crate::multi::tag::Tag;
 use crate::options::Options;
-use crate::trace::Letters;
+use counterpoint_event::Letters;
 
 /// One channel of the control: what it is given, where it is, what it remembers.
 pub(crate) struct Channel<'a> {
@@ -42,6 +43,8 @@ pub(crate) struct Channel<'a> {
 pub(crate) struct Environment<'a> {
     pub(crate) machine: &'a Machine,
     pub(crate) info: &'a Info,
+    /// The program files.
+    pub(crate) sources: &'a Sources,
     pub(crate) options: &'a Options,
     pub(crate) files: &'a dyn Files,
     /// Letters of the trace, `None` when there is no trace.
