@@ -5,15 +5,17 @@
 
 mod double;
 mod folder;
+mod functions;
 
 pub use double::{Answer, Domain, Outside, Stream, Test};
 pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, stored};
+pub use functions::HostFn;
+pub(crate) use functions::ROWS;
 
 use crate::bytecode::Code;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::Registers;
-use crate::func::Function;
 use crate::source::Source;
 use crate::value::{Kind, Value};
 use crate::vm::{Scale, State};
@@ -166,15 +168,13 @@ pub trait Host: Registers {
     /// The command is not available here, or failed.
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32>;
 
-    /// Calls a function that the language cannot compute on its own. Two functions of the language ask the host for a
-    /// part: `$FEOF` without arguments for the end of the NC program, `$FMX` with one truth value for the machine frame
-    /// (true: the last one).
+    /// Computes a function that needs a control.
     ///
     /// # Errors
     /// The function is not available here, or its arguments are impossible.
-    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
         let _ = (state, arguments);
-        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name)))
+        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name())))
     }
 
     /// Reports a diagnostic of a running macro.

@@ -2,14 +2,14 @@
 
 use super::{Context, count, number, real, string};
 use crate::fault::Outcome;
+use crate::host::HostFn;
 use crate::ident;
 use crate::value::{Kind, Value};
 use std::cmp::Ordering;
 
 pub(super) fn at_end(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     if arguments.is_empty() {
-        let Some(function) = super::named("$FEOF") else { return Ok(Value::Null) };
-        return context.host.function(context.state, function, arguments);
+        return context.host.function(context.state, HostFn::EndOfProgram, arguments);
     }
     crate::vm::units::at_end(context.state, number(arguments, 0)?).map(Value::Logical)
 }

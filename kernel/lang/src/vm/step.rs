@@ -404,7 +404,7 @@ fn call(
     }
     let result = match function.way {
         Way::Compute(compute) | Way::Pair(_, compute) => compute(&mut Context { state, host }, &arguments),
-        Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),
+        Way::Host(by) => check(function, &arguments).and_then(|()| host.function(state, by, &arguments)),
         Way::Math(_) | Way::Missing(_) => Ok(Value::Null),
     };
     arguments.clear();
