@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
 //! acts first.
 
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::{Acted, Kernel};
 use crate::diag;

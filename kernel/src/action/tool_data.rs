@@ -11,9 +11,9 @@ use rustc_hash::FxHashMap;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::Radii;
 use crate::channel::state::group;
+use crate::host::tools::column;
 use crate::log::event::{Kind, ToolData};
 use crate::machine::ident::codes;
-use crate::macros::host::tools::column;
 
 /// Tools that are told of; the tool table of macros has fewer rows.
 const MOST: usize = 1000;

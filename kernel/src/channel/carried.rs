@@ -84,7 +84,7 @@ impl Kernel<'_> {
 
 impl Kernel<'_> {
     /// The end of its life.
-    pub(super) fn lived(self, halt: Halt) -> Lived {
+    pub(crate) fn lived(self, halt: Halt) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
         let rank = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
@@ -104,7 +104,7 @@ impl Kernel<'_> {
     }
 
     /// Begins another program. It counts as a block, so that a macro that restarts for ever comes to a limit.
-    pub(super) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
+    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.closing = false;
         }

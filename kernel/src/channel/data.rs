@@ -23,7 +23,7 @@ pub(crate) struct Datum {
 }
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
-pub(super) const RECALLED: u128 = 1 << 127;
+pub(crate) const RECALLED: u128 = 1 << 127;
 
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
@@ -75,7 +75,7 @@ impl Kernel<'_> {
 
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
-    pub(super) fn recall(&self, id: DataId) -> Option<Datum> {
+    pub(crate) fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
         let value = self.channel.state.modal.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
@@ -83,7 +83,7 @@ impl Kernel<'_> {
 
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
-    pub(super) fn refuse(&mut self, id: DataId) -> bool {
+    pub(crate) fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
         if (self.channel.block.present | RECALLED) & refused != 0 {
             let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };

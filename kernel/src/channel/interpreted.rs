@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::{Frame, Pending};
 use super::frames::affine::Affine;
 use super::frames::offsets::Table;
@@ -26,7 +26,7 @@ use crate::mcd::source::Source;
 
 impl Kernel<'_> {
     /// A block that is not plain words.
-    pub(super) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
+    pub(crate) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
         if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
@@ -88,35 +88,35 @@ impl Kernel<'_> {
         Some(done)
     }
 
-    pub(super) fn interpreter_started(&mut self) {
+    pub(crate) fn interpreter_started(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_entered(&mut self) {
+    pub(crate) fn interpreter_entered(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.entered(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_again(&mut self) {
+    pub(crate) fn interpreter_again(&mut self) {
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.again();
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_left(&mut self) {
+    pub(crate) fn interpreter_left(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.left(kernel));
         }
     }
 
     /// Calls a text that the interpreter has found, or that a startup macro may find.
-    pub(super) fn call_text(&mut self, call: Call) -> Acted {
+    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);

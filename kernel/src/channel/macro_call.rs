@@ -4,7 +4,7 @@
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
 use super::block::odd;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;

@@ -9,19 +9,19 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::block::Block;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::scan::Kind;
 use super::{Halt, Kernel};
+use crate::host::variables;
 use crate::log::event::FileId;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};
 use crate::machine::number::written;
-use crate::macros::host::variables;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
 
 /// Lines of a file by label, ascending.
-pub(super) type Labels = FxHashMap<u32, Vec<u32>>;
+pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
 
 /// A place to look in.
 enum Look {
@@ -35,7 +35,7 @@ enum Look {
 
 impl Kernel<'_> {
     /// Looks a program up.
-    pub(super) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         self.work(self.channel.env.info.files.len())?;
         for look in self.looks(what) {
             let searched = match look {
@@ -88,7 +88,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a range in the current file.
-    pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
+    pub(crate) fn find_range(&mut self, what: &Callee) -> Option<Range> {
         let info = self.channel.env.info;
         let source = info.source(self.channel.at.file)?;
         // A range is called by whole lines.
@@ -205,7 +205,7 @@ impl Kernel<'_> {
     }
 
     /// The file of the machine's placement where something missing was looked for.
-    pub(super) fn looked_for(&self, what: &Callee) -> String {
+    pub(crate) fn looked_for(&self, what: &Callee) -> String {
         let main =
             || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         let (each, one) = self.subprogram_files(what);
@@ -257,7 +257,7 @@ impl Kernel<'_> {
     }
 
     /// Where a missing program was looked for.
-    pub(super) fn places(&self, what: &Callee) -> String {
+    pub(crate) fn places(&self, what: &Callee) -> String {
         let (each, one) = self.subprogram_files(what);
         let first = match self.channel.env.machine.subprograms.placement {
             Placement::FileEach => format!("{each}, {one}"),

@@ -19,7 +19,7 @@ const MOST: usize = 60;
 impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
-    pub(super) fn check_known(&mut self) -> Acted {
+    pub(crate) fn check_known(&mut self) -> Acted {
         if self.channel.block.has_oddities() { self.odd_before() } else { self.check_stop() }
     }
 
@@ -165,7 +165,7 @@ impl Kernel<'_> {
     }
 
     /// What nothing has recognised when all codes have acted.
-    pub(super) fn unknown_text(&mut self) -> Acted {
+    pub(crate) fn unknown_text(&mut self) -> Acted {
         let left = self.left_text();
         let text = shortened(&left.split_whitespace().collect::<Vec<_>>().join(" "));
         if text.is_empty() {

@@ -21,7 +21,7 @@ pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
     /// Steps of one unit that ROUND rounds to in the expression being evaluated.
-    pub(super) steps: f64,
+    pub(crate) steps: f64,
 }
 
 impl Default for ChannelVariables {

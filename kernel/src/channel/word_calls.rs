@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::Pending;
 use super::{Acted, Kernel};
 use crate::machine::Machine;
@@ -35,11 +35,11 @@ pub(crate) struct By {
 /// A macro that a word of the block calls.
 #[derive(Debug)]
 pub(crate) struct WordMacro {
-    pub(super) register: u8,
-    pub(super) program: u32,
+    pub(crate) register: u8,
+    pub(crate) program: u32,
     /// The call is modal, and for each block.
-    pub(super) way: (bool, bool),
-    pub(super) by: By,
+    pub(crate) way: (bool, bool),
+    pub(crate) by: By,
 }
 
 /// The words of a machine.
@@ -51,7 +51,7 @@ pub(crate) struct WordCalls {
 }
 
 impl WordCalls {
-    pub(super) fn new(machine: &Machine) -> Option<Box<Self>> {
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let rows = machine.subprograms.calls.clone();
         let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
         (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
@@ -68,7 +68,7 @@ impl WordCalls {
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
     #[cold]
-    pub(super) fn calls_by_word(&mut self) -> bool {
+    pub(crate) fn calls_by_word(&mut self) -> bool {
         let plan = self.plan;
         let Some(calls) = plan.word_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
@@ -121,7 +121,7 @@ impl Kernel<'_> {
     }
 
     /// Hands the value of the word over to the program that it calls.
-    pub(super) fn hand_over(&mut self, by: &By) -> Acted {
+    pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
         match by.variable {
             Some(variable) => self.set_variable(variable, by.value).map_err(|fault| self.fault(&fault)),
             None => Ok(()),

@@ -5,7 +5,6 @@
 pub mod condition;
 mod double;
 pub mod environment;
-pub(crate) mod host;
 pub mod identifiers;
 pub mod model;
 mod pattern;

@@ -4,8 +4,6 @@
 //! machine that runs it, and whoever calls back into the kernel puts it here first; a kernel without macros has no
 //! runtime at all. Facts: reference control-emulator.md 4, macro-language.md 3.2, 3.3, 7.
 
-mod running;
-
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -16,8 +14,6 @@ use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{Limits, State};
 use rustc_hash::FxHashMap;
 
-use super::host::variables::Store;
-use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
 use super::without::Asked;
@@ -25,6 +21,8 @@ use crate::action::cycle::Hole;
 use crate::channel::Halt;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
+use crate::host::variables::Store;
+use crate::host::{operations::Operations, sums::Sums, travel::Travel};
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 
@@ -35,7 +33,7 @@ pub(crate) const TICKS: u64 = 5_000_000;
 const DEPTH: u32 = 100_000;
 
 /// Macros that EXEC, OUTPUT and embedded code may nest: a thread with [`STACK`] holds that many.
-const MOST_NESTED: usize = 1000;
+pub(crate) const MOST_NESTED: usize = 1000;
 
 /// Stack of a thread that runs macros, in bytes.
 pub(crate) const STACK: usize = 256 << 20;
@@ -115,9 +113,9 @@ pub(crate) struct Restart {
 pub(crate) struct Runtime {
     /// The machine's program, or a longer copy with the embedded code met so far.
     pub(crate) program: Arc<Program>,
-    state: Option<Box<State>>,
+    pub(crate) state: Option<Box<State>>,
     #[allow(clippy::vec_box, reason = "boxes change places with the state of a running macro")]
-    spares: Vec<Box<State>>,
+    pub(crate) spares: Vec<Box<State>>,
     /// Running macros, innermost last.
     pub(crate) calls: Vec<Call>,
     /// Running macros by index.
@@ -218,7 +216,7 @@ pub(crate) struct Runtime {
     pub(crate) closing: bool,
 }
 
-fn limits(memory: u64) -> Limits {
+pub(crate) fn limits(memory: u64) -> Limits {
     let memory = usize::try_from(memory).unwrap_or(usize::MAX);
     Limits { ticks: TICKS, depth: DEPTH, memory, ..Limits::default() }
 }
@@ -312,7 +310,7 @@ impl Runtime {
         self.hooks.get(hook as usize).copied().flatten().filter(|&code| !self.is_busy(code))
     }
 
-    fn set_busy(&mut self, code: u16, busy: bool) {
+    pub(crate) fn set_busy(&mut self, code: u16, busy: bool) {
         if let Some(slot) = self.busy.get_mut(usize::from(code)) {
             *slot = busy;
         }

@@ -6,7 +6,7 @@ use counterpoint_lang::value::Value;
 
 use super::Hole;
 use crate::channel::{Acted, Kernel};
-use crate::macros::host::code_value;
+use crate::host::code_value;
 use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 

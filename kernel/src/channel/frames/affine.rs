@@ -13,7 +13,7 @@ pub(crate) struct Affine {
 }
 
 /// Sine and cosine of degrees.
-pub(super) fn turn(degrees: f64) -> (f64, f64) {
+pub(crate) fn turn(degrees: f64) -> (f64, f64) {
     let quarter = degrees.rem_euclid(360.0) / 90.0;
     match [0.0, 1.0, 2.0, 3.0].iter().position(|at| *at == quarter) {
         Some(0) => (0.0, 1.0),
