@@ -31,7 +31,7 @@ use counterpoint_lang::vm::{Scale, State};
 use crate::channel::Kernel;
 use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Later;
 use crate::multi::shared::Shared;
 

@@ -8,7 +8,7 @@
 mod action;
 mod channel;
 pub mod control;
-pub mod diag;
+pub use counterpoint_fault as diag;
 mod dialect;
 pub mod dialog;
 pub mod files;
@@ -17,7 +17,7 @@ mod host;
 pub mod job;
 pub mod log;
 pub mod machine;
-pub mod macros;
+mod macros;
 pub mod mcd;
 mod multi;
 pub mod options;

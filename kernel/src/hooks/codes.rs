@@ -3,17 +3,18 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::data::Datum;
 use crate::channel::state::group;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::host::{code_id, code_value, data_value};
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
-use crate::macros::condition::Item;
 use crate::macros::runtime::Task;
 
 /// Where the codes and data of a block come from.
@@ -358,7 +359,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It made the kernel leave its program.
-    pub(crate) fn plain_macro(&mut self, hook: crate::macros::model::Hook) -> Result<(), Halt> {
+    pub(crate) fn plain_macro(&mut self, hook: crate::machine::macros::model::Hook) -> Result<(), Halt> {
         match self.hook(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),

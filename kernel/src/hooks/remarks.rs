@@ -5,13 +5,14 @@
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
+use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::burden::shortened;
-use crate::channel::{Acted, Kernel};
 use crate::host::{code_id, code_value};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};

@@ -4,6 +4,7 @@
 //! machine that runs it, and whoever calls back into the kernel puts it here first; a kernel without macros has no
 //! runtime at all. Facts: reference control-emulator.md 4, macro-language.md 3.2, 3.3, 7.
 
+use counterpoint_fault::Halt;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -14,17 +15,16 @@ use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{Limits, State};
 use rustc_hash::FxHashMap;
 
-use super::model::{HOOKS, Hook, Macros};
+use super::asked::Asked;
 use super::reused::Reused;
-use super::without::Asked;
 use crate::action::cycle::Hole;
-use crate::channel::Halt;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::host::variables::Store;
 use crate::host::{operations::Operations, sums::Sums, travel::Travel};
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
+use crate::machine::macros::model::{HOOKS, Hook, Macros};
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

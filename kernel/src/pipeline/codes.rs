@@ -2,13 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
+use crate::channel::Kernel;
 use crate::channel::block::{Firing, Word};
 use crate::channel::modal_call::END_CALLS;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
+use counterpoint_fault::Acted;
 
 use crate::channel::state::group;
 

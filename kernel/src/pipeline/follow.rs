@@ -2,13 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 5.7. *Invariant:* nesting is bounded; a backward jump is always counted.
 
+use crate::channel::Kernel;
 use crate::channel::flow::{Callee, Frame, Pending};
 use crate::channel::word_calls::By;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::model::MainReturn;
 use crate::mcd::spot::Spot;
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// The frame being executed.

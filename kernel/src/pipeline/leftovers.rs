@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
+use crate::channel::Kernel;
 use crate::channel::block::odd;
 use crate::channel::state::feed_of;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::data;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.
