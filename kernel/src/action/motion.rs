@@ -306,8 +306,8 @@ impl Kernel<'_> {
     pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.check_stop()?;
         self.check_travel_before(motion)?;
-        if self.macros.is_some() {
-            return self.motion_event(seconds, motion);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.motion)(self, seconds, motion);
         }
         self.move_to(seconds, motion)
     }

@@ -29,8 +29,8 @@ impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
     pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
-        if self.macros.is_some() {
-            return self.take_custom(id);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.codes.take)(self, id);
         }
         if let Some((data, value)) = self.channel.acting.as_data
             && data == id

@@ -55,8 +55,8 @@ impl Kernel<'_> {
         if text.trim().as_bytes() != whole.trim_ascii() {
             self.trace_left(text);
         }
-        if self.macros.is_some() {
-            return self.text_block(text);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.block.left)(self, text);
         }
         if text.trim().is_empty() {
             return Ok(());
@@ -65,10 +65,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
         scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        if self.channel.env.trace.is_some() {
-            self.trace_words();
-        }
-        let acted = self.act_block();
+        let acted = self.words();
         // The next block has a text of its own.
         self.channel.text.edited = read;
         acted
@@ -122,8 +119,8 @@ impl Kernel<'_> {
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -203,7 +200,7 @@ impl Host for Kernel<'_> {
     }
 
     fn tells_messages(&self, text: &[u8]) -> bool {
-        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {

@@ -47,7 +47,7 @@ impl Kernel<'_> {
         self.load(file)?;
         self.tell_leader(file, range);
         self.interpreter_started();
-        self.begin_macros()
+        self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 
     /// Says how it ended and lets the others know.

@@ -29,7 +29,7 @@ impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let own = self.flow.word_call.take();
-        let line = if self.macros.is_some() || self.channel.text.edited.is_some() {
+        let line = if self.plan.hooks.is_some() || self.channel.text.edited.is_some() {
             let text = self.text_bytes().into_owned();
             self.compiled(&text, false)?
         } else {

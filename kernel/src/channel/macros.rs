@@ -45,7 +45,7 @@ impl Kernel<'_> {
             Err(Left::Halt(halt)) => Err(halt),
             Err(Left::Text) => {
                 self.channel.block.unknown.push(line.place);
-                self.act_block()
+                self.made_words()
             }
         }
     }
@@ -92,7 +92,7 @@ impl Kernel<'_> {
 
     /// Messages of the current line, which a machine with macros has seen to before.
     fn messages_of_line(&mut self, text: &[u8], shows: bool) {
-        if shows && self.macros.is_none() {
+        if shows && self.plan.hooks.is_none() {
             self.show_messages(text);
         }
         self.channel.block.messages.clear();
@@ -365,11 +365,8 @@ impl Kernel<'_> {
         }
         if self.channel.env.trace.is_some() {
             self.trace_preprocessed();
-            if self.macros.is_none() {
-                self.trace_words();
-            }
         }
-        Ok(self.act_block()?)
+        Ok(self.made_words()?)
     }
 
     /// Steps of one unit that the value of an expression at an address is rounded to.

@@ -12,6 +12,7 @@ mod diagnostics;
 pub(crate) mod emit;
 pub(crate) mod flow;
 pub(crate) mod frames;
+pub(crate) mod hook_points;
 mod interpreted;
 mod letter_zero;
 pub(crate) mod life;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::data::RECALLED;
+use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use super::scan::Scanner;
 use super::tape::Tape;
@@ -13,8 +14,9 @@ use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
 
 /// Compiled form of the machine for the block loop.
-#[derive(Debug)]
 pub(crate) struct Plan {
+    /// Where the macros of the machine take part; none on a machine without macros.
+    pub(crate) hooks: Option<&'static HookPoints>,
     pub(crate) scanner: Scanner,
     /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
@@ -248,7 +250,8 @@ fn lead_is_feed(machine: &Machine) -> bool {
 }
 
 impl Plan {
-    pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
+    /// The plan for a machine, with the optional skip levels that are on and the hooks of its macros.
+    pub(crate) fn new(machine: &Machine, opskip: &[u8], hooks: Option<&'static HookPoints>) -> Self {
         let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
         let mut motion_registers = 0_u128;
         let mut speed_registers = 0_u128;
@@ -273,6 +276,7 @@ impl Plan {
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
+            hooks,
             only_data: only_data.fold(0, |bits, r| bits | 1 << r),
             unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
             scanner: Scanner::new(machine, opskip),

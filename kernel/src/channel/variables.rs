@@ -66,7 +66,7 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 
 impl Variables for Kernel<'_> {
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        let value = if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
+        let value = if self.plan.hooks.is_some() && index >= 1000 && !self.is_common(index) {
             self.identified(index)
         } else {
             self.get_known(index)

@@ -8,184 +8,60 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::codes::Origin;
-use crate::channel::block::Block;
-use crate::channel::scan::{Kind as LineKind, Scanner};
-use crate::channel::{Kernel, burden};
+use crate::channel::Kernel;
+use crate::channel::hook_points::Edited;
+use crate::channel::scan::Scanner;
 use crate::diag;
-use crate::host::{code_id, data_id};
-use crate::log::event::Kind;
 use crate::machine::ident::data;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
-use crate::macros::runtime::{Later, Task};
+use crate::macros::runtime::Task;
 use crate::trace::{self, Stage};
 
 impl Kernel<'_> {
-    /// A block that EXEC/NEXT left for later.
-    #[inline]
-    pub(crate) fn later_block(&mut self) -> Option<Later> {
-        self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())
-    }
-
-    /// Tells the listing what such a block is: no line of a file has it.
-    pub(crate) fn name_block(&mut self, block: &Later) {
-        let text = match block {
-            Later::Text(text, _) => text.to_string(),
-            Later::Items(items, _) => self.listed(items),
-        };
-        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
-    }
-
-    /// Processes such a block.
-    pub(crate) fn process_later(&mut self, block: Later) -> Acted {
-        let (Later::Text(_, matching) | Later::Items(_, matching)) = block;
-        let set = |kernel: &mut Self, matching| {
-            if let Some(runtime) = kernel.macros.as_deref_mut() {
-                runtime.matching = matching;
-            }
-        };
-        set(self, matching);
-        let done = match block {
-            Later::Text(text, _) => self.custom_block(Some(text)),
-            Later::Items(items, _) => {
-                self.channel.block.clear();
-                self.item_block(&items)
-            }
-        };
-        set(self, true);
-        done
-    }
-
-    /// Processes a block inside another one, which keeps what is left on it.
-    pub(crate) fn nested_block(&mut self, process: impl FnOnce(&mut Self) -> Acted) -> Acted {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let mut block = runtime.blocks.pop().unwrap_or_default();
-        block.clear();
-        let block = std::mem::replace(&mut self.channel.block, block);
-        let text = runtime.text.take();
-        let left = runtime.left.take();
-        let code = runtime.store.code.take();
-        let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
-        let (as_data, mode_changed) = (self.channel.acting.as_data.take(), self.channel.acting.mode_changed);
-        let asked = self.flow.pending.take();
-        // A block within a block is one, too.
-        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
-        let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
-        // The rest of that block is dropped, not that of the one around it.
-        let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
-        (self.channel.acting.as_data, self.channel.acting.mode_changed) = (as_data, mode_changed);
-        // An end waits for the end of the block that was interrupted.
-        match std::mem::replace(&mut self.flow.pending, asked) {
-            Some(own) if self.flow.pending.is_some() => self.ask(own),
-            Some(own) => self.flow.pending = Some(own),
-            None => {}
-        }
-        let nested: Block = std::mem::replace(&mut self.channel.block, block);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.blocks.push(nested);
-            (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
-            (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark) = kept;
-        }
-        done
-    }
-
-    /// A block given as identifiers and values: straight to the code loop.
-    pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::default());
-        }
-        let mut items = items.iter();
-        while let Some(item) = items.next() {
-            if let Some(id) = code_id(item) {
-                if !self.add_code(id, 0.0) {
-                    self.no_such_code(id);
-                }
-            } else if let Some(id) = data_id(item) {
-                match items.next().and_then(Value::as_real) {
-                    Some(value) if self.knows_data(id) => self.channel.block.added.push((id, value)),
-                    Some(_) => {
-                        let text = format!("this machine has no word for {}", self.channel.env.machine.data_name(id));
-                        self.diagnose(&diag::DATA_MISSING, text);
-                    }
-                    None => {
-                        let text = format!("EXEC needs a number behind {}", self.channel.env.machine.data_name(id));
-                        self.diagnose(&diag::MACRO_RESULT, text);
-                    }
-                }
-            } else {
-                let text = format!("EXEC takes codes, and data with their values, not {}", item.kind_name());
-                self.diagnose(&diag::MACRO_RESULT, text);
-            }
-        }
-        self.act_block_of(Origin::Items)
-    }
-
-    /// Says that EXEC or OUTPUT named a code without a row.
-    pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
-        let name = self.channel.env.machine.code_name(id).to_owned();
-        self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));
-    }
-
-    /// One block on a kernel with macros; `text` if it is not the line of the file.
-    pub(crate) fn custom_block(&mut self, text: Option<Arc<String>>) -> Acted {
+    /// A text becomes the block: a line of the file, or what EXEC issued.
+    pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
         let machine = self.channel.env.machine;
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.issued = text.is_some();
-            if runtime.issued && runtime.unmarked.is_none() {
-                runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
-            }
-            runtime.text = text;
-            runtime.left = None;
-            runtime.store.number = 0;
+        let Some(runtime) = self.macros.as_deref_mut() else { return };
+        runtime.issued = text.is_some();
+        if runtime.issued && runtime.unmarked.is_none() {
+            runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
         }
+        runtime.text = text;
+        runtime.left = None;
+        runtime.store.number = 0;
+    }
+
+    /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
+    pub(crate) fn edit_block(&mut self) -> Result<Edited, Halt> {
         self.note_mark();
         self.delete_around_code();
         if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
-            return Ok(());
+            return Ok(Edited::Dropped);
         }
         let preprocess = self.plan.scanner.has_preprocessor();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.preprocessed = preprocess;
         }
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
-        let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
-        let edited = self.channel.text.edited.clone();
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
-        let bytes = match &own {
-            Some(text) => text.as_bytes(),
-            None => edited.as_deref().unwrap_or_else(as_read),
-        };
-        let (plan, own) = (self.plan, self.block_scanner());
-        let scanner = own.as_deref().unwrap_or(&plan.scanner);
-        let kind = match preprocess && self.flow.watched {
-            true => LineKind::Macro,
-            false => scanner.scan_as(bytes, self.channel.state.secondary, &mut self.channel.block, preprocess),
-        };
-        match kind {
-            LineKind::Words => {
-                if self.channel.env.trace.is_some() && !self.has_embedded(1) {
-                    self.trace_deleted(bytes);
-                }
-                if preprocess && self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
-                    self.scan_again();
-                }
-                self.words_block()
-            }
-            LineKind::Macro => {
-                if self.may_have_remarks() || self.plan.scanner.has_messages() {
-                    self.remarks(bytes)?;
-                }
-                self.macro_line(bytes)?;
-                self.consumed_block()
-            }
+        Ok(if preprocess { Edited::Preprocess } else { Edited::Plain })
+    }
+
+    /// Pre-Processor Shutdown after a block of plain words.
+    pub(crate) fn after_preprocessor(&mut self) -> Acted {
+        if self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
+            self.split_again();
         }
+        Ok(())
+    }
+
+    /// The text of the block, if it is not the line of the file.
+    pub(crate) fn own_text(&self) -> Option<Arc<String>> {
+        self.macros.as_deref().and_then(|runtime| runtime.text.clone())
     }
 
     /// Pre-Processor Shutdown behind a statement that left no words; the text that the macro gives is the block.
-    fn consumed_block(&mut self) -> Acted {
+    pub(crate) fn consumed_block(&mut self) -> Acted {
         let made = self.macros.as_deref_mut().is_none_or(|runtime| std::mem::take(&mut runtime.made));
         if made || self.hook(Hook::PreprocessorShutdown).is_none() {
             return Ok(());
@@ -197,8 +73,8 @@ impl Kernel<'_> {
         if !edited || self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
-        self.scan_again();
-        self.words_block()
+        self.split_again();
+        self.words()
     }
 
     /// Keeps the level of the first mark of optional skip, on machines that have a row for it.
@@ -215,8 +91,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Words that the pre-processor made, on a kernel with macros.
-    pub(crate) fn made_block(&mut self) -> Acted {
+    /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees them.
+    pub(crate) fn words_as_text(&mut self) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.made = true;
         }
@@ -224,20 +100,20 @@ impl Kernel<'_> {
         if wanted || self.has_embedded(1) {
             self.write_block();
             self.block_macro(Hook::PreprocessorShutdown)?;
-            self.scan_again();
+            self.split_again();
         }
-        self.words_block()
+        Ok(())
     }
 
-    /// A text that the pre-processor left, on a kernel with macros.
+    /// Pre-Processor Shutdown for a text that the pre-processor left.
     pub(crate) fn text_block(&mut self, text: &str) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.made = true;
             runtime.text = Some(Arc::new(text.to_owned()));
         }
         self.block_macro(Hook::PreprocessorShutdown)?;
-        self.scan_again();
-        self.words_block()
+        self.split_again();
+        self.words()
     }
 
     /// Words as text: what the pre-processor made of its template.
@@ -311,44 +187,24 @@ impl Kernel<'_> {
         self.flow.pairs.clear();
     }
 
-    /// Splits the text of the block again; the pre-processor has had its turn.
-    fn scan_again(&mut self) {
-        let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
-        if let Some(text) = own {
-            let (plan, own) = (self.plan, self.block_scanner());
-            let scanner = own.as_deref().unwrap_or(&plan.scanner);
-            scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        }
-    }
-
-    /// From the block startup macro on.
-    fn words_block(&mut self) -> Acted {
+    /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
+    pub(crate) fn before_codes(&mut self) -> Result<bool, Halt> {
         if self.text_bytes().trim_ascii().is_empty() {
-            return Ok(());
+            return Ok(false);
         }
         let changed = self.embedded(1)?;
         match self.block_macro(Hook::BlockStartup)? {
-            Verdict::Drop => return Ok(()),
+            Verdict::Drop => return Ok(false),
             Verdict::Edited => {
-                self.scan_again();
+                self.split_again();
                 self.trace('E', |kernel| {
                     trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.text_bytes()))
                 });
             }
-            Verdict::Go if changed => self.scan_again(),
+            Verdict::Go if changed => self.split_again(),
             Verdict::Go => {}
         }
-        if self.text_bytes().trim_ascii().is_empty() {
-            return Ok(());
-        }
-        if self.channel.env.trace.is_some() {
-            self.trace_words();
-        }
-        if self.may_have_remarks() {
-            let text = self.text_bytes().into_owned();
-            self.remarks(&text)?;
-        }
-        self.act_block_of(Origin::Text)
+        Ok(!self.text_bytes().trim_ascii().is_empty())
     }
 
     /// Runs a macro with the arguments of block macros: flag, text, number of the block.

@@ -9,6 +9,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::data::Datum;
+use crate::channel::hook_points::Origin;
 use crate::channel::state::group;
 use crate::diag;
 use crate::host::{code_id, code_value, data_value};
@@ -16,15 +17,6 @@ use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::runtime::Task;
-
-/// Where the codes and data of a block come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Origin {
-    /// Its text.
-    Text,
-    /// EXEC with identifiers.
-    Items,
-}
 
 /// A value that has been taken, before data macros and units.
 struct Taken {
@@ -37,12 +29,8 @@ struct Taken {
 }
 
 impl Kernel<'_> {
-    /// Lets the codes of a block act.
-    pub(crate) fn act_block_of(&mut self, origin: Origin) -> Acted {
-        if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
-            return self.macro_call();
-        }
-        self.check_known()?;
+    /// Sequence numbers and marks of the block that macros can ask for.
+    pub(crate) fn begin_codes(&mut self, origin: Origin) {
         self.head_sequence();
         if let (Some(number), Some(runtime)) = (self.channel.block.sequence, self.macros.as_deref_mut()) {
             runtime.last_sequence = number;
@@ -52,19 +40,15 @@ impl Kernel<'_> {
         if let Some(level) = mark {
             self.channel.block.added.push((data::OPSKIP, f64::from(level)));
         }
-        self.imply();
-        self.imply_by_data();
-        self.check_refused()?;
-        self.sort();
-        while let Some(&firing) = self.channel.block.firings.get(self.channel.block.next) {
-            self.channel.block.next += 1;
-            self.fire(firing)?;
-            self.pending_halt()?;
-        }
-        if origin == Origin::Text {
-            self.block_shutdown()?;
-        }
-        self.leftovers()?;
+    }
+
+    /// Block Shutdown, for a block that was a text.
+    pub(crate) fn end_codes(&mut self, origin: Origin) -> Acted {
+        if origin == Origin::Text { self.block_shutdown() } else { Ok(()) }
+    }
+
+    /// Data that macros added and nothing took; then what they found out about the program.
+    pub(crate) fn drop_added_data(&mut self) -> Acted {
         self.added_leftovers();
         self.pending_halt()
     }
@@ -101,7 +85,7 @@ impl Kernel<'_> {
     }
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
-    fn imply_by_data(&mut self) {
+    pub(crate) fn imply_by_data(&mut self) {
         if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
             self.imply_motion();
         }
@@ -153,7 +137,7 @@ impl Kernel<'_> {
 
     /// A code that has been taken off the block: its macro, else its action.
     #[inline(never)]
-    pub(crate) fn fire_custom(&mut self, firing: Firing, id: CodeId) -> Acted {
+    pub(crate) fn act_with_macros(&mut self, firing: Firing, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));
         let done = self.run_code(firing, id);
         self.set_code(outer);
@@ -213,14 +197,14 @@ impl Kernel<'_> {
             self.set_firing(row, firing);
             self.channel.acting.as_data = self.channel.acting.as_data.or(own);
         }
-        let done = self.fire_custom(firing, target);
+        let done = self.act_with_macros(firing, target);
         self.channel.acting.as_data = None;
         done
     }
 
     /// Takes the value of data off the block and lets every matching data macro have it.
     #[inline(never)]
-    pub(crate) fn take_custom(&mut self, id: DataId) -> Option<Datum> {
+    pub(crate) fn take_with_macros(&mut self, id: DataId) -> Option<Datum> {
         let Some(mut taken) = self.taken(id) else {
             return if self.refuse(id) { None } else { self.recall(id) };
         };

@@ -20,9 +20,6 @@ use crate::mcd::program::Range;
 impl Kernel<'_> {
     /// Declaration and Program Startup.
     pub(crate) fn begin_macros(&mut self) -> Acted {
-        if self.macros.is_none() {
-            return Ok(());
-        }
         self.plain_macro(Hook::Declaration)?;
         self.plain_macro(Hook::ProgramStartup)?;
         // A call that the startup macro made takes place before the first block.

@@ -19,8 +19,22 @@ use crate::machine::ident::{CodeId, codes};
 use crate::macros::runtime::Task;
 
 impl Kernel<'_> {
+    /// Comments and messages of a block that is split into words.
+    pub(crate) fn remarks_of_block(&mut self) -> Acted {
+        if !self.may_have_remarks() {
+            return Ok(());
+        }
+        let text = self.text_bytes().into_owned();
+        self.remarks(&text)
+    }
+
+    /// Those of a statement.
+    pub(crate) fn remarks_of_statement(&mut self, text: &[u8]) -> Acted {
+        if self.may_have_remarks() || self.plan.scanner.has_messages() { self.remarks(text) } else { Ok(()) }
+    }
+
     /// The block has messages, or comments and messages fire codes.
-    pub(crate) fn may_have_remarks(&self) -> bool {
+    fn may_have_remarks(&self) -> bool {
         !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
     }
 
@@ -31,7 +45,7 @@ impl Kernel<'_> {
     }
 
     /// Comments and messages of a text, from left to right.
-    pub(crate) fn remarks(&mut self, text: &[u8]) -> Acted {
+    fn remarks(&mut self, text: &[u8]) -> Acted {
         let fires = self.remarks_fire();
         self.channel.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {

@@ -25,7 +25,7 @@ type Found = Option<(FileId, Range)>;
 impl Kernel<'_> {
     /// What the block in process calls.
     pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
-        let block = self.macros.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
+        let block = self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
         Called { what, passes, block }
     }
 

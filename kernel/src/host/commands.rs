@@ -152,7 +152,7 @@ impl Kernel<'_> {
         let text = Arc::new(text.replace(['\n', '\r'], " "));
         self.trace_exec_text(now, &text);
         if now {
-            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.custom_block(Some(text))));
+            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.issued_block(text)));
         }
         state.grow(text.len() + 64);
         self.leave_for_later(|matching| Later::Text(text, matching))

@@ -1,9 +1,10 @@
-//! Codes of a block: which rows its words match, and the loop that lets them act by order.
+//! Stage *codes*: which rows the words of a block match, and the loop that lets the codes act by order.
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
 use crate::channel::Kernel;
 use crate::channel::block::{Firing, Word};
+use crate::channel::hook_points::Origin;
 use crate::channel::modal_call::END_CALLS;
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
@@ -14,25 +15,38 @@ use counterpoint_fault::Acted;
 use crate::channel::state::group;
 
 impl Kernel<'_> {
-    /// Sorts the words of the block into codes and data, and lets the codes act.
-    pub(crate) fn act_block(&mut self) -> Acted {
-        if self.macros.is_some() {
-            return self.made_block();
-        }
-        let calls_macro = self.categorise();
-        if calls_macro || self.calls_each_block() {
+    /// Sorts the words of the block into codes and data, lets the codes act, and sees to what is left.
+    #[inline]
+    pub(crate) fn codes(&mut self, origin: Origin) -> Acted {
+        let hooks = self.plan.hooks;
+        if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
             return self.macro_call();
         }
         self.check_known()?;
+        if let Some(hooks) = hooks {
+            (hooks.codes.begin)(self, origin);
+        }
         self.imply();
+        if let Some(hooks) = hooks {
+            (hooks.codes.implied)(self);
+        }
         self.check_refused()?;
         self.sort();
-        let mut index = 0;
-        while let Some(&firing) = self.channel.block.firings.get(index) {
+        while let Some(&firing) = self.channel.block.firings.get(self.channel.block.next) {
+            self.channel.block.next += 1;
             self.fire(firing)?;
-            index += 1;
+            if let Some(hooks) = hooks {
+                (hooks.codes.acted)(self)?;
+            }
         }
-        self.leftovers()
+        if let Some(hooks) = hooks {
+            (hooks.codes.end)(self, origin)?;
+        }
+        self.leftovers()?;
+        if let Some(hooks) = hooks {
+            (hooks.codes.dropped)(self)?;
+        }
+        Ok(())
     }
 
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
@@ -238,7 +252,7 @@ impl Kernel<'_> {
         let before = self.channel.block.firings.len();
         self.queue_modal(group);
         // Alone on its block it finds what fires it.
-        if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.macros.is_some())
+        if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
             && let Some(firing) = self.channel.block.firings.get_mut(before)
         {
             firing.fragile = true;
@@ -291,7 +305,10 @@ impl Kernel<'_> {
             return Ok(());
         }
         self.set_firing(row, firing);
-        let result = if self.macros.is_some() { self.fire_custom(firing, row.id) } else { self.perform(row, firing) };
+        let result = match self.plan.hooks {
+            Some(hooks) => (hooks.codes.act)(self, firing, row.id),
+            None => self.perform(row, firing),
+        };
         self.channel.acting.as_data = None;
         result
     }

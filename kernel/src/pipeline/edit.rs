@@ -1,4 +1,4 @@
-//! The text of a block, where it is not simply the line of the file.
+//! Stage *edit*: the text of a block where it is not simply the line of the file.
 //!
 //! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). Invariant: what
 //! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.

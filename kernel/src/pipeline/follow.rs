@@ -69,8 +69,8 @@ impl Kernel<'_> {
         self.check_levels(arguments.is_some(), &what)?;
         let mut found = self.find_program(&what)?;
         let called = self.called(what.clone(), passes);
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -113,8 +113,8 @@ impl Kernel<'_> {
         let range = self.find_range(&what);
         let mut found = range.map(|range| (self.channel.at.file, range));
         let called = self.called(what.clone(), passes);
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -194,7 +194,7 @@ impl Kernel<'_> {
             self.flow.loops.retain(|(level, _)| *level < self.flow.frames.len());
             self.interpreter_again();
             self.end_pass(first, last)?;
-            return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
+            return self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(self));
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
@@ -204,9 +204,8 @@ impl Kernel<'_> {
             self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
-            if self.macros.is_some() {
-                let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
-                self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;
+            if let Some(hooks) = self.plan.hooks {
+                (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
             }
         }
         match target {

@@ -9,3 +9,4 @@ mod edit;
 mod follow;
 mod leftovers;
 mod read;
+mod split;

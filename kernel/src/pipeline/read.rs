@@ -1,4 +1,4 @@
-//! The block loop: next line, words or statement, codes, what follows.
+//! Stage *read*: the block loop takes the next block, from a file or from what EXEC/NEXT left.
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 
@@ -6,7 +6,6 @@ use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::channel::scan::Kind as LineKind;
 use crate::diag;
 use crate::log::event::{FileId, Kind};
 use crate::machine::model::RewindStop;
@@ -38,11 +37,9 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn one_block(&mut self) -> Acted {
-        if let Some(block) = self.later_block() {
-            self.name_block(&block);
-            self.begin_block()?;
-            self.process_later(block)?;
-            return self.follow();
+        let hooks = self.plan.hooks;
+        if let Some(done) = hooks.and_then(|hooks| (hooks.block.next)(self)) {
+            return done;
         }
         let info = self.channel.env.info;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
@@ -87,39 +84,16 @@ impl Kernel<'_> {
                 );
             }
         }
-        if self.macros.is_some() {
-            self.custom_block(None)?;
-            return self.follow();
+        if let Some(hooks) = hooks {
+            (hooks.block.begin)(self);
         }
-        match self.plan.scanner.scan(text, self.channel.state.secondary, &mut self.channel.block, self.flow.watched) {
-            LineKind::Words => {
-                if self.channel.env.trace.is_some() {
-                    self.trace_deleted(text);
-                    self.trace_words();
-                }
-                if !self.channel.block.messages.is_empty() {
-                    self.show_messages(text);
-                }
-                self.act_block()?;
-            }
-            LineKind::Macro => self.macro_line(text)?,
-        }
+        self.block(text)?;
         self.follow()
-    }
-
-    /// Operator messages act before anything else on their block (order 100, reference control-emulator.md 5.6).
-    pub(crate) fn show_messages(&mut self, line: &[u8]) {
-        for index in 0..self.channel.block.messages.len() {
-            let Some(&(start, end)) = self.channel.block.messages.get(index) else { break };
-            let text = line.get(start as usize..end as usize).unwrap_or_default();
-            self.display(String::from_utf8_lossy(text).trim());
-        }
-        self.channel.block.messages.clear();
     }
 
     /// Counts the block, tells others how far this kernel has come, and checks the limits.
     #[inline(always)]
-    fn begin_block(&mut self) -> Acted {
+    pub(crate) fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
