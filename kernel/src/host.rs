@@ -32,7 +32,8 @@ use crate::channel::Kernel;
 use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::Later;
+use crate::macros::calls::unwinding;
+use crate::macros::issued::Later;
 use crate::multi::shared::Shared;
 
 /// Identifier of a code value, none for `CODE_NONE`.
@@ -118,8 +119,8 @@ impl Host for Kernel<'_> {
 
     fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
         let limit = self.shares().common;
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        if runtime.shared_globals.is_some_and(|first| index >= first) {
+        let runtime = &mut *self.macros;
+        if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
             let done = self.shared(|order| {
                 order.shared.global(place, access);
@@ -141,28 +142,28 @@ impl Host for Kernel<'_> {
     }
 
     fn own_global(&mut self, index: u32) -> Option<&mut Value> {
-        let runtime = self.macros.as_deref_mut()?;
-        if runtime.shared_globals.is_some_and(|first| index >= first) {
+        let runtime = &mut *self.macros;
+        if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             return None;
         }
         let index = index as usize;
-        if runtime.globals.len() <= index {
-            runtime.globals.resize(index + 1, Value::Unset);
+        if runtime.variables.globals.len() <= index {
+            runtime.variables.globals.resize(index + 1, Value::Unset);
         }
-        runtime.globals.get_mut(index)
+        runtime.variables.globals.get_mut(index)
     }
 
     fn held(&self, scale: &mut Scale) {
-        let Some(runtime) = self.macros.as_deref() else { return };
+        let runtime = &*self.macros;
         let mut part = |name: &str, values: &mut dyn Iterator<Item = &Value>| {
             let from = scale.bytes;
             values.for_each(|value| scale.add(value));
             scale.held_by(from, || name.to_owned());
         };
-        part("GLOBAL variables", &mut runtime.globals.iter());
-        part("system variables", &mut runtime.store.all());
+        part("GLOBAL variables", &mut runtime.variables.globals.iter());
+        part("system variables", &mut runtime.variables.store.all());
         let from = scale.bytes;
-        for later in &runtime.later {
+        for later in &runtime.issued.later {
             scale.weigh(match later {
                 Later::Text(text, _) => text.len() + 64,
                 Later::Items(items, _) => items.len() * 16 + 64,
@@ -186,7 +187,7 @@ impl Host for Kernel<'_> {
     }
 
     fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
-        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) || self.ports.control.cancelled() {
+        if self.macros.calls.ending || self.ports.control.cancelled() {
             return;
         }
         let number = diagnostic.number;
@@ -243,10 +244,7 @@ impl Host for Kernel<'_> {
 impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
     fn going_on(&mut self, state: &mut State) -> Outcome<()> {
-        match self.macros.as_deref() {
-            Some(runtime) if !runtime.ending && !self.ports.control.cancelled() => Ok(()),
-            _ => Err(crate::macros::runtime::unwinding(state)),
-        }
+        if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
     /// Says that something is not possible in this kind of macro.
@@ -269,7 +267,7 @@ impl Kernel<'_> {
     /// The innermost running macro is the one of this hook.
     fn inside(&self, hook: Hook) -> bool {
         let code = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
-        let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+        let running = self.macros.calls.running.last().map(|call| call.code);
         code.is_some() && code == running
     }
 }

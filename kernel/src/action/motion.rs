@@ -343,15 +343,8 @@ impl Kernel<'_> {
     /// The motion itself.
     #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.before = self.channel.state.place.position;
-            let rapid = usize::from(motion.kind == MotionKind::Rapid);
-            if let Some(time) = runtime.store.times.get_mut(rapid) {
-                *time += seconds;
-            }
-            runtime.store.moving += Self::ns(seconds);
-            self.sum_motion(rapid == 1, seconds, motion.length);
-            self.note_travel(motion);
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.moved)(self, seconds, motion);
         }
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);

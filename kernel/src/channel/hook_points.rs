@@ -43,6 +43,8 @@ pub(crate) struct HookPoints {
     pub(crate) program: ProgramHooks,
     /// Carries out a motion and its duration in seconds.
     pub(crate) motion: fn(&mut Kernel<'_>, f64, &Motion) -> Acted,
+    /// Writes a motion and its duration in seconds down for the tables of tools and operations.
+    pub(crate) moved: fn(&mut Kernel<'_>, f64, &Motion),
 }
 
 /// Around the text of a block.

@@ -141,8 +141,7 @@ impl Host for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         Place {
             file: self.channel.at.file,
             line: self.channel.at.line,
@@ -153,7 +152,7 @@ impl Host for Kernel<'_> {
     }
 
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
-        self.channel.env.info.files.get(usize::from(file))?.source.get()?.clone()
+        self.channel.env.sources.shared(file)
     }
 
     fn files(&self) -> Vec<String> {
@@ -247,7 +246,7 @@ impl Host for Kernel<'_> {
     }
 
     fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
-        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let asked = self.macros.course.identifying;
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
         Ok(match self.ask_identification(code, text, assigned)? {

@@ -55,8 +55,7 @@ impl Kernel<'_> {
     pub(crate) fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
         let key = (self.channel.at.file, self.channel.at.line);
         // A text of its own is compiled each time: the line number does not stand for it.
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         if as_read && let Some(line) = self.flow.compiled.get(key) {
             let line = Arc::clone(line);
             self.channel.block.clear();
@@ -212,7 +211,7 @@ impl Kernel<'_> {
 
     /// Loop partners of the current program, found once.
     fn pairs(&mut self) -> Arc<Pairs> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let Some((file, range)) = self.frame().map(|f| (f.file, f.range)) else { return Arc::default() };
         if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
             return Arc::clone(pairs);
@@ -220,7 +219,7 @@ impl Kernel<'_> {
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
-        let Some(source) = info.source(file) else { return Arc::default() };
+        let Some(source) = sources.get(file) else { return Arc::default() };
         let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
         let blocks = bracketing.flat_map(|line| {
             scanner.block_starts(source.line(line)).map(move |offset| Spot { line, offset: offset as u32 })

@@ -68,8 +68,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) flow: Flow,
     pub(crate) dialect: DialectState,
-    /// Macros of the machine, if it has any.
-    pub(crate) macros: Option<Box<Runtime>>,
+    /// What the macros of the machine remember; empty without any.
+    pub(crate) macros: Box<Runtime>,
 }
 
 impl<'a> Kernel<'a> {
@@ -93,7 +93,7 @@ impl<'a> Kernel<'a> {
             plan,
             flow: Flow::default(),
             dialect: DialectState { interpreter: crate::dialect::interpreter(machine), ..DialectState::default() },
-            macros: None,
+            macros: Box::default(),
         }
     }
 }

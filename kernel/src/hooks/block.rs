@@ -15,21 +15,19 @@ use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 use crate::trace::{self, Stage};
 
 impl Kernel<'_> {
     /// A text becomes the block: a line of the file, or what EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
         let machine = self.channel.env.machine;
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        runtime.issued = text.is_some();
-        if runtime.issued && runtime.unmarked.is_none() {
-            runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+        let runtime = &mut *self.macros;
+        if text.is_some() && runtime.reading.unmarked.is_none() {
+            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
         }
-        runtime.text = text;
-        runtime.left = None;
-        runtime.store.number = 0;
+        runtime.block.begin(text);
+        runtime.variables.store.number = 0;
     }
 
     /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
@@ -41,9 +39,7 @@ impl Kernel<'_> {
         }
         let preprocess = self.plan.scanner.has_preprocessor();
         let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.preprocessed = preprocess;
-        }
+        self.macros.block.preprocessed = preprocess;
         Ok(if preprocess { Edited::Preprocess } else { Edited::Plain })
     }
 
@@ -57,18 +53,16 @@ impl Kernel<'_> {
 
     /// The text of the block, if it is not the line of the file.
     pub(crate) fn own_text(&self) -> Option<Arc<String>> {
-        self.macros.as_deref().and_then(|runtime| runtime.text.clone())
+        self.macros.block.text.clone()
     }
 
     /// Pre-Processor Shutdown behind a statement that left no words; the text that the macro gives is the block.
     pub(crate) fn consumed_block(&mut self) -> Acted {
-        let made = self.macros.as_deref_mut().is_none_or(|runtime| std::mem::take(&mut runtime.made));
+        let made = std::mem::take(&mut self.macros.block.made);
         if made || self.hook(Hook::PreprocessorShutdown).is_none() {
             return Ok(());
         }
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::default());
-        }
+        self.macros.block.text = Some(Arc::default());
         let edited = self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited;
         if !edited || self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
@@ -86,16 +80,12 @@ impl Kernel<'_> {
             Some(scanner) => scanner.first_mark(&self.text_bytes()),
             None => self.plan.scanner.first_mark(&self.text_bytes()),
         };
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.mark = level;
-        }
+        self.macros.block.mark = level;
     }
 
     /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees them.
     pub(crate) fn words_as_text(&mut self) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.made = true;
-        }
+        self.macros.block.made = true;
         let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
         if wanted || self.has_embedded(1) {
             self.write_block();
@@ -107,10 +97,8 @@ impl Kernel<'_> {
 
     /// Pre-Processor Shutdown for a text that the pre-processor left.
     pub(crate) fn text_block(&mut self, text: &str) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.made = true;
-            runtime.text = Some(Arc::new(text.to_owned()));
-        }
+        self.macros.block.made = true;
+        self.macros.block.text = Some(Arc::new(text.to_owned()));
         self.block_macro(Hook::PreprocessorShutdown)?;
         self.split_again();
         self.words()
@@ -151,25 +139,24 @@ impl Kernel<'_> {
             text.push(' ');
         }
         text.truncate(text.trim_end().len());
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::new(text));
-        }
+        self.macros.block.text = Some(Arc::new(text));
     }
 
     /// The scanner to be used in place of the plan's, once a macro has switched a level of optional skip.
     #[inline]
     pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
-        self.macros.as_deref().and_then(|runtime| runtime.scanner.clone())
+        self.macros.reading.switched.clone()
     }
 
     /// The scanner for the text of the block in process, if not the plan's: what EXEC issued undergoes no block delete.
     #[inline]
     pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
-        let runtime = self.macros.as_deref()?;
+        self.plan.hooks?;
+        let runtime = &*self.macros;
         match &self.plan.unmarked {
-            _ if runtime.issued => runtime.unmarked.clone(),
-            Some(scanner) if runtime.made => Some(Arc::clone(scanner)),
-            _ => runtime.scanner.clone(),
+            _ if runtime.block.issued => runtime.reading.unmarked.clone(),
+            Some(scanner) if runtime.block.made => Some(Arc::clone(scanner)),
+            _ => runtime.reading.switched.clone(),
         }
     }
 
@@ -179,9 +166,7 @@ impl Kernel<'_> {
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
         let machine = self.channel.env.machine;
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.scanner = Some(Arc::new(Scanner::new(machine, &levels)));
-        }
+        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, &levels)));
         // Lines compiled before have the parts that were skipped then.
         self.flow.compiled.clear();
         self.flow.pairs.clear();
@@ -209,9 +194,9 @@ impl Kernel<'_> {
 
     /// Runs a macro with the arguments of block macros: flag, text, number of the block.
     fn block_macro(&mut self, hook: Hook) -> Result<Verdict, Halt> {
-        let Some(runtime) = self.macros.as_deref() else { return Ok(Verdict::Go) };
+        let runtime = &*self.macros;
         let Some(code) = runtime.ready(hook) else { return Ok(Verdict::Go) };
-        let asks = runtime.uses(code, 2);
+        let asks = runtime.calls.uses(code, 2);
         let text = if asks { self.text_value() } else { Value::Null };
         let given = if let Value::Text(text) = &text { Some(Arc::clone(text)) } else { None };
         let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.channel.at.line))];
@@ -225,9 +210,7 @@ impl Kernel<'_> {
                     let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
                     return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
                 }
-                if let Some(runtime) = self.macros.as_deref_mut() {
-                    runtime.text = Some(text);
-                }
+                self.macros.block.text = Some(text);
                 Verdict::Edited
             }
             (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
@@ -243,11 +226,11 @@ impl Kernel<'_> {
 
     /// Left-over text after the codes: the block shutdown macro may change it.
     pub(crate) fn block_shutdown(&mut self) -> Acted {
-        let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
+        let runtime = &*self.macros;
         let Some(code) = runtime.ready(Hook::BlockShutdown) else { return Ok(()) };
         self.left_name();
-        let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
-        let asks = runtime.uses(code, 2);
+        let runtime = &*self.macros;
+        let asks = runtime.calls.uses(code, 2);
         let left = if asks { self.left_text() } else { String::new() };
         let mut arguments =
             [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.channel.at.line))];
@@ -269,7 +252,7 @@ impl Kernel<'_> {
 
     /// Text of the block in process.
     pub(crate) fn text_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
-        match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
+        match self.macros.block.text.as_ref() {
             Some(text) => text.as_bytes().into(),
             None => self.current_text().into(),
         }
@@ -277,14 +260,14 @@ impl Kernel<'_> {
 
     /// The same for a macro.
     pub(crate) fn text_value(&mut self) -> Value {
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
-        let Some(runtime) = self.macros.as_deref_mut() else { return Value::text("") };
-        if let Some(text) = &runtime.text {
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
+        let runtime = &mut *self.macros;
+        if let Some(text) = &runtime.block.text {
             return Value::Text(Arc::clone(text));
         }
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
-        Value::Text(runtime.texts.with(|text| {
+        Value::Text(runtime.arguments.texts.with(|text| {
             text.clear();
             match std::str::from_utf8(bytes) {
                 Ok(line) => text.push_str(line),
@@ -295,7 +278,7 @@ impl Kernel<'_> {
 
     /// Text that nothing has recognised, or what a macro left in its place.
     pub(crate) fn left_text(&self) -> String {
-        if let Some(text) = self.macros.as_deref().and_then(|runtime| runtime.left.as_ref()) {
+        if let Some(text) = self.macros.block.unrecognised.as_ref() {
             return text.as_ref().clone();
         }
         let parts: Vec<String> = self.channel.block.unknown.iter().map(|&span| self.span_text(span)).collect();
@@ -309,9 +292,7 @@ impl Kernel<'_> {
             // Any span will do: the text comes from here.
             self.channel.block.unknown.push((0, 0));
         }
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.left = Some(Arc::new(text));
-        }
+        self.macros.block.unrecognised = Some(Arc::new(text));
     }
 }
 

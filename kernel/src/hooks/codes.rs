@@ -16,7 +16,7 @@ use crate::host::{code_id, code_value, data_value};
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 
 /// A value that has been taken, before data macros and units.
 struct Taken {
@@ -32,11 +32,11 @@ impl Kernel<'_> {
     /// Sequence numbers and marks of the block that macros can ask for.
     pub(crate) fn begin_codes(&mut self, origin: Origin) {
         self.head_sequence();
-        if let (Some(number), Some(runtime)) = (self.channel.block.sequence, self.macros.as_deref_mut()) {
-            runtime.last_sequence = number;
+        if let Some(number) = self.channel.block.sequence {
+            self.macros.books.last_sequence = number;
         }
         self.channel.block.next = 0;
-        let mark = self.macros.as_deref().and_then(|runtime| runtime.mark).filter(|_| origin == Origin::Text);
+        let mark = self.macros.block.mark.filter(|_| origin == Origin::Text);
         if let Some(level) = mark {
             self.channel.block.added.push((data::OPSKIP, f64::from(level)));
         }
@@ -71,17 +71,7 @@ impl Kernel<'_> {
 
     /// What macros found out inside a place that could not leave the program.
     pub(crate) fn pending_halt(&mut self) -> Acted {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        match runtime.halt {
-            Some(halt) if runtime.ending || runtime.calls.is_empty() => {
-                if runtime.calls.is_empty() {
-                    runtime.halt = None;
-                    runtime.ending = false;
-                }
-                Err(halt)
-            }
-            _ => Ok(()),
-        }
+        self.macros.calls.pending().map_or(Ok(()), Err)
     }
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
@@ -89,9 +79,9 @@ impl Kernel<'_> {
         if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
             self.imply_motion();
         }
-        let count = self.macros.as_deref().map_or(0, |runtime| runtime.data_codes.len());
+        let count = self.macros.modes.data_codes.len();
         for at in 0..count {
-            let pair = self.macros.as_deref().and_then(|runtime| runtime.data_codes.get(at).copied());
+            let pair = self.macros.modes.data_codes.get(at).copied();
             let Some((id, group)) = pair else { break };
             if self.has_data(id) && !self.group_queued(group) {
                 self.queue_by_data(group);
@@ -109,7 +99,7 @@ impl Kernel<'_> {
 
     /// Data by which `$FCEDAC` fires the code of a group are on the block.
     pub(crate) fn has_firing_data(&self, group: u16) -> bool {
-        let pairs = self.macros.as_deref().map_or(&[][..], |runtime| runtime.data_codes.as_slice());
+        let pairs = self.macros.modes.data_codes.as_slice();
         pairs.iter().any(|(id, of)| *of == group && self.has_data(*id))
     }
 
@@ -117,11 +107,14 @@ impl Kernel<'_> {
     pub(crate) fn matching_macro(&self, id: CodeId) -> Option<u16> {
         let macros = self.channel.env.machine.macros.as_deref()?;
         let list = macros.of_code(id);
-        let runtime = self.macros.as_deref().filter(|runtime| !list.is_empty() && runtime.matching)?;
+        let runtime = &*self.macros;
+        if list.is_empty() || !runtime.hooks.matching {
+            return None;
+        }
         list.iter().find_map(|&at| {
             let at = usize::from(at);
             let named = macros.codes.get(at)?;
-            let may = runtime.codes_on.get(at).copied().unwrap_or(false) && !runtime.is_busy(named.code);
+            let may = runtime.hooks.has_code(at) && !runtime.calls.is_busy(named.code);
             let holds = || named.condition.is_empty() || named.condition.holds(|item| self.is_present(item, Some(id)));
             (may && holds()).then_some(named.code)
         })
@@ -145,8 +138,7 @@ impl Kernel<'_> {
     }
 
     pub(crate) fn set_code(&mut self, id: Option<CodeId>) -> Option<CodeId> {
-        let runtime = self.macros.as_deref_mut()?;
-        std::mem::replace(&mut runtime.store.code, id)
+        std::mem::replace(&mut self.macros.block.code, id)
     }
 
     fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
@@ -210,7 +202,7 @@ impl Kernel<'_> {
         };
         let mut absolute = false;
         let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
-        if !list.is_empty() && self.macros.as_deref().is_some_and(|runtime| runtime.matching) {
+        if !list.is_empty() && self.macros.hooks.matching {
             absolute = self.data_macros(id, list, &mut taken)?;
         }
         let value = taken.value * taken.factor;
@@ -286,8 +278,8 @@ impl Kernel<'_> {
 
     fn matching_data_macro(&self, at: usize) -> Option<u16> {
         let named = self.channel.env.machine.macros.as_deref()?.data.get(at)?;
-        let runtime = self.macros.as_deref()?;
-        let may = runtime.data_on.get(at).copied().unwrap_or(false) && !runtime.is_busy(named.code);
+        let runtime = &*self.macros;
+        let may = runtime.hooks.has_data(at) && !runtime.calls.is_busy(named.code);
         // The data that are being taken count as present; they are off the block already.
         let holds = || {
             let present = |item| match (item, self.channel.env.machine.macros.as_deref()) {

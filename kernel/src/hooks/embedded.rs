@@ -21,7 +21,7 @@ const MOST_CODES: usize = 5000;
 impl Kernel<'_> {
     /// Block delete comes before embedded code; a mark inside of such code is none.
     pub(crate) fn delete_around_code(&mut self) {
-        let fresh = self.macros.as_deref().is_some_and(|runtime| runtime.text.is_none());
+        let fresh = self.macros.block.text.is_none();
         if !fresh || !self.has_embedded(0) && !self.has_embedded(1) {
             return;
         }
@@ -33,17 +33,13 @@ impl Kernel<'_> {
         let left = String::from_utf8_lossy(&left).into_owned();
         let stage = if active { Stage::DeleteOn } else { Stage::DeleteOff };
         self.trace('E', |_| trace::edited(stage, left.trim()));
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::new(left));
-        }
+        self.macros.block.text = Some(Arc::new(left));
     }
 
     /// The text with blanks in place of embedded code.
     fn without_code(&self, text: &[u8]) -> Vec<u8> {
         let mut seen = text.to_vec();
-        let Some([first, second, close]) = self.macros.as_deref().map(|runtime| &runtime.store.embedding) else {
-            return seen;
-        };
+        let [first, second, close] = &self.macros.variables.store.embedding;
         for open in [first, second].into_iter().filter(|open| !open.is_empty() && !close.is_empty()) {
             let mut from = 0;
             while let Some(at) = text.get(from..).and_then(|rest| memchr::memmem::find(rest, open.as_bytes())) {
@@ -59,8 +55,8 @@ impl Kernel<'_> {
 
     /// The block may hold embedded code of this kind: 0 before, 1 behind the pre-processor.
     pub(crate) fn has_embedded(&self, kind: usize) -> bool {
-        let Some(runtime) = self.macros.as_deref() else { return false };
-        let open = runtime.store.embedding.get(kind).map_or("", String::as_str);
+        let runtime = &*self.macros;
+        let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);
         !open.is_empty() && memchr::memmem::find(&self.text_bytes(), open.as_bytes()).is_some()
     }
 
@@ -69,10 +65,8 @@ impl Kernel<'_> {
         if !self.has_embedded(kind) {
             return Ok(false);
         }
-        let delimiter = |kernel: &Self, at: usize| {
-            let runtime = kernel.macros.as_deref();
-            runtime.and_then(|runtime| runtime.store.embedding.get(at).cloned()).unwrap_or_default()
-        };
+        let delimiter =
+            |kernel: &Self, at: usize| kernel.macros.variables.store.embedding.get(at).cloned().unwrap_or_default();
         let (open, close) = (delimiter(self, kind), delimiter(self, 2));
         if close.is_empty() {
             return Ok(false);
@@ -103,16 +97,14 @@ impl Kernel<'_> {
         if out != text {
             self.trace('E', |_| trace::edited(Stage::EmbeddedMacro, out.trim()));
         }
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::new(out));
-        }
+        self.macros.block.text = Some(Arc::new(out));
         Ok(true)
     }
 
     /// One piece of embedded code: its value, formatted, goes to the text.
     fn embed(&mut self, code: &str, out: &mut String) -> Acted {
         let Some((index, gives)) = self.compiled_code(code) else { return Ok(()) };
-        if self.macros.as_deref().is_some_and(|runtime| runtime.is_busy(index)) {
+        if self.macros.calls.is_busy(index) {
             return Ok(());
         }
         let value = self.run_embedded(index)?;
@@ -125,11 +117,11 @@ impl Kernel<'_> {
     /// Compiles embedded code once.
     fn compiled_code(&mut self, code: &str) -> Option<(u16, bool)> {
         let machine = self.channel.env.machine;
-        let runtime = self.macros.as_deref_mut()?;
-        if let Some(known) = runtime.embedded.get(code) {
+        let runtime = &mut *self.macros;
+        if let Some(known) = runtime.reading.embedded.get(code) {
             return *known;
         }
-        if code.len() > LONGEST_CODE || runtime.embedded.len() >= MOST_CODES {
+        if code.len() > LONGEST_CODE || runtime.reading.embedded.len() >= MOST_CODES {
             let text = format!(
                 "embedded macro code of more than {LONGEST_CODE} bytes, or more than {MOST_CODES} different pieces"
             );
@@ -149,7 +141,7 @@ impl Kernel<'_> {
         let added = counterpoint_lang::compile::embedded(program, &mut surroundings, source, options);
         let index = if added.has_errors() { None } else { added.macros.first().map(|&at| (at, expression)) };
         runtime.measure();
-        runtime.embedded.insert(code.to_owned(), index);
+        runtime.reading.embedded.insert(code.to_owned(), index);
         if let Some(wrong) = added.diagnostics.iter().find(|diagnostic| diagnostic.is_error()) {
             let text = format!("embedded macro code '{}': {} {}", cut(code, 60), wrong.number, wrong.message);
             self.diagnose(&diag::EMBEDDED_CODE, text);

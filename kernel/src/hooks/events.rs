@@ -9,11 +9,11 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::diag;
 use crate::host::tools::column;
-use crate::host::variables::names;
 use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
 use crate::log::geometry::Loop;
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
+use crate::macros::store::names;
 
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).
 const MOST_TOOLS: usize = 200;
@@ -52,11 +52,12 @@ impl Kernel<'_> {
     /// `$P2`: the end by the six elements of `$AXES`.
     fn ends(&mut self, code: u16, motion: &Motion) -> Value {
         let preset = self.channel.state.place.preset;
-        let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| runtime.uses(code, 2)) else {
+        let runtime = &mut *self.macros;
+        if !runtime.calls.uses(code, 2) {
             return Value::Null;
-        };
-        let slots = runtime.slots;
-        Value::Sequence(runtime.positions.with(|values| {
+        }
+        let slots = runtime.arguments.slots;
+        Value::Sequence(runtime.arguments.positions.with(|values| {
             values.clear();
             values.extend(slots.map(|axis| {
                 let at = |of: &Position| axis.and_then(|axis| of.get(axis)).copied().unwrap_or(0.0);
@@ -67,11 +68,12 @@ impl Kernel<'_> {
 
     /// `$P8`: axes coded on the block.
     fn coded(&mut self, code: u16, motion: &Motion) -> Value {
-        let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| runtime.uses(code, 8)) else {
+        let runtime = &mut *self.macros;
+        if !runtime.calls.uses(code, 8) {
             return Value::Null;
-        };
-        let slots = runtime.slots;
-        Value::Sequence(runtime.flags.with(|values| {
+        }
+        let slots = runtime.arguments.slots;
+        Value::Sequence(runtime.arguments.flags.with(|values| {
             values.clear();
             values.extend(slots.map(|axis| {
                 let coded = axis.is_some_and(|axis| axis < 8 && motion.moving & 1 << axis != 0);
@@ -147,8 +149,8 @@ impl Kernel<'_> {
     /// The end of a motion with what the macro has changed.
     fn changed_end(&mut self, motion: &Motion, end: Option<&Value>) -> Position {
         let mut to = motion.to;
-        let Some(runtime) = self.macros.as_deref() else { return to };
-        let (slots, preset) = (runtime.slots, self.channel.state.place.preset);
+        let runtime = &*self.macros;
+        let (slots, preset) = (runtime.arguments.slots, self.channel.state.place.preset);
         let values = match end {
             None => return to,
             Some(Value::Sequence(values)) if values.len() == 6 => values,
@@ -200,23 +202,23 @@ impl Kernel<'_> {
     /// Gives a loaded tool its row of the tool table, with the name that waits for it.
     fn tool_row(&mut self, tool: u32) {
         let clock = self.channel.at.clock;
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let known = runtime.tools.iter().position(|known| *known == tool);
-        let at = known.unwrap_or(runtime.tools.len());
+        let runtime = &mut *self.macros;
+        let known = runtime.tools.loaded.iter().position(|known| *known == tool);
+        let at = known.unwrap_or(runtime.tools.loaded.len());
         if known.is_none() {
             if at + 1 >= MOST_TOOLS {
                 let text = format!("the tool table is full: it has {MOST_TOOLS} rows");
                 return self.diagnose(&diag::TOOL_TABLE, text);
             }
-            runtime.tools.push(tool);
+            runtime.tools.loaded.push(tool);
             self.fill_tool_row(tool, at as i64 + 2);
         }
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let (names, store) = (names(), &mut runtime.store);
+        let runtime = &mut *self.macros;
+        let (names, store) = (names(), &mut runtime.variables.store);
         let row = at as i64 + 2;
-        runtime.tool_sums.switch(at + 2, clock);
+        runtime.books.tool_sums.switch(at + 2, clock);
         store.set(names.tool_row, Value::Real(row as f64));
-        store.set(names.tool_rows, Value::Real(runtime.tools.len() as f64 + 1.0));
+        store.set(names.tool_rows, Value::Real(runtime.tools.loaded.len() as f64 + 1.0));
         let name = store.get(names.tool_name).clone();
         if name.as_text().is_some_and(|name| !name.trim().is_empty()) {
             store.set_element(names.tool_table, (column::NAME, row), name);
@@ -225,6 +227,30 @@ impl Kernel<'_> {
         let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
         store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
         self.sort_tools();
+    }
+
+    /// Writes a loaded tool down, and the one before it.
+    fn book_tool(&mut self, tool: u32, before: u32) {
+        let store = &mut self.macros.variables.store;
+        store.set(names().last_tool, Value::Real(f64::from(before)));
+        if store.get(names().first_tool).as_real() == Some(0.0) {
+            store.set(names().first_tool, Value::Real(f64::from(tool)));
+        }
+        self.tool_row(tool);
+        self.operation_of_tool();
+    }
+
+    /// Writes a motion down for the tables of tools and operations.
+    pub(crate) fn book_motion(&mut self, seconds: f64, motion: &Motion) {
+        let runtime = &mut *self.macros;
+        runtime.arguments.before = self.channel.state.place.position;
+        let rapid = usize::from(motion.kind == MotionKind::Rapid);
+        if let Some(time) = runtime.variables.store.times.get_mut(rapid) {
+            *time += seconds;
+        }
+        runtime.variables.store.moving += Self::ns(seconds);
+        self.sum_motion(rapid == 1, seconds, motion.length);
+        self.note_travel(motion);
     }
 
     /// The tool event itself.
@@ -238,17 +264,8 @@ impl Kernel<'_> {
         if tool != 0 {
             self.channel.state.place.tool = tool;
         }
-        if let Some(runtime) = self.macros.as_deref_mut()
-            && action == ToolAction::Load
-        {
-            runtime.store.set(names().last_tool, Value::Real(f64::from(before)));
-            if runtime.store.get(names().first_tool).as_real() == Some(0.0) {
-                runtime.store.set(names().first_tool, Value::Real(f64::from(tool)));
-            }
-        }
-        if action == ToolAction::Load {
-            self.tool_row(tool);
-            self.operation_of_tool();
+        if action == ToolAction::Load && self.plan.hooks.is_some() {
+            self.book_tool(tool, before);
         }
         self.emit(ns, Kind::Tool { action, tool: self.channel.state.place.tool, offset });
         self.advance(ns);

@@ -49,5 +49,6 @@ pub(crate) static POINTS: HookPoints = HookPoints {
             kernel.subprogram_shutdown(called, last, place, level)
         },
     },
+    moved: |kernel, seconds, motion| kernel.book_motion(seconds, motion),
     motion: |kernel, seconds, motion| kernel.motion_event(seconds, motion),
 };

@@ -8,18 +8,30 @@ use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use crate::channel::block::Block;
+use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
+use crate::channel::parts::Acting;
 use crate::channel::{Kernel, burden};
 use crate::diag;
 use crate::host::{code_id, data_id};
 use crate::log::event::Kind;
-use crate::macros::runtime::Later;
+use crate::macros::context::BlockContext;
+use crate::macros::issued::Later;
 use crate::trace;
+
+/// A block that another one within it interrupts.
+struct Outer {
+    block: Block,
+    context: BlockContext,
+    acting: Acting,
+    /// What it asks for at its end.
+    pending: Option<Pending>,
+}
 
 impl Kernel<'_> {
     /// Processes a block that EXEC/NEXT left, in place of reading one; none if nothing was left.
     pub(crate) fn next_issued(&mut self) -> Option<Acted> {
-        let block = self.macros.as_deref_mut().and_then(|runtime| runtime.later.pop_front())?;
+        let block = self.macros.issued.later.pop_front()?;
         self.name_block(&block);
         let done = self.begin_block().and_then(|()| self.process_later(block));
         Some(done.and_then(|()| self.follow()))
@@ -45,9 +57,7 @@ impl Kernel<'_> {
     fn process_later(&mut self, block: Later) -> Acted {
         let (Later::Text(_, matching) | Later::Items(_, matching)) = block;
         let set = |kernel: &mut Self, matching| {
-            if let Some(runtime) = kernel.macros.as_deref_mut() {
-                runtime.matching = matching;
-            }
+            kernel.macros.hooks.matching = matching;
         };
         set(self, matching);
         let done = match block {
@@ -63,42 +73,45 @@ impl Kernel<'_> {
 
     /// Processes a block inside another one, which keeps what is left on it.
     pub(crate) fn nested_block(&mut self, process: impl FnOnce(&mut Self) -> Acted) -> Acted {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let mut block = runtime.blocks.pop().unwrap_or_default();
-        block.clear();
-        let block = std::mem::replace(&mut self.channel.block, block);
-        let text = runtime.text.take();
-        let left = runtime.left.take();
-        let code = runtime.store.code.take();
-        let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
-        let (as_data, mode_changed) = (self.channel.acting.as_data.take(), self.channel.acting.mode_changed);
-        let asked = self.flow.pending.take();
+        let outer = self.enter_block();
         // A block within a block is one, too.
         let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
         let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
+        self.leave_block(outer);
         // The rest of that block is dropped, not that of the one around it.
-        let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
-        (self.channel.acting.as_data, self.channel.acting.mode_changed) = (as_data, mode_changed);
+        if done == Err(Halt::Dropped) { Ok(()) } else { done }
+    }
+
+    /// Puts the block in process aside for one within it.
+    fn enter_block(&mut self) -> Outer {
+        let mut inner = self.macros.issued.spares.pop().unwrap_or_default();
+        inner.clear();
+        Outer {
+            block: std::mem::replace(&mut self.channel.block, inner),
+            context: self.macros.block.enter(),
+            acting: Acting { as_data: self.channel.acting.as_data.take(), ..self.channel.acting },
+            pending: self.flow.pending.take(),
+        }
+    }
+
+    /// Continues with the block that was put aside.
+    fn leave_block(&mut self, outer: Outer) {
+        let Outer { block, context, acting, pending } = outer;
+        self.channel.acting = acting;
         // An end waits for the end of the block that was interrupted.
-        match std::mem::replace(&mut self.flow.pending, asked) {
+        match std::mem::replace(&mut self.flow.pending, pending) {
             Some(own) if self.flow.pending.is_some() => self.ask(own),
             Some(own) => self.flow.pending = Some(own),
             None => {}
         }
-        let nested: Block = std::mem::replace(&mut self.channel.block, block);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.blocks.push(nested);
-            (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
-            (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark) = kept;
-        }
-        done
+        let nested = std::mem::replace(&mut self.channel.block, block);
+        self.macros.issued.spares.push(nested);
+        self.macros.block = context;
     }
 
     /// A block given as identifiers and values: straight to the code loop.
     pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.text = Some(Arc::default());
-        }
+        self.macros.block.text = Some(Arc::default());
         let mut items = items.iter();
         while let Some(item) = items.next() {
             if let Some(id) = code_id(item) {

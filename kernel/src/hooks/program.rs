@@ -14,7 +14,8 @@ use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::{Restart, Task};
+use crate::macros::calls::Task;
+use crate::macros::parts::Restart;
 use crate::mcd::program::Range;
 
 impl Kernel<'_> {
@@ -29,14 +30,14 @@ impl Kernel<'_> {
 
     /// Program Shutdown, when the program has come to its end or stands on an alarm.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
-        let Some(runtime) = self.macros.as_deref_mut() else { return halt };
-        if !matches!(halt, Halt::End(_) | Halt::Alarm) {
+        if self.plan.hooks.is_none() || !matches!(halt, Halt::End(_) | Halt::Alarm) {
             return halt;
         }
-        (runtime.halt, runtime.ending) = (None, false);
-        runtime.later.clear();
-        runtime.closing = true;
-        runtime.text = None;
+        let runtime = &mut *self.macros;
+        runtime.calls.resume();
+        runtime.issued.later.clear();
+        runtime.course.closing = true;
+        runtime.block.text = None;
         self.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
@@ -47,9 +48,9 @@ impl Kernel<'_> {
     /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts
     /// as a block, so that a macro that restarts for ever comes to a limit.
     pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
-        let runtime = self.macros.as_deref_mut()?;
-        let Restart { file, line, reset } = runtime.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
-        runtime.closing = false;
+        let runtime = &mut *self.macros;
+        let Restart { file, line, reset } = runtime.course.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
+        runtime.course.closing = false;
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
@@ -88,11 +89,10 @@ impl Kernel<'_> {
             }
             (*self.channel.state.threads, *self.channel.state.skip) =
                 (action::thread::State::new(self.channel.env.machine), action::skip::State::default());
-            if let Some(runtime) = self.macros.as_deref_mut() {
-                (runtime.store.counts, runtime.operations) = Default::default();
-                runtime.store.listed.clear();
-                runtime.tools.clear();
-            }
+            let runtime = &mut *self.macros;
+            (runtime.variables.store.counts, runtime.books.operations) = Default::default();
+            runtime.variables.store.listed.clear();
+            runtime.tools.loaded.clear();
         }
         self.channel.block.clear();
         if !reset {
@@ -115,7 +115,7 @@ impl Kernel<'_> {
 
     /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.
     pub(crate) fn identified(&mut self, index: u32) -> Result<f64, Fault> {
-        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let asked = self.macros.course.identifying;
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return self.get_known(index) };
         match self.identify_variable(code, index, Value::Null)? {
             Answer::Unknown => self.get_known(index),
@@ -128,7 +128,7 @@ impl Kernel<'_> {
     /// Asks it for the value of a function that the control does not have.
     pub(crate) fn identified_function(&mut self, text: &str) -> Result<f64, Fault> {
         let unknown = Fault::NoFunction(text.to_owned());
-        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let asked = self.macros.course.identifying;
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Err(unknown) };
         match self.identify_text(code, text, Value::Null)? {
             Answer::Unknown => Err(unknown),
@@ -204,9 +204,7 @@ impl Kernel<'_> {
     }
 
     fn set_identifying(&mut self, on: bool) {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.identifying = on;
-        }
+        self.macros.course.identifying = on;
     }
 
     /// Value of an expression that a macro gave in place of something that nobody knows; the same text again would be

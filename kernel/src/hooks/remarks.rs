@@ -16,7 +16,7 @@ use crate::channel::burden::shortened;
 use crate::host::{code_id, code_value};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 
 impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.
@@ -40,8 +40,8 @@ impl Kernel<'_> {
 
     /// Whether comments, messages fire codes: where no pre-processor takes them off.
     fn remarks_fire(&self) -> [bool; 2] {
-        let Some(runtime) = self.macros.as_deref() else { return [false; 2] };
-        runtime.store.preprocessor.taken_off.map(|off| !(off && runtime.preprocessed))
+        let runtime = &*self.macros;
+        runtime.variables.store.preprocessor.taken_off.map(|off| !(off && runtime.block.preprocessed))
     }
 
     /// Comments and messages of a text, from left to right.
@@ -112,6 +112,6 @@ impl Kernel<'_> {
         if id == codes::DISPLY {
             return self.show_display(text);
         }
-        self.store(crate::host::variables::names().comment, || Value::Text(Arc::clone(text)));
+        self.store(crate::macros::store::names().comment, || Value::Text(Arc::clone(text)));
     }
 }

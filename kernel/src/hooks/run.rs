@@ -12,10 +12,11 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use crate::channel::Kernel;
-use crate::host::variables::names;
 use crate::log::info::Info;
 use crate::machine::macros::model::{Hook, Macros};
-use crate::macros::runtime::{Call, MOST_NESTED, Runtime, Task, limits, unwinding};
+use crate::macros::calls::{Task, unwinding};
+use crate::macros::runtime::Runtime;
+use crate::macros::store::names;
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {
@@ -35,24 +36,24 @@ impl Kernel<'_> {
         // A machine without macros has a program all the same if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
         let memory = self.shares().macros;
-        self.macros = program.map(|program| {
-            let mut runtime =
-                Runtime::new(macros, program, self.kernel_number(), (self.channel.env.machine.channels.len(), memory));
-            runtime.slots = self.six_axes();
-            runtime.columns = self.travel_columns();
-            let extension = self.channel.env.machine.subprograms.extension.as_str();
-            runtime.store.set(names().extension, Value::text(extension));
-            runtime.store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
-            runtime.store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
-            Box::new(runtime)
-        });
+        let Some(program) = program else { return self };
+        let kernels = self.channel.env.machine.channels.len();
+        let mut runtime = Runtime::new(macros, program, self.kernel_number(), (kernels, memory));
+        runtime.arguments.slots = self.six_axes();
+        runtime.books.columns = self.travel_columns();
+        let (extension, store) =
+            (self.channel.env.machine.subprograms.extension.as_str(), &mut runtime.variables.store);
+        store.set(names().extension, Value::text(extension));
+        store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
+        store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
+        self.macros = Box::new(runtime);
         self
     }
 
     /// The macro of a hook that may run now.
     #[inline]
     pub(crate) fn hook(&self, hook: Hook) -> Option<u16> {
-        self.macros.as_deref().and_then(|runtime| runtime.ready(hook))
+        self.macros.ready(hook)
     }
 
     /// Runs a macro; `arguments` hold its `$P` before and after.
@@ -60,18 +61,14 @@ impl Kernel<'_> {
     /// # Errors
     /// Something inside made the kernel leave its program at once.
     pub(crate) fn run_macro(&mut self, code: u16, task: Task, arguments: &mut [Value]) -> Result<u32, Halt> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
-        let Some(mut state) = runtime.state.take() else { return Ok(0) };
-        let program = Arc::clone(&runtime.program);
+        let Some(mut state) = self.macros.calls.take_state() else { return Ok(0) };
+        let program = Arc::clone(&self.macros.program);
         let selects = task.selects();
         if self.channel.env.trace.is_some() {
             self.trace_entering(code, selects);
         }
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
-        runtime.calls.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
-        runtime.set_busy(code, true);
-        let matching = std::mem::replace(&mut runtime.matching, true);
-        let limit = self.limit_nesting(&mut state);
+        let matching = self.begin_macro(code, task);
+        let limit = self.macros.calls.limit_nesting(&mut state);
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         state.limits.depth = limit;
         let outputs = self.macro_ended(state, code, matching, end);
@@ -86,65 +83,55 @@ impl Kernel<'_> {
     /// # Errors
     /// As [`run_macro`](Self::run_macro).
     pub(crate) fn run_embedded(&mut self, code: u16) -> Result<Value, Halt> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::Null) };
-        let Some(mut state) = runtime.state.take() else { return Ok(Value::Null) };
-        let program = Arc::clone(&runtime.program);
-        runtime.calls.push(Call { code, task: Task::None, matching: true, outputs: 0, functions: Vec::new() });
-        runtime.set_busy(code, true);
-        let matching = std::mem::replace(&mut runtime.matching, true);
-        let limit = self.limit_nesting(&mut state);
+        let Some(mut state) = self.macros.calls.take_state() else { return Ok(Value::Null) };
+        let program = Arc::clone(&self.macros.program);
+        let matching = self.begin_macro(code, Task::None);
+        let limit = self.macros.calls.limit_nesting(&mut state);
         let (end, value) = vm::run(&program, &mut state, self, code, &mut []);
         state.limits.depth = limit;
         self.macro_ended(state, code, matching, end)?;
         Ok(value)
     }
 
-    /// Lets no further macro begin where the stack of the thread would not hold it; gives the limit as it was.
-    fn limit_nesting(&self, state: &mut State) -> u32 {
-        let limit = state.limits.depth;
-        if self.macros.as_deref().is_some_and(|runtime| runtime.calls.len() > MOST_NESTED) {
-            state.limits.depth = state.depth;
-        }
-        limit
+    /// A macro begins; whether macros matched before.
+    fn begin_macro(&mut self, code: u16, task: Task) -> bool {
+        self.macros.calls.begin(code, task);
+        std::mem::replace(&mut self.macros.hooks.matching, true)
     }
 
     fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         if state.depth == 0 {
             self.channel.burden.steps += state.limits.ticks - state.ticks;
         }
         let over = state.over_memory();
-        runtime.state = Some(state);
-        runtime.set_busy(code, false);
-        runtime.matching = matching;
-        let outputs = runtime.calls.pop().map_or(0, |call| call.outputs);
-        if runtime.ending {
-            let halt = runtime.halt.unwrap_or(Halt::Stopped);
-            if runtime.calls.is_empty() {
-                runtime.ending = false;
-                runtime.halt = None;
+        let runtime = &mut *self.macros;
+        runtime.calls.put_state(state);
+        runtime.hooks.matching = matching;
+        let outputs = runtime.calls.end(code);
+        let inside = !runtime.calls.running.is_empty();
+        if runtime.calls.ending {
+            let halt = runtime.calls.halt.unwrap_or(Halt::Stopped);
+            if !inside {
+                runtime.calls.resume();
             }
             return Err(halt);
         }
         if end == End::Budget {
-            let inside = !runtime.calls.is_empty();
-            // Reported with its place; a control whose macros run for ever stands still.
+            // Reported with its place; a control whose macros run indefinitely is stopped.
             let halt = match over {
                 Some(largest) => self.macros_out_of_memory(&largest),
                 None if self.ports.control.cancelled() => Halt::Stopped,
                 None => Halt::Alarm,
             };
-            if let Some(runtime) = self.macros.as_deref_mut() {
-                runtime.ending = inside;
-                if inside {
-                    runtime.halt = Some(halt);
-                }
+            self.macros.calls.ending = inside;
+            if inside {
+                self.macros.calls.halt = Some(halt);
             }
             return Err(halt);
         }
-        let halt = if runtime.calls.is_empty() { runtime.halt.take() } else { None };
-        if runtime.tools_changed && runtime.calls.is_empty() {
-            runtime.tools_changed = false;
+        let halt = if inside { None } else { runtime.calls.halt.take() };
+        if runtime.tools.changed && !inside {
+            runtime.tools.changed = false;
             self.tell_tools();
         }
         halt.map_or(Ok(outputs), Err)
@@ -158,10 +145,7 @@ impl Kernel<'_> {
 
     /// Keeps a reason to leave the program until whoever runs the block can act on it.
     pub(crate) fn keep_halt(&mut self, halt: Halt) {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.halt = Some(halt);
-            runtime.ending = !runtime.calls.is_empty();
-        }
+        self.macros.calls.stop(halt);
     }
 
     /// Lets the kernel work while a macro is running: its state lies here meanwhile.
@@ -173,26 +157,17 @@ impl Kernel<'_> {
         state: &mut State,
         work: impl FnOnce(&mut Self) -> counterpoint_fault::Acted,
     ) -> Result<(), Fault> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));
-        std::mem::swap(&mut *spare, state);
-        runtime.state = Some(spare);
-        let outer = runtime.matching;
-        runtime.matching = runtime.call().is_none_or(|call| call.matching);
+        let runtime = &mut *self.macros;
+        runtime.calls.lend_state(state);
+        let inner = runtime.calls.innermost().is_none_or(|call| call.matching);
+        let outer = std::mem::replace(&mut runtime.hooks.matching, inner);
         let done = work(self);
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        runtime.matching = outer;
-        if let Some(mut spare) = runtime.state.take() {
-            std::mem::swap(&mut *spare, state);
-            runtime.spares.push(spare);
-        }
-        match done {
-            Ok(()) => Ok(()),
-            Err(halt) => {
-                runtime.halt = Some(halt);
-                runtime.ending = true;
-                Err(unwinding(state))
-            }
-        }
+        let runtime = &mut *self.macros;
+        runtime.hooks.matching = outer;
+        runtime.calls.return_state(state);
+        done.map_err(|halt| {
+            (runtime.calls.halt, runtime.calls.ending) = (Some(halt), true);
+            unwinding(state)
+        })
     }
 }

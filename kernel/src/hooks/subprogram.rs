@@ -16,7 +16,7 @@ use crate::log::event::FileId;
 use crate::log::info::File;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::{MainReturn, StoredFile};
-use crate::macros::runtime::{TICKS, Task};
+use crate::macros::calls::{TICKS, Task};
 use crate::mcd::program::Range;
 
 /// Where a subprogram is, if anywhere.
@@ -132,8 +132,10 @@ impl Kernel<'_> {
         let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
-        let info = self.channel.env.info;
-        let Some(source) = info.source(file).filter(|source| line <= source.lines()) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|source| line <= source.lines()) else {
+            return Ok(None);
+        };
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
@@ -150,26 +152,23 @@ impl Kernel<'_> {
         }
         let level = self.flow.frames.len();
         let place = (self.channel.at.file, self.channel.at.line, self.channel.text.edited.clone());
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        let later = std::mem::take(&mut runtime.later);
-        let matching = std::mem::replace(&mut runtime.matching, true);
-        let ticks = runtime.ticks(None);
+        let runtime = &mut *self.macros;
+        let later = std::mem::take(&mut runtime.issued.later);
+        let matching = std::mem::replace(&mut runtime.hooks.matching, true);
+        let ticks = runtime.calls.ticks(None);
         let mut done = self.follow();
         while done.is_ok() && self.flow.frames.len() > level {
-            if let Some(runtime) = self.macros.as_deref_mut() {
-                // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
-                runtime.ticks(Some(TICKS));
-            }
+            // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
+            self.macros.calls.ticks(Some(TICKS));
             done = self.step();
         }
         (self.channel.at.file, self.channel.at.line, self.channel.text.edited) = place;
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.ticks(ticks);
-            runtime.matching = matching;
-            // What its last block left for later comes after what was left before.
-            let own = std::mem::replace(&mut runtime.later, later);
-            runtime.later.extend(own);
-        }
+        let runtime = &mut *self.macros;
+        runtime.calls.ticks(ticks);
+        runtime.hooks.matching = matching;
+        // What its last block left for later comes after what was left before.
+        let own = std::mem::replace(&mut runtime.issued.later, later);
+        runtime.issued.later.extend(own);
         done
     }
 

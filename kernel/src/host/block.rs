@@ -192,13 +192,14 @@ impl Kernel<'_> {
     pub(crate) fn data_as_code(&mut self, arguments: &[Value]) -> Value {
         let id = arguments.first().and_then(data_id).filter(|id| self.knows_data(*id));
         let group = arguments.get(1).and_then(Value::as_real).unwrap_or(-1.0);
-        let (Some(id), Some(runtime)) = (id, self.macros.as_deref_mut()) else { return Value::Logical(false) };
+        let Some(id) = id else { return Value::Logical(false) };
+        let modes = &mut self.macros.modes;
         if group != -1.0 && !(1.0..=999.0).contains(&group) {
             return Value::Logical(false);
         }
-        runtime.data_codes.retain(|(other, _)| *other != id);
+        modes.data_codes.retain(|(other, _)| *other != id);
         if group != -1.0 {
-            runtime.data_codes.push((id, group as u16));
+            modes.data_codes.push((id, group as u16));
         }
         Value::Logical(true)
     }

@@ -10,7 +10,6 @@ use counterpoint_lang::host::Command;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
 
-use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::burden::shortened;
 use crate::channel::state::group;
@@ -18,7 +17,9 @@ use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::{Later, MOST_QUEUED, Task};
+use crate::macros::calls::Task;
+use crate::macros::issued::{Later, MOST_QUEUED};
+use crate::macros::store::names;
 
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;
@@ -47,7 +48,7 @@ impl Kernel<'_> {
     pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         match command {
             Command::Match(on) => {
-                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                if let Some(call) = self.macros.calls.innermost() {
                     call.matching = on;
                 }
             }
@@ -62,15 +63,15 @@ impl Kernel<'_> {
             Command::Search(number) => self.search_record(state, number)?,
             Command::SaveModal => {
                 let groups = self.channel.state.modal.saved();
-                let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
-                if runtime.saved.len() >= MOST_SAVED {
+                let runtime = &mut *self.macros;
+                if runtime.modes.saved.len() >= MOST_SAVED {
                     let text = format!("more than {MOST_SAVED} modal states are saved");
                     return Err(fault(&diag::MODAL_STACK, text));
                 }
-                runtime.saved.push(groups);
+                runtime.modes.saved.push(groups);
             }
             Command::RestoreModal => {
-                let saved = self.macros.as_deref_mut().and_then(|runtime| runtime.saved.pop());
+                let saved = self.macros.modes.saved.pop();
                 let Some(groups) = saved else {
                     return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
                 };
@@ -95,7 +96,7 @@ impl Kernel<'_> {
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
         state.spend(BLOCK_TICKS)?;
-        let task = match self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+        let task = match self.macros.calls.innermost() {
             Some(call) => {
                 call.outputs += 1;
                 call.task.clone()
@@ -170,24 +171,24 @@ impl Kernel<'_> {
     }
 
     fn leave_for_later(&mut self, block: impl FnOnce(bool) -> Later) -> Outcome<()> {
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        if runtime.closing {
+        let runtime = &mut *self.macros;
+        if runtime.course.closing {
             return Ok(());
         }
-        if runtime.later.len() >= MOST_QUEUED {
+        if runtime.issued.later.len() >= MOST_QUEUED {
             let text = format!("more than {MOST_QUEUED} blocks of EXEC/NEXT are waiting");
             return Err(fault(&diag::EXEC_QUEUE, text));
         }
-        let matching = runtime.call().is_none_or(|call| call.matching);
-        runtime.later.push_back(block(matching));
+        let matching = runtime.calls.innermost().is_none_or(|call| call.matching);
+        runtime.issued.later.push_back(block(matching));
         Ok(())
     }
 
     /// TAPERD: the next block that is not blank.
     fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let found = self.flow.frames.last_mut().and_then(|frame| {
-            let source = info.source(frame.file)?;
+            let source = sources.get(frame.file)?;
             let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
             frame.next = line + 1;
             Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))
@@ -199,11 +200,10 @@ impl Kernel<'_> {
                 (0, String::new())
             }
         };
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.store.set(names().mcdrd, Value::text(text));
-            if number > 0 {
-                runtime.store.number = number;
-            }
+        let store = &mut self.macros.variables.store;
+        store.set(names().mcdrd, Value::text(text));
+        if number > 0 {
+            store.number = number;
         }
         Ok(())
     }

@@ -14,7 +14,7 @@ use crate::channel::burden::{RESULT, shortened};
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 
 /// Numbers that `$DIAGLIST` keeps.
 const MOST_LISTED: usize = 10_000;
@@ -92,26 +92,24 @@ impl Kernel<'_> {
     ) {
         let enabled = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         let enabled = self.channel.env.machine.diagnostics.is_plain() || enabled();
-        let Some(runtime) = self.macros.as_deref_mut() else {
-            return self.put_diagnostic((number, severity), &text, origin);
-        };
-        if !runtime.store.messages {
+        let runtime = &mut *self.macros;
+        if !runtime.variables.store.messages {
             if stops {
                 self.put_diagnostic((number, severity), &text, origin);
             }
             return;
         }
         let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
-        let (severity, on) = match runtime.severities.get(&number) {
+        let (severity, on) = match runtime.diagnostics.severities.get(&number) {
             Some(&(changed, on)) if !own => (changed, on),
             _ => (severity, own || enabled),
         };
-        let count = runtime.counts.entry(number).or_default();
+        let count = runtime.diagnostics.counts.entry(number).or_default();
         *count = count.saturating_add(1);
         let times = *count;
         match runtime.ready(Hook::Diagnostic) {
             Some(code) => {
-                runtime.origin = origin;
+                runtime.diagnostics.origin = origin;
                 self.diagnostic_macro(code, (number, severity, on, times), text, stops);
             }
             None if on || stops => self.put_diagnostic((number, severity), &text, origin),
@@ -157,7 +155,7 @@ impl Kernel<'_> {
         let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
         let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
         let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
-        let origin = self.macros.as_deref().and_then(|runtime| runtime.origin.clone());
+        let origin = self.macros.diagnostics.origin.clone();
         self.put_diagnostic((index, severity as u8), text, origin);
         Ok(())
     }
@@ -165,20 +163,19 @@ impl Kernel<'_> {
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
         self.count_error(severity);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.operations.diagnosed(severity);
-            let class = match severity {
-                0..=3 => 0,
-                4..=7 => 1,
-                8..=15 => 2,
-                _ => 3,
-            };
-            if let Some(count) = runtime.store.counts.get_mut(class) {
-                *count += 1.0;
-            }
-            if runtime.store.listed.len() < MOST_LISTED {
-                runtime.store.listed.push(number);
-            }
+        self.macros.books.operations.diagnosed(severity);
+        let class = match severity {
+            0..=3 => 0,
+            4..=7 => 1,
+            8..=15 => 2,
+            _ => 3,
+        };
+        let store = &mut self.macros.variables.store;
+        if let Some(count) = store.counts.get_mut(class) {
+            *count += 1.0;
+        }
+        if store.listed.len() < MOST_LISTED {
+            store.listed.push(number);
         }
         let text: String = shortened(text).chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let operation = self.operation_name().into();
@@ -220,14 +217,12 @@ impl Kernel<'_> {
 
     fn state_of(&self, number: u32) -> Option<(u8, bool)> {
         let (severity, _) = self.entry(number)?;
-        let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number).copied());
+        let changed = self.macros.diagnostics.severities.get(&number).copied();
         let on = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         Some(changed.unwrap_or_else(|| (severity, on())))
     }
 
     fn set_state_of(&mut self, number: u32, state: (u8, bool)) {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.severities.insert(number, state);
-        }
+        self.macros.diagnostics.severities.insert(number, state);
     }
 }

@@ -69,9 +69,9 @@ impl Kernel<'_> {
     /// Shows a dialog; the answer is the label of its button.
     pub(crate) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
         let (machine, options) = (self.channel.env.machine, self.channel.env.options);
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::text("")) };
+        let runtime = &mut *self.macros;
         let key = dialog::find(&machine.dialogs, name).map_or_else(String::new, |dialog| dialog.name.clone());
-        let shown = runtime.asked.dialogs.entry(key).or_default();
+        let shown = runtime.outside.asked.dialogs.entry(key).or_default();
         let answer = answers::nth(&options.answers, name, *shown);
         *shown += 1;
         let fields = dialog::find(&machine.dialogs, name).map_or(&[][..], |dialog| dialog.fields.as_slice());
@@ -123,7 +123,7 @@ impl Kernel<'_> {
             let at = system::table().iter().position(|row| row.name == name && row.indices.is_empty())?;
             return u32::try_from(at).ok().map(Bound::System);
         }
-        let runtime = self.macros.as_deref()?;
+        let runtime = &*self.macros;
         if let Some(number) = name.strip_prefix("%G") {
             let number = number.parse::<u32>().ok().filter(|number| *number < 100)?;
             return Some(Bound::Shared(Shared::Global(number), None));

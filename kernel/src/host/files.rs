@@ -17,12 +17,9 @@ use crate::multi::files::Written;
 impl Kernel<'_> {
     /// Does something with the folder of the run and its files.
     fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
-        let mut folder =
-            self.macros.as_deref_mut().map(|runtime| std::mem::take(&mut runtime.folder)).unwrap_or_default();
+        let mut folder = std::mem::take(&mut self.macros.outside.folder);
         let result = work(&mut folder, self);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.folder = folder;
-        }
+        self.macros.outside.folder = folder;
         result
     }
 
@@ -57,17 +54,15 @@ impl Kernel<'_> {
     /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel
     /// that was stopped had open is lost: how far it got is chance.
     pub(crate) fn close_files(&mut self, halt: Halt) {
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let Some(mut state) = runtime.state() else { return };
-        runtime.leaving = true;
+        let runtime = &mut *self.macros;
+        let Some(mut state) = runtime.calls.take_state() else { return };
+        runtime.outside.leaving = true;
         if halt != Halt::Stopped {
             vm::close_all(&mut state, self);
         }
         self.with_files(Folder::clean);
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.leaving = false;
-            runtime.give_back(state);
-        }
+        self.macros.outside.leaving = false;
+        self.macros.calls.put_state(state);
     }
 
     /// A file stored with the machine.
@@ -103,7 +98,7 @@ impl Shelf for Kernel<'_> {
         if stored(path) {
             return Err(FORBIDDEN);
         }
-        if self.macros.as_deref().is_some_and(|runtime| runtime.leaving) {
+        if self.macros.outside.leaving {
             let tag = self.tag();
             self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
             return Ok(());

@@ -12,14 +12,14 @@ use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
 
 use super::rotary::only_axes;
-use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
 use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::machine::macros::without;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
-use crate::macros::runtime::Restart;
+use crate::macros::parts::Restart;
+use crate::macros::store::names;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
@@ -104,10 +104,9 @@ impl Kernel<'_> {
 
     /// The answer of a function that has nothing to work on, which is told once for each function.
     fn without(&mut self, state: &mut State, function: HostFn, why: &str) -> Value {
-        if let Some(runtime) = self.macros.as_deref_mut()
-            && !runtime.asked.without.contains(&function)
-        {
-            runtime.asked.without.push(function);
+        let asked = &mut self.macros.outside.asked;
+        if !asked.without.contains(&function) {
+            asked.without.push(function);
             state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name())));
         }
         nothing(function)
@@ -123,12 +122,12 @@ impl Kernel<'_> {
         let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
         let file = self.channel.env.info.files.iter().position(|file| file.name == name);
         let good = (1.0..=f64::from(u32::MAX)).contains(&line);
-        let (Some(file), true, Some(runtime)) = (file, good, self.macros.as_deref_mut()) else {
+        let (Some(file), true) = (file, good) else {
             state
                 .warn(Fault::new(Number::NO_FILE, format!("the job has no file '{name}' with a line {line} to go on")));
             return Ok(Value::Logical(false));
         };
-        runtime.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
+        self.macros.course.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
         Ok(Value::Logical(true))
     }
 
@@ -144,7 +143,7 @@ impl Kernel<'_> {
         let expression = text(arguments, 0).trim_end();
         let mut found = Vec::new();
         if expression.is_empty() {
-            let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last());
+            let call = self.macros.calls.running.last();
             let running = call.map(|call| call.code);
             for (_, id, name) in all.filter(|(code, ..)| Some(*code) == running).take(1) {
                 found.extend([Value::Real(f64::from(id)), Value::text(self.called_name().unwrap_or(name))]);
@@ -167,19 +166,19 @@ impl Kernel<'_> {
     /// State of a macro before it was switched.
     fn switch_macro(&mut self, id: f64, on: Option<bool>) -> Option<bool> {
         let macros = self.channel.env.machine.macros.as_deref()?;
-        let runtime = self.macros.as_deref_mut()?;
+        let runtime = &mut *self.macros;
         let is = |other: u32| f64::from(other) == id;
-        let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.codes_on.get_mut(at));
-        let data = macros.data.iter().position(|one| is(one.id)).and_then(|at| runtime.data_on.get_mut(at));
+        let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.codes.get_mut(at));
+        let data = macros.data.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.data.get_mut(at));
         if let Some(slot) = code.or(data) {
             return Some(std::mem::replace(slot, on.unwrap_or(*slot)));
         }
         let (hook, _) = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..).find(|(_, number)| is(*number))?;
         let code = macros.hook(hook)?;
-        let slot = runtime.hooks.get_mut(hook as usize)?;
+        let slot = runtime.hooks.on.get_mut(hook as usize)?;
         let before = slot.is_some();
         *slot = on.unwrap_or(before).then_some(code);
-        if let Some(switch) = runtime.store.switches.get_mut(hook as usize) {
+        if let Some(switch) = runtime.variables.store.switches.get_mut(hook as usize) {
             *switch = on.unwrap_or(before);
         }
         Some(before)

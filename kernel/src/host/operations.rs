@@ -7,10 +7,11 @@
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
-use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::state::group;
 use crate::machine::ident::{codes, data};
+use crate::macros::books::operations::Operation;
+use crate::macros::store::names;
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;
@@ -21,57 +22,11 @@ const MOST_OFFSETS: usize = 64;
 /// Characters of a name that a row keeps.
 const LONGEST_NAME: usize = 200;
 
-/// An operation.
-#[derive(Debug)]
-struct Operation {
-    /// Row of its tool in the tool tables.
-    tool: Value,
-    name: String,
-    /// Start, and end once another one has begun, in seconds.
-    times: (f64, Option<f64>),
-    /// First and last sequence number.
-    blocks: (u32, u32),
-    /// Highest severity of a diagnostic in it.
-    severity: u8,
-    /// Head that was active when it began.
-    head: Option<u8>,
-    /// Numbers of the length, diameter and fixture offsets in force when something moved.
-    offsets: [Vec<u32>; 3],
-}
-
-/// The operations of a kernel.
-#[derive(Debug, Default)]
-pub(crate) struct Operations {
-    rows: Vec<Operation>,
-    /// Name that waits for the next operation.
-    name: String,
-    /// Assignments of `$OPNAME` since the last tool change.
-    assigned: u32,
-    /// Row of the first operation of the loaded tool, 0 for none.
-    first: usize,
-    /// The table is full: nothing more is kept.
-    full: bool,
-}
-
-impl Operations {
-    /// Row of the current operation, 1 for none.
-    pub(crate) fn row(&self) -> usize {
-        self.rows.len() + 1
-    }
-
-    /// Notes the severity of a diagnostic.
-    pub(crate) fn diagnosed(&mut self, severity: u8) {
-        if let Some(row) = self.rows.last_mut().filter(|_| !self.full) {
-            row.severity = row.severity.max(severity);
-        }
-    }
-}
-
 impl Kernel<'_> {
     /// A tool has been changed.
     pub(crate) fn operation_of_tool(&mut self) {
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let operations = &mut runtime.operations;
+        let runtime = &mut *self.macros;
+        let operations = &mut runtime.books.operations;
         operations.assigned = 0;
         operations.first = 0;
         let name = std::mem::take(&mut operations.name);
@@ -80,8 +35,8 @@ impl Kernel<'_> {
 
     /// `$OPNAME` as diagnostics show it, empty without a name.
     pub(crate) fn operation_name(&self) -> String {
-        let Some(runtime) = self.macros.as_deref() else { return String::new() };
-        let name = runtime.store.get(names().operation_name).as_text().unwrap_or("").trim();
+        let runtime = &*self.macros;
+        let name = runtime.variables.store.get(names().operation_name).as_text().unwrap_or("").trim();
         name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
@@ -101,8 +56,8 @@ impl Kernel<'_> {
         let length = if lathe { self.channel.state.place.tool_offset } else { self.channel.state.place.length_number };
         let numbers =
             [if compensated { length } else { 0 }, self.diameter_number(), self.channel.state.place.work_offset];
-        let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| !runtime.operations.full) else { return };
-        let Some(row) = runtime.operations.rows.last_mut() else { return };
+        let operations = &mut self.macros.books.operations;
+        let Some(row) = operations.rows.last_mut().filter(|_| !operations.full) else { return };
         for (list, number) in row.offsets.iter_mut().zip(numbers) {
             if moving != 0 && number != 0 && list.len() < MOST_OFFSETS && !list.contains(&number) {
                 list.push(number);
@@ -112,10 +67,10 @@ impl Kernel<'_> {
 
     /// `$OPNAME` is assigned.
     pub(crate) fn name_operation(&mut self, name: &str) {
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
+        let runtime = &mut *self.macros;
         let name: String = name.chars().take(LONGEST_NAME).collect();
-        let merge = runtime.store.get(names().operation_merge).as_logical() == Some(true);
-        let operations = &mut runtime.operations;
+        let merge = runtime.variables.store.get(names().operation_merge).as_logical() == Some(true);
+        let operations = &mut runtime.books.operations;
         operations.assigned += 1;
         if operations.assigned > 1 && !merge {
             operations.name.clear();
@@ -130,15 +85,15 @@ impl Kernel<'_> {
     fn begin_operation(&mut self, name: String) {
         let (clock, sequence) = (self.channel.at.clock, self.channel.block.sequence);
         let now = clock as f64 / 1e9;
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let tool = runtime.store.get(names().tool_row).clone();
-        let last = runtime.last_sequence;
+        let runtime = &mut *self.macros;
+        let tool = runtime.variables.store.get(names().tool_row).clone();
+        let last = runtime.books.last_sequence;
         let head = match self.channel.state.modal.code(group::HEAD) {
             Some(codes::HEAD_MAIN) => Some(1),
             Some(codes::HEAD_SIDE) => Some(2),
             _ => None,
         };
-        let operations = &mut runtime.operations;
+        let operations = &mut runtime.books.operations;
         if let Some(row) = operations.rows.last_mut().filter(|row| row.times.1.is_none()) {
             row.times.1 = Some(now);
             row.blocks.1 = last;
@@ -150,7 +105,7 @@ impl Kernel<'_> {
         let number = sequence.unwrap_or(last);
         let (times, blocks, offsets) = ((now, None), (number, number), [const { Vec::new() }; 3]);
         operations.rows.push(Operation { tool, name, times, blocks, severity: 0, head, offsets });
-        runtime.operation_sums.switch(operations.row(), clock);
+        runtime.books.operation_sums.switch(operations.row(), clock);
         if operations.first == 0 {
             operations.first = operations.row();
         }
@@ -158,9 +113,9 @@ impl Kernel<'_> {
 
     /// `$OPTAB` as the kernel knows it.
     fn operation(&self, column: i64, row: i64) -> Option<Value> {
-        let runtime = self.macros.as_deref()?;
+        let runtime = &*self.macros;
         let at = usize::try_from(row).ok()?.checked_sub(2)?;
-        let row = runtime.operations.rows.get(at)?;
+        let row = runtime.books.operations.rows.get(at)?;
         let ended = row.times.1.is_some();
         Some(match column {
             1 => row.tool.as_real().map_or(Value::Null, |row| Value::Real(self.seen_tool_row(row))),
@@ -169,7 +124,7 @@ impl Kernel<'_> {
             6 => Value::Real(row.times.0),
             7 => Value::Real(row.times.1.unwrap_or(self.channel.at.clock as f64 / 1e9)),
             8 => Value::Real(f64::from(row.blocks.0)),
-            9 => Value::Real(f64::from(if ended { row.blocks.1 } else { runtime.last_sequence })),
+            9 => Value::Real(f64::from(if ended { row.blocks.1 } else { runtime.books.last_sequence })),
             10 => Value::Real(f64::from(row.severity)),
             11..=13 => {
                 let numbers = row.offsets.get(usize::try_from(column - 11).ok()?)?;
@@ -182,28 +137,23 @@ impl Kernel<'_> {
     /// Reads `$OPTAB(column,row)`.
     pub(crate) fn operation_value(&self, at: &[i64]) -> Value {
         let (column, row) = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
-        let written = self.macros.as_deref().and_then(|r| r.store.element(names().operation_table, (column, row)));
+        let written = self.macros.variables.store.element(names().operation_table, (column, row));
         written.cloned().or_else(|| self.operation(column, row)).unwrap_or(Value::Null)
     }
 
     /// Writes it.
     pub(crate) fn set_operation_value(&mut self, at: &[i64], value: &Value) -> Outcome<()> {
         let place = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
-        match self.macros.as_deref_mut() {
-            Some(runtime) => runtime.store.keep_element(names().operation_table, place, value.clone()),
-            None => Ok(()),
-        }
+        self.macros.variables.store.keep_element(names().operation_table, place, value.clone())
     }
 
     /// `$FOI`, 0 for none.
     pub(crate) fn first_operation(&self) -> usize {
-        self.macros.as_deref().map_or(0, |runtime| runtime.operations.first)
+        self.macros.books.operations.first
     }
 
     /// Sets it.
     pub(crate) fn set_first_operation(&mut self, row: f64) {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.operations.first = row.clamp(0.0, MOST as f64) as usize;
-        }
+        self.macros.books.operations.first = row.clamp(0.0, MOST as f64) as usize;
     }
 }

@@ -7,29 +7,10 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::Fault;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
-use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
 use crate::dialect::Setting;
-
-/// What macros have set.
-#[derive(Debug)]
-pub(crate) struct Settings {
-    /// Comments and messages are taken off the block.
-    pub(crate) taken_off: [bool; 2],
-    /// A variable without a value is vacant; otherwise it, and one that does not exist, is 0.
-    null: bool,
-    /// The identification macro is asked where to write a system variable; otherwise its value is kept.
-    asks: bool,
-    /// Values kept for system variables.
-    kept: FxHashMap<u32, f64>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { taken_off: [true; 2], null: true, asks: true, kept: FxHashMap::default() }
-    }
-}
+use crate::macros::settings::Settings;
 
 /// Settings that belong to other pre-processors than custom macro.
 const FOREIGN: &[(&str, &str)] = &[
@@ -77,7 +58,7 @@ impl Kernel<'_> {
         }
         let on = arguments.get(at).and_then(Value::as_logical).filter(|_| arguments.len() == at + 1);
         let has = self.plan.scanner.has_preprocessor();
-        let settings = self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor).filter(|_| has);
+        let settings = has.then_some(&mut self.macros.variables.store.preprocessor);
         let slot = settings.and_then(|settings| match name.as_str() {
             "PROCESS,COMMENTS" => settings.taken_off.get_mut(0),
             "PROCESS,MESSAGES" => settings.taken_off.get_mut(1),
@@ -99,24 +80,27 @@ impl Kernel<'_> {
         Value::Logical(false)
     }
 
-    fn settings(&mut self) -> Option<&mut Settings> {
-        self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor)
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.macros.variables.store.preprocessor
     }
 
     /// What has no value counts as 0.
     pub(crate) fn reads_zero(&mut self) -> bool {
-        self.settings().is_some_and(|settings| !settings.null)
+        !self.settings().null
     }
 
     /// The value kept for a system variable.
     pub(crate) fn kept_variable(&mut self, index: u32) -> Option<f64> {
-        self.settings()?.kept.get(&index).copied()
+        self.settings().kept.get(&index).copied()
     }
 
     /// Keeps the value of a system variable, if that is what writing it does.
     pub(crate) fn keep_variable(&mut self, index: u32, value: f64) -> bool {
-        let Some(settings) = self.settings().filter(|settings| !settings.asks && index >= 1000) else { return false };
-        settings.kept.insert(index, value);
-        true
+        let settings = self.settings();
+        let keeps = !settings.asks && index >= 1000;
+        if keeps {
+            settings.kept.insert(index, value);
+        }
+        keeps
     }
 }

@@ -39,7 +39,7 @@ impl Kernel<'_> {
                 None => files.remove(&path),
             };
         }
-        let folder = self.macros.as_deref().map(|runtime| runtime.folder.path().to_owned()).unwrap_or_default();
+        let folder = self.macros.outside.folder.path().to_owned();
         let storage =
             self.channel.env.machine.storage.iter().map(|file| (file.path.clone(), file.content.clone())).collect();
         let call = Call { command, folder: &folder, files: files.into_iter().collect(), storage };

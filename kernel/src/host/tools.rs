@@ -9,9 +9,9 @@ use std::cmp::Ordering;
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
-use super::variables::names;
 use crate::channel::Kernel;
 use crate::machine::model::ToolFacts;
+use crate::macros::store::names;
 
 /// Columns of the tool table that the control knows.
 pub(crate) mod column {
@@ -55,35 +55,35 @@ fn compare(a: Option<&Value>, b: Option<&Value>) -> Ordering {
 impl Kernel<'_> {
     /// A cell of the row of a loaded tool, if it has a value.
     pub(crate) fn tool_cell(&self, tool: u32, column: i64) -> Option<&Value> {
-        let runtime = self.macros.as_deref()?;
-        let at = runtime.tools.iter().position(|known| *known == tool)?;
-        runtime.store.element(names().tool_table, (column, at as i64 + 2))
+        let runtime = &*self.macros;
+        let at = runtime.tools.loaded.iter().position(|known| *known == tool)?;
+        runtime.variables.store.element(names().tool_table, (column, at as i64 + 2))
     }
 
     /// Fills the new row of a loaded tool with what the machine knows; what macros have written there stays.
     pub(crate) fn fill_tool_row(&mut self, tool: u32, row: i64) {
         let facts = self.channel.env.machine.tool.facts(tool);
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
+        let runtime = &mut *self.macros;
         for (column, value) in known(tool, facts) {
             let Some(value) = value else { continue };
             let (table, place) = (names().tool_table, (column, row));
-            if column == column::NUMBER || runtime.store.element(table, place).is_none() {
-                runtime.store.set_element(table, place, value);
+            if column == column::NUMBER || runtime.variables.store.element(table, place).is_none() {
+                runtime.variables.store.set_element(table, place, value);
             }
         }
     }
 
     /// `$TLSORT` as a column: 0 for none, negative for the listing only.
     pub(crate) fn tool_sort(&self) -> i64 {
-        let value = self.macros.as_deref().and_then(|runtime| runtime.store.get(names().tool_sort).as_real());
+        let value = self.macros.variables.store.get(names().tool_sort).as_real();
         value.map_or(0, |column| column as i64)
     }
 
     /// Tools by the values of a column: places among the first loads.
     pub(crate) fn sorted_tools(&self, column: i64) -> Vec<u16> {
-        let Some(runtime) = self.macros.as_deref() else { return Vec::new() };
-        let mut order: Vec<u16> = (0..).take(runtime.tools.len()).collect();
-        let cell = |at: u16| runtime.store.element(names().tool_table, (column, i64::from(at) + 2));
+        let runtime = &*self.macros;
+        let mut order: Vec<u16> = (0..).take(runtime.tools.loaded.len()).collect();
+        let cell = |at: u16| runtime.variables.store.element(names().tool_table, (column, i64::from(at) + 2));
         order.sort_by(|a, b| compare(cell(*a), cell(*b)));
         order
     }
@@ -92,21 +92,19 @@ impl Kernel<'_> {
     pub(crate) fn sort_tools(&mut self) {
         let column = self.tool_sort();
         let order = if column > 0 { self.sorted_tools(column) } else { Vec::new() };
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.tool_order = order;
-        }
+        self.macros.tools.order = order;
     }
 
     /// The row that is kept, of one that macros name.
     pub(crate) fn kept_tool_row(&self, row: i64) -> i64 {
-        let order = self.macros.as_deref().map_or(&[][..], |runtime| &runtime.tool_order);
+        let order = &self.macros.tools.order;
         let at = usize::try_from(row).ok().and_then(|row| row.checked_sub(2)).and_then(|at| order.get(at));
         at.map_or(row, |at| i64::from(*at) + 2)
     }
 
     /// The row that macros see, of one that is kept.
     pub(crate) fn seen_tool_row(&self, row: f64) -> f64 {
-        let order = self.macros.as_deref().map_or(&[][..], |runtime| &runtime.tool_order);
+        let order = &self.macros.tools.order;
         order.iter().position(|at| f64::from(*at) + 2.0 == row).map_or(row, |at| at as f64 + 2.0)
     }
 
@@ -117,16 +115,16 @@ impl Kernel<'_> {
     /// `$TLTAB(column,row)`
     pub(crate) fn tool_table_value(&self, at: &[i64]) -> Value {
         let place = self.tool_place(at);
-        let kept = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().tool_table, place));
+        let kept = self.macros.variables.store.element(names().tool_table, place);
         kept.cloned().unwrap_or(Value::Null)
     }
 
     /// Writes it.
     pub(crate) fn set_tool_table_value(&mut self, at: &[i64], value: &Value) -> Outcome<()> {
         let place = self.tool_place(at);
-        let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
-        runtime.tools_changed |= matches!(place.0, column::LENGTH | column::DIAMETER | column::NAME);
-        runtime.store.keep_element(names().tool_table, place, value.clone())
+        let runtime = &mut *self.macros;
+        runtime.tools.changed |= matches!(place.0, column::LENGTH | column::DIAMETER | column::NAME);
+        runtime.variables.store.keep_element(names().tool_table, place, value.clone())
     }
 
     /// `$TLSORT` is assigned.

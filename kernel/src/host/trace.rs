@@ -33,18 +33,18 @@ impl Kernel<'_> {
     pub(crate) fn trace_step(&mut self, step: Step<'_>) {
         match step {
             Step::Statement(code, text) => {
-                let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
+                let running = self.macros.calls.running.last().map(|call| call.code);
                 let letter = if code.is_function { 'H' } else { running.map_or('H', |code| self.macro_letter(code)) };
                 self.trace(letter, |_| trace::statement(text));
             }
             Step::Entering(code) if code.is_function => {
                 self.trace('H', |_| trace::entering(&code.name, ""));
-                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                if let Some(call) = self.macros.calls.innermost() {
                     call.functions.push(code.name.clone());
                 }
             }
             Step::Leaving(code, _) if code.is_function => {
-                if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
+                if let Some(call) = self.macros.calls.innermost() {
                     call.functions.pop();
                 }
                 self.trace('H', |kernel| trace::leaving(&code.name, "", kernel.running_name()));
@@ -78,13 +78,13 @@ impl Kernel<'_> {
 
     /// The macro that goes on, innermost first; none if there is none.
     fn running_name(&self) -> Option<&str> {
-        let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last())?;
+        let call = self.macros.calls.running.last()?;
         Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))
     }
 
     /// The innermost macro of the machine that runs.
     pub(crate) fn called_name(&self) -> Option<&str> {
-        let call = self.macros.as_deref().and_then(|runtime| runtime.calls.last())?;
+        let call = self.macros.calls.running.last()?;
         Some(self.macro_name(call.code, call.task.selects()))
     }
 

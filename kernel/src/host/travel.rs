@@ -1,9 +1,4 @@
-//! How far axes went, by tool and by operation: `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX`.
-//!
-//! Facts: reference system-variables.md 13, 14: columns 1 to 3 X Y Z, 4 to 6 U V W, 7 to 9 A B C as tables,
-//! 10 to 12 A B C as heads, 13 an extending axis, 14 and 15 attachable ones; row 1 is the whole program. Decision:
-//! positions are those of `$XM`, arcs with their extremes. Invariant: an axis that has not moved in a row has no position
-//! there.
+//! `$TLMIN`, `$TLMAX`, `$OPMIN`, `$OPMAX` as macros read and write them.
 
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
@@ -12,9 +7,7 @@ use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Motion};
 use crate::log::geometry::Round;
 use crate::machine::ident::{DataId, data};
-
-/// Columns of the tables.
-const COLUMNS: usize = 15;
+use crate::macros::books::travel::COLUMNS;
 
 /// Data of the axes of the columns.
 const AXES: [DataId; COLUMNS] = [
@@ -35,40 +28,11 @@ const AXES: [DataId; COLUMNS] = [
     data::AXIS_N2,
 ];
 
-/// Smallest and largest position of each column.
-type Row = [[Option<f64>; 2]; COLUMNS];
-
 /// Which end of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
     Low,
     High,
-}
-
-/// The rows of one table.
-#[derive(Debug, Default)]
-pub(crate) struct Travel {
-    rows: Vec<Row>,
-}
-
-impl Travel {
-    fn row(&mut self, at: usize) -> Option<&mut Row> {
-        if self.rows.len() <= at {
-            self.rows.resize(at + 1, Row::default());
-        }
-        self.rows.get_mut(at)
-    }
-
-    /// An axis was at these positions, in the whole program and in a row, which counts from 1.
-    fn add(&mut self, row: usize, column: usize, (low, high): (f64, f64)) {
-        let rows = [0, row.saturating_sub(1)];
-        for &at in rows.get(..if row > 1 { 2 } else { 1 }).unwrap_or_default() {
-            if let Some([least, most]) = self.row(at).and_then(|row| row.get_mut(column)) {
-                *least = Some(least.map_or(low, |least| least.min(low)));
-                *most = Some(most.map_or(high, |most| most.max(high)));
-            }
-        }
-    }
 }
 
 /// Place of a column and of a row that a macro gave.
@@ -102,9 +66,9 @@ impl Kernel<'_> {
         let info = self.channel.env.info;
         let axes = info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
         let round = Round::of(motion, axes);
-        let Some(runtime) = self.macros.as_deref_mut() else { return };
-        let rows = [runtime.tool_sums.row_number(), runtime.operation_sums.row_number()];
-        let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&runtime.columns);
+        let runtime = &mut *self.macros;
+        let rows = [runtime.books.tool_sums.row_number(), runtime.books.operation_sums.row_number()];
+        let ends = motion.from.iter().zip(&motion.to).zip(&preset).zip(&runtime.books.columns);
         for (axis, (((from, to), preset), column)) in ends.enumerate() {
             let Some(column) = *column else { continue };
             let (mut low, mut high) = (from.min(*to), from.max(*to));
@@ -115,8 +79,8 @@ impl Kernel<'_> {
             }
             if low < high {
                 let way = (low + preset, high + preset);
-                runtime.tool_travel.add(rows[0], column, way);
-                runtime.operation_travel.add(rows[1], column, way);
+                runtime.books.tool_travel.add(rows[0], column, way);
+                runtime.books.operation_travel.add(rows[1], column, way);
             }
         }
     }
@@ -130,8 +94,9 @@ impl Kernel<'_> {
 
     /// `$TLMIN(column,row)` and the others.
     pub(crate) fn travel_value(&self, of_tools: bool, end: End, at: &[i64]) -> Value {
-        let travel = self.macros.as_deref().map(|r| if of_tools { &r.tool_travel } else { &r.operation_travel });
-        let found = travel.zip(self.travel_place(of_tools, at)).and_then(|(travel, (column, row))| {
+        let books = &self.macros.books;
+        let travel = if of_tools { &books.tool_travel } else { &books.operation_travel };
+        let found = self.travel_place(of_tools, at).and_then(|(column, row)| {
             let [low, high] = travel.rows.get(row)?.get(column)?;
             if end == End::Low { *low } else { *high }
         });
@@ -142,8 +107,9 @@ impl Kernel<'_> {
     /// Writes one of them.
     pub(crate) fn set_travel_value(&mut self, of_tools: bool, end: End, at: &[i64], value: &Value) -> Outcome<()> {
         let place = self.travel_place(of_tools, at);
-        let (Some(runtime), Some((column, row))) = (self.macros.as_deref_mut(), place) else { return Ok(()) };
-        let travel = if of_tools { &mut runtime.tool_travel } else { &mut runtime.operation_travel };
+        let Some((column, row)) = place else { return Ok(()) };
+        let books = &mut self.macros.books;
+        let travel = if of_tools { &mut books.tool_travel } else { &mut books.operation_travel };
         if let Some([low, high]) = travel.row(row).and_then(|row| row.get_mut(column)) {
             *(if end == End::Low { low } else { high }) = value.as_real();
         }

@@ -13,7 +13,7 @@ use crate::channel::carried::{Carried, Lived};
 use crate::diag;
 use crate::job::{Job, Spec};
 use crate::log::event::{Event, Kind, Phase};
-use crate::macros::runtime::Restart;
+use crate::macros::parts::Restart;
 use crate::mcd::layout;
 use crate::multi::merge::Message;
 use crate::multi::tag::Tag;
@@ -153,7 +153,7 @@ impl Kernel<'_> {
             return refused(self, reason);
         }
         self.load(file).ok()?;
-        let ranges = info.source(file).map(|source| layout::from_line(source, line, machine));
+        let ranges = self.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
         let channels = machine.channels.iter().map(|channel| channel.number);
         let programs: Vec<(u16, At)> = channels
             .zip(ranges.unwrap_or_default())

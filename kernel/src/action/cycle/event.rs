@@ -9,7 +9,7 @@ use super::Hole;
 use crate::channel::Kernel;
 use crate::host::code_value;
 use crate::machine::macros::model::Hook;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.

@@ -25,7 +25,7 @@ use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
@@ -123,7 +123,7 @@ pub(super) fn rigid(kernel: &mut Kernel<'_>, on: bool) -> Acted {
 /// gives, belongs to the cycle.
 #[cold]
 pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
-    let inside = kernel.macros.as_deref().is_some_and(|runtime| !runtime.calls.is_empty());
+    let inside = !kernel.macros.calls.running.is_empty();
     if inside || kernel.channel.state.cycle.block == kernel.channel.at.blocks {
         return Ok(());
     }
@@ -262,7 +262,7 @@ impl Kernel<'_> {
 
     /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
     fn inside_cycle_macro(&self) -> bool {
-        let calls = self.macros.as_deref().map_or(&[][..], |runtime| runtime.calls.as_slice());
+        let calls = self.macros.calls.running.as_slice();
         calls.iter().any(|call| match &call.task {
             Task::Code(_, id) => Kind::of(*id).is_some() || *id == codes::CYCLE_ON,
             Task::Cycle(_) => true,

@@ -8,8 +8,9 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::{Read, Write, names};
+use super::{Read, Write};
 use crate::channel::Kernel;
+use crate::macros::store::names;
 
 /// Characters of a kernel's name in diagnostics.
 const MOST_NAME: usize = 80;
@@ -32,7 +33,7 @@ fn file<'k>(kernel: &Kernel<'k>, at: i64) -> &'k str {
 
 /// Program of a kernel as it stands now.
 fn program(kernel: &Kernel<'_>, at: i64) -> String {
-    let set = kernel.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_program, (at, 0)));
+    let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
     if let Some(text) = set.and_then(Value::as_text) {
         return text.trim().to_owned();
     }
@@ -64,10 +65,7 @@ fn input_of(kernel: &Kernel<'_>, at: i64) -> i64 {
 
 fn set_program(kernel: &mut Kernel<'_>, at: i64, program: &str) -> Outcome<()> {
     let value = Value::text(program);
-    match kernel.macros.as_deref_mut() {
-        Some(runtime) => runtime.store.keep_element(names().kernel_program, (at, 0), value),
-        None => Ok(()),
-    }
+    kernel.macros.variables.store.keep_element(names().kernel_program, (at, 0), value)
 }
 
 fn whole(value: &Value, what: &str) -> Outcome<i64> {
@@ -104,32 +102,31 @@ fn set_kernel(kernel: &mut Kernel<'_>, at: &[i64], value: &Value) -> Outcome<()>
 
 /// Channel of the model that a kernel starts on.
 pub(crate) fn channel_of(kernel: &Kernel<'_>, at: i64) -> f64 {
-    let set = kernel.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_channel, (at, 0)));
+    let set = kernel.macros.variables.store.element(names().kernel_channel, (at, 0));
     set.and_then(Value::as_real).unwrap_or(at as f64)
 }
 
 fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &Value) -> Outcome<()> {
     let wanted = whole(value, "channel")?;
-    match kernel.macros.as_deref_mut() {
-        Some(runtime) => runtime.store.keep_element(names().kernel_channel, (at, 0), number(wanted as f64)),
-        None => Ok(()),
-    }
+    kernel.macros.variables.store.keep_element(names().kernel_channel, (at, 0), number(wanted as f64))
 }
 
 impl Kernel<'_> {
     /// A kernel has got this program and name, and starts on this channel of the model.
     pub(crate) fn tell_program(&mut self, at: i64, program: &str, name: &str, channel: f64) {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.store.set_element(names().kernel_program, (at, 0), Value::text(program));
-            runtime.store.set_element(names().kernel_channel, (at, 0), Value::Real(channel));
-            runtime.store.set_element(names().kernel_name, (at, 0), Value::text(name));
+        if self.plan.hooks.is_none() {
+            return;
         }
+        let store = &mut self.macros.variables.store;
+        store.set_element(names().kernel_program, (at, 0), Value::text(program));
+        store.set_element(names().kernel_channel, (at, 0), Value::Real(channel));
+        store.set_element(names().kernel_name, (at, 0), Value::text(name));
     }
 
     /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; else blank.
     pub(crate) fn kernel_name(&self) -> String {
         let at = (i64::from(self.kernel_number()), 0);
-        let set = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_name, at));
+        let set = self.macros.variables.store.element(names().kernel_name, at);
         let set = set.and_then(Value::as_text).unwrap_or("").trim();
         let own =
             self.channel.env.info.channel(self.channel.at.channel).map_or("MASTER", |channel| channel.name.as_str());
@@ -159,7 +156,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         }
         "$VMCHN" => (
             |k, _| {
-                let set = k.macros.as_deref().and_then(|r| r.store.element(names().model_channel, (0, 0)));
+                let set = k.macros.variables.store.element(names().model_channel, (0, 0));
                 set.cloned().unwrap_or_else(|| {
                     if k.channel.at.channel == 0 {
                         number(0)
@@ -170,10 +167,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             Some(|k, _, value| {
                 let wanted = whole(value, "channel")?;
-                match k.macros.as_deref_mut() {
-                    Some(runtime) => runtime.store.keep_element(names().model_channel, (0, 0), number(wanted as f64)),
-                    None => Ok(()),
-                }
+                k.macros.variables.store.keep_element(names().model_channel, (0, 0), number(wanted as f64))
             }),
         ),
         "$MFICHN" => (

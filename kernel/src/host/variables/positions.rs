@@ -74,10 +74,7 @@ impl Kernel<'_> {
         if place.kind == 'W' && !place.before {
             return self.programmed().get(axis).copied().unwrap_or(0.0);
         }
-        let at = match self.macros.as_deref() {
-            Some(runtime) if place.before => &runtime.before,
-            _ => &self.channel.state.place.position,
-        };
+        let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
             'M' if self.tip().is_some() => {

@@ -4,32 +4,31 @@ use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
-use super::{Read, Store, Write};
+use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::host::code_value;
 use crate::log::info::Unit;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
 use crate::machine::model::{MachineKind, Preprocessor};
+use crate::macros::store::Store;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
 }
 
-fn kept<R>(kernel: &Kernel<'_>, read: impl FnOnce(&Store) -> R) -> Option<R> {
-    kernel.macros.as_deref().map(|runtime| read(&runtime.store))
+fn kept<R>(kernel: &Kernel<'_>, read: impl FnOnce(&Store) -> R) -> R {
+    read(&kernel.macros.variables.store)
 }
 
 fn keep(kernel: &mut Kernel<'_>, write: impl FnOnce(&mut Store)) -> Outcome<()> {
-    if let Some(runtime) = kernel.macros.as_deref_mut() {
-        write(&mut runtime.store);
-    }
+    write(&mut kernel.macros.variables.store);
     Ok(())
 }
 
 /// Counter of a class of severity.
 fn count<const CLASS: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    Value::Real(kept(kernel, |store| store.counts.get(CLASS).copied()).flatten().unwrap_or(0.0))
+    Value::Real(kept(kernel, |store| store.counts.get(CLASS).copied()).unwrap_or(0.0))
 }
 
 fn set_count<const CLASS: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
@@ -109,12 +108,15 @@ fn levels(kernel: &Kernel<'_>) -> u16 {
 /// How a variable is read and written.
 pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$CECODE" => (|k, _| code_value(kept(k, |store| store.code).flatten()), None),
+        "$CECODE" => (|k, _| code_value(k.macros.block.code), None),
         "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.text_bytes())), None),
         "$LMCD" => (|k, _| neighbour(k, false), None),
         "$NMCD" => (|k, _| neighbour(k, true), None),
         "$MCDNO" => (
-            |k, _| number(kept(k, |store| store.number).filter(|number| *number > 0).unwrap_or(k.channel.at.line)),
+            |k, _| {
+                let number_of_read = kept(k, |store| store.number);
+                number(if number_of_read > 0 { number_of_read } else { k.channel.at.line })
+            },
             None,
         ),
         "$SEQNO" => (
@@ -150,7 +152,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$EMBMAC" => (
             |k, at| {
                 let at = at.first().map_or(0, |&at| at as usize - 1);
-                Value::text(kept(k, |store| store.embedding.get(at).cloned()).flatten().unwrap_or_default())
+                Value::text(kept(k, |store| store.embedding.get(at).cloned()).unwrap_or_default())
             },
             Some(|k, at, value| {
                 let at = at.first().map_or(0, |&at| at as usize - 1);
@@ -163,7 +165,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$ERRMSG" => (
-            |k, _| Value::Logical(kept(k, |store| store.messages).unwrap_or(true)),
+            |k, _| Value::Logical(kept(k, |store| store.messages)),
             Some(|k, _, value| {
                 let on = value.as_logical().unwrap_or(true);
                 keep(k, |store| store.messages = on)
@@ -172,7 +174,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$DIAGLIST" => (
             |k, _| {
                 let list = |store: &Store| store.listed.iter().map(|&n| number(n)).collect();
-                Value::sequence(kept(k, list).unwrap_or_default())
+                Value::sequence(kept(k, list))
             },
             Some(|k, _, value| {
                 let list = value.as_sequence().unwrap_or(&[]).iter().filter_map(Value::as_real);

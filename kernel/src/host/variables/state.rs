@@ -5,11 +5,12 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use super::super::travel::End;
-use super::{Read, Write, names};
+use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::channel::state::{feed_of, group};
 use crate::log::event::FeedUnit;
 use crate::machine::ident::{CodeId, codes};
+use crate::macros::store::names;
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())
@@ -89,11 +90,11 @@ fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 }
 
 fn time<const AT: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    number(kernel.macros.as_deref().and_then(|runtime| runtime.store.times.get(AT).copied()).unwrap_or(0.0))
+    number(kernel.macros.variables.store.times.get(AT).copied().unwrap_or(0.0))
 }
 
 fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let slot = kernel.macros.as_deref_mut().and_then(|runtime| runtime.store.times.get_mut(AT));
+    let slot = kernel.macros.variables.store.times.get_mut(AT);
     if let Some(slot) = slot {
         *slot = value.as_real().unwrap_or(0.0);
     }
@@ -102,18 +103,18 @@ fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) 
 
 /// `$MISTIM`: all that was neither motion nor waiting.
 fn misc(kernel: &Kernel<'_>) -> f64 {
-    kernel.macros.as_deref().map_or(0.0, |runtime| {
-        let store = &runtime.store;
+    {
+        let store = &kernel.macros.variables.store;
         (kernel.channel.at.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
-    })
+    }
 }
 
 fn idle(kernel: &Kernel<'_>) -> f64 {
-    kernel.macros.as_deref().map_or(0.0, |runtime| runtime.store.idle as f64 / 1e9 + runtime.store.added_times[1])
+    kernel.macros.variables.store.idle as f64 / 1e9 + kernel.macros.variables.store.added_times[1]
 }
 
 fn add_time<const AT: usize>(kernel: &mut Kernel<'_>, seconds: f64) -> Outcome<()> {
-    if let Some(time) = kernel.macros.as_deref_mut().and_then(|runtime| runtime.store.added_times.get_mut(AT)) {
+    if let Some(time) = kernel.macros.variables.store.added_times.get_mut(AT) {
         *time += seconds;
     }
     Ok(())
@@ -131,7 +132,7 @@ fn whole(value: &Value) -> u32 {
 
 /// A number that is kept.
 fn kept(kernel: &Kernel<'_>, index: u32) -> Option<f64> {
-    kernel.macros.as_deref().and_then(|runtime| runtime.store.get(index).as_real())
+    kernel.macros.variables.store.get(index).as_real()
 }
 
 /// An end of the travel of tools or operations.
@@ -253,9 +254,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Ok(())
             }),
         ),
-        "$OI" | "$OPSIZ" => {
-            (|k, _| number(k.macros.as_deref().map_or(1, |runtime| runtime.operations.row()) as u32), None)
-        }
+        "$OI" | "$OPSIZ" => (|k, _| number(k.macros.books.operations.row() as u32), None),
         "$FOI" => (
             |k, _| number(k.first_operation() as u32),
             Some(|k, _, value| {

@@ -24,10 +24,7 @@ fn switch(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 
 /// A part of the tool axis in the local frame, now or at the start of the last motion.
 fn axis<const PART: usize, const BEFORE: bool>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let at = match kernel.macros.as_deref() {
-        Some(runtime) if BEFORE => runtime.before,
-        _ => kernel.channel.state.place.position,
-    };
+    let at = if BEFORE { kernel.macros.arguments.before } else { kernel.channel.state.place.position };
     let direction = kernel.local_direction(&at);
     Value::Real(direction.get(PART).copied().unwrap_or(0.0))
 }

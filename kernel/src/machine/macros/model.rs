@@ -11,7 +11,7 @@ use super::condition::{Condition, Item};
 use super::environment::MachineEnvironment;
 use crate::machine::Machine;
 use crate::machine::ident::{CodeId, DataId};
-use crate::trace::Letters;
+use counterpoint_event::Letters;
 
 /// A place of the run where one macro may stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
