@@ -18,8 +18,8 @@ pub use date::stamp;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::{Host, HostFn, ROWS};
+use crate::state::State;
 use crate::value::{Kind, Value};
-use crate::vm::State;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 

@@ -12,13 +12,12 @@ pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, st
 pub use functions::HostFn;
 pub(crate) use functions::ROWS;
 
-use crate::bytecode::Code;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::Registers;
 use crate::source::Source;
+use crate::state::{Scale, State};
 use crate::value::{Kind, Value};
-use crate::vm::{Scale, State};
 
 /// A system variable of the host's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,15 +82,24 @@ pub enum Command<'a> {
     System(&'a str),
 }
 
+/// A macro as the trace names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Macro<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// It is a user function.
+    pub is_function: bool,
+}
+
 /// A step of the macro trace. Its text is the line in the documented layout, without what only a control knows.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A macro begins.
-    Entering(&'a Code),
+    Entering(Macro<'a>),
     /// A statement is about to be executed, in standard style.
-    Statement(&'a Code, &'a str),
+    Statement(Macro<'a>, &'a str),
     /// A macro is left; the name of the one that goes on, none for the outermost.
-    Leaving(&'a Code, Option<&'a str>),
+    Leaving(Macro<'a>, Option<&'a str>),
 }
 
 impl std::fmt::Display for Step<'_> {

@@ -9,7 +9,7 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::diag;
 use crate::host::tools::column;
-use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
+use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use crate::log::geometry::Loop;
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
@@ -195,7 +195,7 @@ impl Kernel<'_> {
     /// The event itself: only the listing shows it.
     pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
         let verb = if kind == 1.0 { "select" } else { "load" };
-        self.emit(0, Kind::Mode { text: format!("{verb} head n={id}").into() });
+        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
         Ok(())
     }
 
@@ -257,7 +257,7 @@ impl Kernel<'_> {
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
             self.channel.state.place.selected = tool;
-            self.emit(0, Kind::Tool { action, tool, offset });
+            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
         let before = self.channel.state.place.tool;
@@ -267,7 +267,7 @@ impl Kernel<'_> {
         if action == ToolAction::Load && self.plan.hooks.is_some() {
             self.book_tool(tool, before);
         }
-        self.emit(ns, Kind::Tool { action, tool: self.channel.state.place.tool, offset });
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tool, offset }));
         self.advance(ns);
         Ok(())
     }

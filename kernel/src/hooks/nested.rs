@@ -14,7 +14,7 @@ use crate::channel::parts::Acting;
 use crate::channel::{Kernel, burden};
 use crate::diag;
 use crate::host::{code_id, data_id};
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Trace};
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::trace;
@@ -50,7 +50,7 @@ impl Kernel<'_> {
             Later::Items(items, _) => self.listed(items),
         };
         let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
+        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
     }
 
     /// Processes such a block.

@@ -14,7 +14,7 @@ use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::burden::shortened;
 use crate::host::{code_id, code_value};
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::calls::Task;
 
@@ -65,7 +65,7 @@ impl Kernel<'_> {
         let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.emit(0, Kind::Message { text: text.into(), printed: false });
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {

@@ -18,7 +18,6 @@ pub mod timeline;
 mod told;
 pub mod toolpath;
 pub(crate) mod tools;
-pub mod work;
 
 #[cfg(test)]
 pub(crate) mod testing;

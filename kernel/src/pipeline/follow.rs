@@ -6,7 +6,7 @@ use crate::channel::Kernel;
 use crate::channel::flow::{Callee, Frame, Pending};
 use crate::channel::word_calls::By;
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Call, Kind, Return};
 use crate::machine::model::MainReturn;
 use crate::mcd::spot::Spot;
 use counterpoint_fault::{Acted, Halt};
@@ -173,7 +173,7 @@ impl Kernel<'_> {
 
     pub(crate) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
-        self.emit(0, Kind::Call { program: frame.name.clone(), level });
+        self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
@@ -203,7 +203,7 @@ impl Kernel<'_> {
             self.interpreter_left();
             self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
             let level = self.flow.frames.len() as u16;
-            self.emit(0, Kind::Return { level });
+            self.emit(0, Kind::Return(Return { level }));
             if let Some(hooks) = self.plan.hooks {
                 (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
             }

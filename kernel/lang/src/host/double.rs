@@ -19,8 +19,8 @@ use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
 use crate::func::stamp;
 use crate::source::Source;
+use crate::state::{Scale, State};
 use crate::value::{Kind, Value};
-use crate::vm::{Scale, State};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a system variable takes.
@@ -107,8 +107,8 @@ impl Test {
     #[must_use]
     pub fn bare() -> Test {
         let mut test = Test::default();
-        for (number, severity, about) in diag::TABLE {
-            test.add_diagnostic(number.0, *severity, about);
+        for row in diag::TABLE {
+            test.add_diagnostic(row.number.0, row.severity, row.about);
         }
         test
     }

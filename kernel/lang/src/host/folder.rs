@@ -8,8 +8,8 @@ mod mru;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::HostFn;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 
 /// Temporary files of one run.
 const MOST_TEMPORARIES: usize = 100;

@@ -7,8 +7,8 @@ use super::Test;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::HostFn;
+use crate::state::State;
 use crate::value::{Kind, Value};
-use crate::vm::State;
 
 /// What a function answers that has nothing to work on.
 fn nothing(function: HostFn) -> Value {

@@ -6,8 +6,8 @@
 use super::{FAILED, Folder, Shelf, text};
 use crate::fault::Outcome;
 use crate::host::HostFn;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 use std::fmt::Write as _;
 
 /// Name of a store that is opened without one.
