@@ -69,7 +69,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::FEED_NOT_POSITIVE, text);
             return None;
         }
-        let mut sources = self.plan.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
+        let mut sources = self.plan.data.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
         if sources.any(|source| source.modal) {
             self.channel.state.modal.remember(data::RAPID_FEED, datum.value);
         }

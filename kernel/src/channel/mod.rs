@@ -76,7 +76,7 @@ impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub(crate) fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
         let Setup { env, ports, plan } = setup;
-        let tape = (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
+        let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
         let machine = env.machine;
         Self {
             channel: Channel {

@@ -54,7 +54,8 @@ impl Kernel<'_> {
 
     /// A G word of the block calls by the pre-processor itself.
     pub(crate) fn has_own_call(&self) -> bool {
-        let is_call = |word: &Word| Some(word.register) == self.plan.g && Self::way_of_call(word.value).is_some();
+        let is_call =
+            |word: &Word| Some(word.register) == self.plan.registers.g && Self::way_of_call(word.value).is_some();
         self.channel.block.words.iter().any(is_call)
     }
 

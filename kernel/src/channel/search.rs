@@ -118,7 +118,7 @@ impl Kernel<'_> {
         }
         let mut labels = Labels::default();
         let scanner = &self.plan.scanner;
-        let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
+        let sources = self.plan.data.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
         let mut block = Block::default();
         if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
@@ -226,7 +226,8 @@ impl Kernel<'_> {
         if self.channel.env.machine.storage.is_empty() {
             return Vec::new();
         }
-        let definition = self.plan.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
+        let definition =
+            self.plan.registers.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
         let mut wanted = names(what);
         if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(

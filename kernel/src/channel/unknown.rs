@@ -140,7 +140,7 @@ impl Kernel<'_> {
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.has_any(self.plan.motion_registers) && !self.moves_by_itself();
+        let moves = self.has_any(self.plan.registers.motion) && !self.moves_by_itself();
         let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
         let motions = self
             .channel

@@ -96,7 +96,7 @@ impl Kernel<'_> {
     fn calling_word<'c>(&self, calls: &'c WordCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
-            let kind = if Some(word.register) == self.plan.g { WordKind::G } else { WordKind::Other };
+            let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
             fits.then_some((at, call, program, By { kind, variable: call.variable, value: word.value }))
         })
@@ -113,7 +113,7 @@ impl Kernel<'_> {
 
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
-        let source = self.plan.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
+        let source = self.plan.data.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
         let at =
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };

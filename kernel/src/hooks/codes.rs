@@ -12,11 +12,11 @@ use crate::channel::data::Datum;
 use crate::channel::hook_points::Origin;
 use crate::channel::state::group;
 use crate::diag;
-use crate::host::{code_id, code_value, data_value};
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::calls::Task;
+use crate::macros::values::{code_id, code_value, data_value};
 
 /// A value that has been taken, before data macros and units.
 struct Taken {
@@ -65,7 +65,9 @@ impl Kernel<'_> {
 
     /// Register of the sequence numbers that the head of this channel has of its own.
     pub(crate) fn own_sequence(&self) -> Option<u8> {
-        let own = usize::from(self.kernel_number()).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
+        let own = usize::from(self.kernel_number())
+            .checked_sub(1)
+            .and_then(|head| self.plan.registers.head_sequences.get(head));
         own.copied().flatten()
     }
 
@@ -76,7 +78,7 @@ impl Kernel<'_> {
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
     pub(crate) fn imply_by_data(&mut self) {
-        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
+        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.registers.motion) {
             self.imply_motion();
         }
         let count = self.macros.modes.data_codes.len();
@@ -221,7 +223,7 @@ impl Kernel<'_> {
             return Some(Taken { value, factor: 1.0, incremental: false, raw: value, modal: false, register: None });
         }
         let plan = self.plan;
-        for source in plan.sources.get(usize::from(id.0))? {
+        for source in plan.data.sources.get(usize::from(id.0))? {
             let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
@@ -238,7 +240,7 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.across.contains(&id) { self.across_factor() } else { 1.0 };
+        let across = if self.plan.data.across.contains(&id) { self.across_factor() } else { 1.0 };
         let factor = self.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }

@@ -13,10 +13,10 @@ use crate::channel::hook_points::Origin;
 use crate::channel::parts::Acting;
 use crate::channel::{Kernel, burden};
 use crate::diag;
-use crate::host::{code_id, data_id};
 use crate::log::event::{Kind, Trace};
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
+use crate::macros::values::{code_id, data_id};
 use crate::trace;
 
 /// A block that another one within it interrupts.

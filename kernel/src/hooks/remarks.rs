@@ -13,10 +13,10 @@ use counterpoint_lang::value::Value;
 use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::burden::shortened;
-use crate::host::{code_id, code_value};
 use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::calls::Task;
+use crate::macros::values::{code_id, code_value};
 
 impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.

@@ -7,11 +7,11 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident;
 use counterpoint_lang::value::Value;
 
-use super::{code_id, code_value, data_id};
 use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::CodeForm;
+use crate::macros::values::{code_id, code_value, data_id};
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;
@@ -103,7 +103,7 @@ impl Kernel<'_> {
 
     /// Data are on the block.
     pub(crate) fn has_data(&self, id: DataId) -> bool {
-        let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        let registers = self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
         self.channel.block.present & registers != 0
             || self.channel.block.added.iter().any(|(other, _)| *other == id)
             || self.channel.acting.as_data.is_some_and(|(other, _)| other == id)
@@ -161,7 +161,7 @@ impl Kernel<'_> {
             return Some(value);
         }
         let plan = self.plan;
-        for source in plan.sources.get(usize::from(id.0)).map_or(&[][..], Vec::as_slice) {
+        for source in plan.data.sources.get(usize::from(id.0)).map_or(&[][..], Vec::as_slice) {
             let word =
                 if take { self.channel.block.take(source.register) } else { self.channel.block.look(source.register) };
             if let Some(word) = word {

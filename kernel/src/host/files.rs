@@ -39,16 +39,12 @@ impl Kernel<'_> {
         self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 
-    /// A function of files, none for others.
-    pub(crate) fn file_function(
-        &mut self,
-        state: &mut State,
-        function: HostFn,
-        arguments: &[Value],
-    ) -> Option<Outcome<Value>> {
+    /// A function of files.
+    pub(crate) fn file_function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
         let program =
             self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
-        self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
+        let answer = self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program));
+        answer.unwrap_or(Ok(Value::Null))
     }
 
     /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel

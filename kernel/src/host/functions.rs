@@ -37,9 +37,6 @@ impl Kernel<'_> {
         function: HostFn,
         arguments: &[Value],
     ) -> Outcome<Value> {
-        if let Some(answer) = self.file_function(state, function, arguments) {
-            return answer;
-        }
         Ok(match function {
             HostFn::EndOfProgram => Value::Logical(self.at_end()),
             HostFn::SearchForward => self.search_program(state, arguments, true)?,
@@ -73,14 +70,9 @@ impl Kernel<'_> {
             HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
             HostFn::ForwardKinematics => self.forward(arguments)?,
             HostFn::InverseKinematics => self.backward(arguments)?,
-            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => {
-                only_axes(arguments)?;
-                match function {
-                    HostFn::ConfigureKinematics => self.configure(arguments),
-                    HostFn::SelectRotaryAxes => self.choose_rotary(arguments),
-                    _ => self.unwind_named(arguments),
-                }
-            }
+            HostFn::ConfigureKinematics => self.configure(only_axes(arguments)?),
+            HostFn::SelectRotaryAxes => self.choose_rotary(only_axes(arguments)?),
+            HostFn::Unwind => self.unwind_named(only_axes(arguments)?),
             HostFn::CutterDiameter => self.read_radius(Radii::Cutter, arguments)?,
             HostFn::CornerRadius => self.read_radius(Radii::Corner, arguments)?,
             HostFn::LengthOffset => self.read_offset(Table::Length, arguments)?,
@@ -90,20 +82,88 @@ impl Kernel<'_> {
             HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
             HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
             HostFn::LocalFrame => self.give_frame(arguments)?,
-            function => match without::why(function) {
-                Some(why) => self.without(state, function, why),
-                None => {
-                    return Err(Fault::new(
-                        Number::NO_HOST,
-                        format!("{} is not available on this control", function.name()),
-                    ));
-                }
-            },
+            HostFn::FileAccess
+            | HostFn::FileStatus
+            | HostFn::CurrentFolder
+            | HostFn::ChangeFolder
+            | HostFn::TemporaryFile
+            | HostFn::MruOpen
+            | HostFn::MruClose
+            | HostFn::MruKey
+            | HostFn::MruKeys
+            | HostFn::MruDeleteKey
+            | HostFn::MruDeleteKeys
+            | HostFn::MruParameter
+            | HostFn::MruParameters
+            | HostFn::MruSetParameter
+            | HostFn::MruDeleteParameter
+            | HostFn::MruDeleteParameters => self.file_function(state, function, arguments)?,
+            HostFn::Pause
+            | HostFn::Document
+            | HostFn::TimeSync
+            | HostFn::Apply
+            | HostFn::ModelNewChannel
+            | HostFn::ModelDeleteChannel
+            | HostFn::ModelActivateChannel
+            | HostFn::ModelBindAxis
+            | HostFn::ModelReleaseAxis
+            | HostFn::ModelControllingChannel
+            | HostFn::ModelMarks
+            | HostFn::ModelPosition
+            | HostFn::ModelJointPositions
+            | HostFn::ModelLocalPositions
+            | HostFn::ModelLimits
+            | HostFn::ModelMapAxes
+            | HostFn::ModelMove
+            | HostFn::ModelFollow
+            | HostFn::ModelUnwind
+            | HostFn::ModelUpdatePositions
+            | HostFn::ModelFrame
+            | HostFn::ModelSetFrame
+            | HostFn::ModelReference
+            | HostFn::ModelSetReference
+            | HostFn::ModelDelay
+            | HostFn::ModelMasterSpindle
+            | HostFn::ModelChuck
+            | HostFn::ModelAttach
+            | HostFn::ModelComponent
+            | HostFn::ModelComponentName
+            | HostFn::ModelComponentType
+            | HostFn::ModelTool
+            | HostFn::ModelHolder
+            | HostFn::ModelPart
+            | HostFn::ModelFixture
+            | HostFn::ModelChips
+            | HostFn::ModelToolPath
+            | HostFn::ModelCamera
+            | HostFn::ModelPicture
+            | HostFn::ModelComponents
+            | HostFn::ModelPocket
+            | HostFn::ModelAddTool
+            | HostFn::ModelBeginToolChange
+            | HostFn::ModelEndToolChange
+            | HostFn::ModelColour
+            | HostFn::ModelGouges
+            | HostFn::ModelExportSurface
+            | HostFn::ModelSetup
+            | HostFn::ModelTransfer
+            | HostFn::ModelProbe
+            | HostFn::ModelProbeComponent
+            | HostFn::ModelProbePosition
+            | HostFn::ModelProbeData
+            | HostFn::ModelClearanceZone
+            | HostFn::ModelLaser
+            | HostFn::ModelNearMisses
+            | HostFn::ModelCollisions
+            | HostFn::ModelAdaptiveFeed
+            | HostFn::ModelMaterialRemoval
+            | HostFn::ModelTolerance => self.without(state, function),
         })
     }
 
     /// The answer of a function that has nothing to work on, which is told once for each function.
-    fn without(&mut self, state: &mut State, function: HostFn, why: &str) -> Value {
+    fn without(&mut self, state: &mut State, function: HostFn) -> Value {
+        let Some(why) = without::why(function) else { return nothing(function) };
         let asked = &mut self.macros.outside.asked;
         if !asked.without.contains(&function) {
             asked.without.push(function);

@@ -26,11 +26,11 @@ pub(crate) fn is(value: Option<&Value>, word: &str) -> bool {
 }
 
 /// Refuses what can be neither an axis nor what is told of one.
-pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<()> {
+pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<&[Value]> {
     let fits = |value: &&Value| matches!(value, Value::Real(_) | Value::Keyword(_) | Value::Record(_));
     match arguments.iter().find(|value| !fits(value)) {
         Some(other) => Err(Fault::kind("a number or a keyword", other)),
-        None => Ok(()),
+        None => Ok(arguments),
     }
 }
 

@@ -13,5 +13,6 @@ pub(crate) mod reused;
 pub(crate) mod runtime;
 pub(crate) mod settings;
 pub(crate) mod store;
+pub(crate) mod values;
 
 pub(crate) use calls::STACK;

@@ -57,14 +57,14 @@ impl Kernel<'_> {
         let mut call = self.plan.word_calls.is_some() && self.calls_by_word();
         for position in 0..self.channel.block.words.len() {
             let Some(word) = self.channel.block.words.get(position) else { break };
-            if self.plan.only_data & 1 << word.register != 0 {
+            if self.plan.registers.only_data & 1 << word.register != 0 {
                 self.channel.block.index_word(position);
                 continue;
             }
             let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
             match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
-                None if Some(word.register) == self.plan.g && self.calls_by(word.value) => {
+                None if Some(word.register) == self.plan.registers.g && self.calls_by(word.value) => {
                     call |= word.value != END_CALLS;
                     self.use_word(position);
                 }
@@ -114,7 +114,13 @@ impl Kernel<'_> {
 
     /// The word at a position, the place of the code that it fires and the group in which only the last one acts.
     fn code_of_word(&self, position: usize) -> Option<(Word, usize, u16)> {
-        let word = self.channel.block.words.get(position).copied().filter(|word| Some(word.register) == self.plan.g)?;
+        let word = self
+            .channel
+            .block
+            .words
+            .get(position)
+            .copied()
+            .filter(|word| Some(word.register) == self.plan.registers.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
         let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
         let at = self.channel.block.firings.iter().position(fired)?;
@@ -178,7 +184,7 @@ impl Kernel<'_> {
             .data_of_register
             .get(usize::from(word.register))
             .is_some_and(|rows| !rows.is_empty());
-        if Some(word.register) == self.plan.definition {
+        if Some(word.register) == self.plan.registers.definition {
             self.use_word(position);
         } else if known {
             self.channel.block.index_word(position);
@@ -200,7 +206,7 @@ impl Kernel<'_> {
         if self.channel.block.swallows {
             self.drop_ignored();
         }
-        if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
+        if self.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
         if self.channel.state.modal.refires.is_empty() {
@@ -263,7 +269,7 @@ impl Kernel<'_> {
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
-        moves && (self.has_any(self.plan.motion_registers) || self.adds_motion()) || self.has_firing_data(group)
+        moves && (self.has_any(self.plan.registers.motion) || self.adds_motion()) || self.has_firing_data(group)
     }
 
     pub(crate) fn group_queued(&self, group: u16) -> bool {

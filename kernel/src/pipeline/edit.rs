@@ -40,7 +40,7 @@ impl Kernel<'_> {
     pub(crate) fn reshape<'l>(&mut self, line: &'l [u8], number: u32) -> Result<Reshaped<'l>, Halt> {
         let (block, only) = self.part(line, number);
         let mut text = (!only).then(|| Arc::from(block));
-        if let Some(tape) = &self.plan.tape {
+        if let Some(tape) = &self.plan.edits.tape {
             let (on, memory) = &mut self.channel.text.tape;
             let limit = self.channel.env.options.limits.block_length;
             let edited = tape.edit(block, &Within { on, longest: limit, stop: self.ports.control.stop() }, memory);
@@ -78,7 +78,7 @@ impl Kernel<'_> {
     /// somewhere in the file.
     #[inline(always)]
     pub(crate) fn is_reshaped(&mut self, source: &Source) -> bool {
-        if self.plan.tape.is_some() || self.plan.scanner.eob().is_some_and(|eob| source.has(eob)) {
+        if self.plan.edits.tape.is_some() || self.plan.scanner.eob().is_some_and(|eob| source.has(eob)) {
             return true;
         }
         if self.channel.text.edited.is_some() {

@@ -20,7 +20,7 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
-        if self.has_any(self.plan.speed_registers) {
+        if self.has_any(self.plan.registers.speed) {
             crate::action::spindle::speed_word(self)?;
         }
         if self.channel.block.has_leftovers() {
@@ -68,7 +68,7 @@ impl Kernel<'_> {
             let Some(row) = machine.data.get(usize::from(index)) else { continue };
             // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
             if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE)
-                || self.plan.ignore.get(usize::from(index)).copied().unwrap_or(false)
+                || self.plan.data.ignore.get(usize::from(index)).copied().unwrap_or(false)
             {
                 known = true;
                 continue;

@@ -62,7 +62,7 @@ impl Kernel<'_> {
             return Err(self.too_long(text.len()));
         }
         let held;
-        let text = if self.plan.reshapes && self.is_reshaped(source) {
+        let text = if self.plan.edits.reshapes && self.is_reshaped(source) {
             held = self.reshape(text, line)?;
             let text = held.text();
             if text.trim_ascii().is_empty() {

@@ -7,9 +7,9 @@ use counterpoint_lang::value::Value;
 
 use super::Hole;
 use crate::channel::Kernel;
-use crate::host::code_value;
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
+use crate::macros::values::code_value;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.

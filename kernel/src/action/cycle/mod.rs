@@ -146,7 +146,7 @@ fn not_cancelled(kernel: &mut Kernel<'_>) {
 
 /// Words of a position or a height are free on the block.
 fn has_position(kernel: &Kernel<'_>) -> bool {
-    kernel.has_any(kernel.plan.motion_registers) || !kernel.channel.block.added.is_empty()
+    kernel.has_any(kernel.plan.registers.motion) || !kernel.channel.block.added.is_empty()
 }
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
