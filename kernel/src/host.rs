@@ -29,13 +29,13 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
 use crate::channel::Kernel;
-use crate::channel::burden::weight;
 use crate::machine::ident::{codes, data};
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
 use crate::multi::shared::Shared;
+use crate::state::burden::weight;
 
 impl Shared {
     /// A global variable that all kernels share.
@@ -93,7 +93,7 @@ impl Host for Kernel<'_> {
     }
 
     fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let runtime = &mut *self.macros;
         if runtime.variables.first_shared.is_some_and(|first| index >= first) {
             let place = index as usize;
@@ -175,7 +175,7 @@ impl Host for Kernel<'_> {
             return;
         }
         if stops {
-            self.stop_here();
+            self.channel.stop_here();
         }
         let origin = (self.origin_of(&diagnostic), stops);
         let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);

@@ -21,4 +21,5 @@ mod macros;
 pub mod mcd;
 mod multi;
 mod pipeline;
+mod state;
 pub mod trace;

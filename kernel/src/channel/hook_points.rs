@@ -6,12 +6,12 @@
 use counterpoint_fault::{Acted, Halt};
 
 use super::Kernel;
-use super::block::Firing;
 use super::data::Datum;
 use super::flow::Called;
 use crate::log::event::{FileId, Motion};
 use crate::machine::ident::{CodeId, DataId};
 use crate::mcd::program::Range;
+use crate::state::block::Firing;
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

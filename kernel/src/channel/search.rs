@@ -10,7 +10,6 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use super::block::Block;
 use super::flow::Callee;
 use super::scan::Kind;
 use crate::log::event::FileId;
@@ -20,6 +19,7 @@ use crate::machine::number::written;
 use crate::macros::store;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
+use crate::state::block::Block;
 
 /// Lines of a file by label, ascending.
 pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;

@@ -3,20 +3,20 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
 use crate::channel::data::Datum;
 use crate::channel::hook_points::Origin;
-use crate::channel::state::group;
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value, data_value};
+use crate::state::block::Firing;
+use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 
 /// A value that has been taken, before data macros and units.
 struct Taken {
@@ -65,7 +65,7 @@ impl Kernel<'_> {
 
     /// Register of the sequence numbers that the head of this channel has of its own.
     pub(crate) fn own_sequence(&self) -> Option<u8> {
-        let own = usize::from(self.kernel_number())
+        let own = usize::from(self.channel.kernel_number())
             .checked_sub(1)
             .and_then(|head| self.plan.registers.head_sequences.get(head));
         own.copied().flatten()
@@ -78,7 +78,8 @@ impl Kernel<'_> {
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
     pub(crate) fn imply_by_data(&mut self) {
-        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.registers.motion) {
+        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.channel.has_any(self.plan.registers.motion)
+        {
             self.imply_motion();
         }
         let count = self.macros.modes.data_codes.len();
@@ -229,8 +230,8 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let across = if source.across { self.across_factor() } else { 1.0 };
-            let factor = self.unit_factor(source.dimension) * across;
+            let across = if source.across { self.channel.across_factor() } else { 1.0 };
+            let factor = self.channel.unit_factor(source.dimension) * across;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
@@ -240,8 +241,8 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.data.across.contains(&id) { self.across_factor() } else { 1.0 };
-        let factor = self.unit_factor(dimension) * across;
+        let across = if self.plan.data.across.contains(&id) { self.channel.across_factor() } else { 1.0 };
+        let factor = self.channel.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }
 
@@ -324,7 +325,7 @@ impl Kernel<'_> {
             let modal = rows.clone().any(|row| row.modal && row.process);
             let name = self.channel.env.machine.data_name(id).to_owned();
             if modal && !name.starts_with("REG_AXIS_") {
-                let factor = rows.map(|row| self.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
+                let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
                 self.channel.state.modal.remember(id, value * factor);
                 continue;
             }

@@ -248,7 +248,7 @@ impl Kernel<'_> {
         if let Some(time) = runtime.variables.store.times.get_mut(rapid) {
             *time += seconds;
         }
-        runtime.variables.store.moving += Self::ns(seconds);
+        runtime.variables.store.moving += crate::state::channel::nanoseconds(seconds);
         self.sum_motion(rapid == 1, seconds, motion.length);
         self.note_travel(motion);
     }

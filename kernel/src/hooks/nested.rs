@@ -7,16 +7,17 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
-use crate::channel::block::Block;
+use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
-use crate::channel::parts::Acting;
-use crate::channel::{Kernel, burden};
 use crate::diag;
 use crate::log::event::{Kind, Trace};
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
+use crate::state::block::Block;
+use crate::state::burden;
+use crate::state::channel::Acting;
 use crate::trace;
 
 /// A block that another one within it interrupts.

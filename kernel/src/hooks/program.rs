@@ -2,13 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use crate::action;
 use crate::channel::Kernel;
 use crate::channel::flow::{Flow, Frame};
-use crate::channel::state::Modal;
 use crate::diag;
 use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
@@ -17,6 +15,10 @@ use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::parts::Restart;
 use crate::mcd::program::Range;
+use crate::state::modal::Modal;
+use crate::state::probing::Probing;
+use crate::state::thread::Threads;
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -38,7 +40,7 @@ impl Kernel<'_> {
         runtime.issued.later.clear();
         runtime.course.closing = true;
         runtime.block.text = None;
-        self.clear_stop();
+        self.channel.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -80,15 +82,15 @@ impl Kernel<'_> {
             (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
                 (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
-                (action::cycle::State::new(self.channel.env.machine), action::arc::State::default());
+                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
             action::frame::forget(self);
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
-                *self.channel.state.others = action::states::States::new(self.channel.env.machine, channel);
+                *self.channel.state.others = crate::state::Others::new(self.channel.env.machine, channel);
             }
             (*self.channel.state.threads, *self.channel.state.skip) =
-                (action::thread::State::new(self.channel.env.machine), action::skip::State::default());
+                (Threads::new(self.channel.env.machine), Probing::default());
             let runtime = &mut *self.macros;
             (runtime.variables.store.counts, runtime.books.operations) = Default::default();
             runtime.variables.store.listed.clear();

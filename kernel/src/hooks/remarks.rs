@@ -5,18 +5,18 @@
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
-use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::burden::shortened;
 use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::calls::Task;
 use crate::macros::values::{code_id, code_value};
+use crate::state::block::Firing;
+use crate::state::burden::shortened;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// Comments and messages of a block that is split into words.

@@ -35,10 +35,10 @@ impl Kernel<'_> {
         let none = Macros::default();
         // A machine without macros has a program all the same if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
-        let memory = self.shares().macros;
+        let memory = self.channel.shares().macros;
         let Some(program) = program else { return self };
         let kernels = self.channel.env.machine.channels.len();
-        let mut runtime = Runtime::new(macros, program, self.kernel_number(), (kernels, memory));
+        let mut runtime = Runtime::new(macros, program, self.channel.kernel_number(), (kernels, memory));
         runtime.arguments.slots = self.six_axes();
         runtime.books.columns = self.travel_columns();
         let (extension, store) =
@@ -139,7 +139,7 @@ impl Kernel<'_> {
 
     /// Ends the job: the macros of this kernel keep more than their share of its memory.
     fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
-        let share = self.shares().macros;
+        let share = self.channel.shares().macros;
         self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
     }
 

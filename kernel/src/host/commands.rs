@@ -11,8 +11,6 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::channel::burden::shortened;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Kind, Message, Trace};
 use crate::machine::ident::{CodeId, codes};
@@ -20,6 +18,8 @@ use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::issued::{Later, MOST_QUEUED};
 use crate::macros::store::names;
+use crate::state::burden::shortened;
+use crate::state::modal::group;
 
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;
@@ -40,8 +40,8 @@ impl Kernel<'_> {
     pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
         self.channel.state.modal.restore(saved);
         self.follow_cycle();
-        self.follow_spindle();
-        self.follow_clamps();
+        self.channel.follow_spindle();
+        self.channel.follow_clamps();
         self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
     }
 

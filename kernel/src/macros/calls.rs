@@ -13,9 +13,9 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Limits, State};
 
 use crate::action::cycle::Hole;
-use crate::channel::block::Firing;
 use crate::log::event::{Motion, ToolAction};
 use crate::machine::ident::CodeId;
+use crate::state::block::Firing;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use crate::channel::block::Block;
+use crate::state::block::Block;
 
 /// Blocks that EXEC/NEXT may leave waiting.
 pub(crate) const MOST_QUEUED: usize = 10_000;

@@ -47,17 +47,9 @@ pub use verdict::{Member, Verdict, VerdictKind};
 pub use wait::{Primitive, Release, Wait, mark};
 pub use work::Work;
 
+pub use crate::{FileId, MAX_AXES, Position};
+
 use fields::{Datum, Field, Fields, Texts, Value};
-
-/// Most axes one channel can command. Positions are arrays of this length in the axis order of the channel.
-pub const MAX_AXES: usize = 8;
-
-/// One position: values by axis index of the channel, in machine units (mm or inch, degrees), diameters on
-/// diameter axes.
-pub type Position = [f64; MAX_AXES];
-
-/// Index into [`crate::log::info::Info::files`].
-pub type FileId = u16;
 
 /// What happened on one channel at one instant or during one stretch of simulated time.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,7 +118,7 @@ declare::kinds! {
 
 impl Kind {
     /// Bytes of the texts that it carries.
-    pub(crate) fn text_bytes(&self) -> usize {
+    pub fn text_bytes(&self) -> usize {
         let mut texts = Texts::default();
         self.fields(&mut texts);
         texts.0
