@@ -4,8 +4,8 @@
 
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
+use counterpoint_lang::explain::{self, Entry};
 use counterpoint_lang::func::{self, Way};
-use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 

@@ -10,12 +10,13 @@ mod fmt;
 mod kinds;
 mod run;
 mod sandbox;
+mod standalone;
 mod terms;
 
 use std::path::{Path, PathBuf};
 
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::tools::File;
+use counterpoint_lang_standalone::File;
 
 use crate::error::Error;
 use crate::say;

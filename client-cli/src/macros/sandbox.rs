@@ -11,7 +11,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, Metadata, OpenOptions};
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Outside, Shelf, Stream};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Shelf};
+use counterpoint_lang_standalone::{Outside, Stream};
 
 use crate::error::Error;
 use crate::say;

@@ -291,7 +291,7 @@ impl Runtime {
     pub(crate) fn measure(&mut self) {
         self.busy.resize(self.program.macros.len(), false);
         for code in self.program.macros.iter().skip(self.uses.len()) {
-            let bits = code.arguments.iter().filter(|(number, _)| *number < 128);
+            let bits = code.signature.arguments.iter().filter(|(number, _)| *number < 128);
             self.uses.push(bits.fold(0, |bits, (number, _)| bits | 1 << number));
         }
     }

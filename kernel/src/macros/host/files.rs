@@ -4,7 +4,7 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, HostFn, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Files, Folder, HostFn, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
@@ -24,22 +24,6 @@ impl Kernel<'_> {
             runtime.folder = folder;
         }
         result
-    }
-
-    pub(super) fn openable(&mut self, state: &mut State, path: &str) -> i32 {
-        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
-    }
-
-    pub(super) fn file_writable(&mut self, path: &str) -> i32 {
-        self.with_files(|folder, shelf| folder.writable(shelf, path))
-    }
-
-    pub(super) fn file_text(&mut self, path: &str) -> Option<String> {
-        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
-    }
-
-    pub(super) fn keep_file(&mut self, path: &str, text: &str) -> bool {
-        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 
     /// A function of files, none for others.
@@ -81,6 +65,24 @@ impl Kernel<'_> {
             self.keep_halt(halt);
             FAILED
         })
+    }
+}
+
+impl Files for Kernel<'_> {
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.writable(shelf, path))
+    }
+
+    fn read_file(&mut self, path: &str) -> Option<String> {
+        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
+    }
+
+    fn write_file(&mut self, path: &str, text: &str) -> bool {
+        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 }
 
