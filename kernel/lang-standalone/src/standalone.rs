@@ -77,8 +77,8 @@ impl Standalone {
     #[must_use]
     pub fn bare() -> Self {
         let mut host = Self::default();
-        for (number, severity, about) in diag::TABLE {
-            host.add_diagnostic(number.0, *severity, about);
+        for row in diag::TABLE {
+            host.add_diagnostic(row.number.0, row.severity, row.about);
         }
         host
     }

@@ -46,7 +46,7 @@ mod word_calls;
 
 use block::Block;
 use burden::Burden;
-use counterpoint_fault::{Acted, Halt};
+use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
 use flow::Flow;
 use parts::{Acting, At, BlockText, DialectState, Environment, Ports, Reports, Setup, State};
