@@ -52,5 +52,5 @@ fn say_finding(finding: &Diagnostic) {
     let style = if finding.is_error() { say::BAD } else { say::WARN };
     let text = finding.to_string();
     let (head, rest) = text.split_once(' ').unwrap_or((&text, ""));
-    say::talk(format_args!("{} {}", say::styled(style, head), rest.trim_end()));
+    say::status_line(format_args!("{} {}", say::styled(style, head), rest.trim_end()));
 }

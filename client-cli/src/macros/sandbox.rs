@@ -123,7 +123,7 @@ impl Shelf for Sandbox {
 impl Outside for Sandbox {
     fn line(&mut self, stream: Stream, text: &str) -> bool {
         if stream == Stream::Console {
-            say::talk(text);
+            say::status_line(text);
             return true;
         }
         match say::line(text) {
