@@ -4,7 +4,7 @@
 
 use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
-use counterpoint_kernel::macros::{identifiers, system, without};
+use counterpoint_kernel::machine::macros::{identifiers, system, without};
 use counterpoint_lang::func::{self, Way};
 use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};

@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
 //! asks for it; it is split into words again only when somebody has changed it.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -10,13 +11,13 @@ use counterpoint_lang::value::Value;
 use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel, burden};
+use super::{Kernel, burden};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
 use crate::trace::{self, Stage};
 
@@ -149,10 +150,10 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.preprocessed = preprocess;
         }
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
         let edited = self.channel.text.edited.clone();
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = match &own {
             Some(text) => text.as_bytes(),
             None => edited.as_deref().unwrap_or_else(as_read),
@@ -420,12 +421,12 @@ impl Kernel<'_> {
 
     /// The same for a macro.
     pub(crate) fn text_value(&mut self) -> Value {
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let Some(runtime) = self.macros.as_deref_mut() else { return Value::text("") };
         if let Some(text) = &runtime.text {
             return Value::Text(Arc::clone(text));
         }
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
         Value::Text(runtime.texts.with(|text| {
             text.clear();

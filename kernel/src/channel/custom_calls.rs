@@ -5,17 +5,18 @@
 //! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
 //! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::Pending;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
 use crate::log::info::File;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{MainReturn, StoredFile};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{TICKS, Task};
 use crate::mcd::program::Range;
 
@@ -165,8 +166,10 @@ impl Kernel<'_> {
         let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
-        let info = self.channel.env.info;
-        let Some(source) = info.source(file).filter(|source| line <= source.lines()) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|source| line <= source.lines()) else {
+            return Ok(None);
+        };
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))

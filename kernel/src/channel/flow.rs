@@ -2,16 +2,17 @@
 //!
 //! Facts: reference control-emulator.md 5.7. Invariant: nesting is bounded; a backward jump is always counted.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::custom_calls::{Called, Callee};
 use super::modal_call::ModalCall;
 use super::passes::Passes;
 use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect;
 use crate::dialect::fanuc::Line;
@@ -361,9 +362,9 @@ impl Kernel<'_> {
 
     /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
-        let blocks = info.source(file).map_or(&[][..], |s| s.sequences(number));
+        let blocks = sources.get(file).map_or(&[][..], |s| s.sequences(number));
         // They are in ascending order.
         let first_from = |from: Spot| {
             let from = from.max(Spot::line(range.first));

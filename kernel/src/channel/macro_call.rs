@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
+use super::Kernel;
 use super::block::odd;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;
-use super::{Acted, Halt, Kernel};
 use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
+use counterpoint_fault::{Acted, Halt};
 
 /// What the words of a call say.
 #[derive(Debug, Default)]
@@ -32,11 +33,8 @@ impl Kernel<'_> {
             let text = self.text_bytes().into_owned();
             self.compiled(&text, false)?
         } else {
-            let info = self.channel.env.info;
-            self.compiled(
-                info.source(self.channel.at.file).map_or(&[][..], |source| source.line(self.channel.at.line)),
-                false,
-            )?
+            let (sources, at) = (self.channel.env.sources, &self.channel.at);
+            self.compiled(sources.get(at.file).map_or(&[][..], |source| source.line(at.line)), false)?
         };
         line.name.into_iter().for_each(|span| self.channel.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };

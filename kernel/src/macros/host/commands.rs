@@ -17,7 +17,7 @@ use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 
 /// Steps that processing a block costs the macro that asks for it.
@@ -185,9 +185,9 @@ impl Kernel<'_> {
 
     /// TAPERD: the next block that is not blank.
     fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let found = self.flow.frames.last_mut().and_then(|frame| {
-            let source = info.source(frame.file)?;
+            let source = sources.get(frame.file)?;
             let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
             frame.next = line + 1;
             Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))
