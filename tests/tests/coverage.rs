@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use counterpoint_kernel::log::event::Kind;
+use counterpoint_kernel::log::event::{Kind, Trace};
 use counterpoint_kernel::machine::ident::{codes, data};
 use counterpoint_kernel::machine::macros::system;
 use counterpoint_mdspec::{Example, Page};
@@ -32,7 +32,7 @@ fn shows(example: &Example, shown: &mut BTreeSet<String>) {
     let Some(work) = case.work(|options| "C".clone_into(&mut options.trace)) else { return };
     let Ok(done) = work.run(None) else { return };
     for event in &done.events {
-        let Kind::Trace { text, .. } = &event.kind else { continue };
+        let Kind::Trace(Trace { text, .. }) = &event.kind else { continue };
         let mut words = text.split_whitespace();
         let name = words.next().unwrap_or_default().to_uppercase();
         let ignored = words.next() == Some("(ignored)");

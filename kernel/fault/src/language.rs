@@ -1,7 +1,7 @@
-//! The diagnostics of the macro language: numbers, words and severities.
+//! The diagnostics of the macro language: numbers, words, severities.
 //!
-//! *Invariant:* every number of [`TABLE`] has a page in `docs/diagnostics`. Facts: reference macro-language.md 10 (the
-//! number of an inhibited SYSTEM); every other number is this project's own.
+//! *Invariant:* every number has a page in `docs/diagnostics`. Facts: reference macro-language.md 10 (the number of an
+//! inhibited SYSTEM); every other number is this project's own.
 
 use std::fmt;
 

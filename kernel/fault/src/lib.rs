@@ -4,8 +4,9 @@
 //! control-emulator.md 7.5). *Invariant:* every entry has a page `docs/diagnostics/<number, 8 digits>.md` whose head
 //! names its word, and no word has two numbers, those of the macro language included.
 
-mod halt;
 pub mod language;
+
+mod halt;
 
 pub use halt::{Acted, Halt, Stop};
 use language::TABLE;

@@ -1,9 +1,9 @@
-//! Diagnostics of the language, and their rendering with the source line and a caret.
+//! Diagnostics of the language: rendering with the source line and a caret.
+
+pub use counterpoint_fault::language::{Number, Row, TABLE};
 
 use crate::source::{Source, Span};
 use std::fmt;
-
-pub use counterpoint_fault::language::{Number, Row, TABLE};
 
 /// One diagnostic with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]

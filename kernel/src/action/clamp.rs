@@ -58,7 +58,7 @@ pub(super) fn clamp(kernel: &mut Kernel<'_>, id: DataId, on: bool) -> Acted {
     let Some(axis) = kernel.axis_of_data(id) else { return no_axis(kernel, id) };
     kernel.set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, kernel.axis_name(axis));
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 
@@ -160,7 +160,7 @@ impl Kernel<'_> {
         }
         self.frames_changed();
         let text = format!("unwind {}={}", self.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
-        self.emit(0, Kind::Mode { text: text.into() });
+        self.emit(0, Kind::mode(text));
     }
 }
 

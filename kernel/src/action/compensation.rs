@@ -56,7 +56,7 @@ pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
 }
@@ -96,7 +96,7 @@ pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
     let direction = kernel.channel.state.place.compensation.vector.map(wildcard_text).join(",");
     let text = format!("comp diam vector n={} pqr={direction}", kernel.channel.state.place.compensation.diameter);
     super::cutter::switched(kernel, codes::COMP_3D_VECTOR)?;
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -184,5 +184,5 @@ fn set_pressure(kernel: &mut Kernel<'_>, wanted: f64) {
     }
     let state = &mut kernel.channel.state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
-    kernel.emit(0, Kind::Mode { text: format!("coolant pressure p={}", wildcard_text(pressure)).into() });
+    kernel.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

@@ -6,7 +6,7 @@ use counterpoint_lang::format::wildcard_text;
 use super::spindle::Turning;
 use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Dwell, Kind};
 use crate::machine::ident::{DataId, data};
 use crate::trace::{self, ACTION};
 
@@ -82,7 +82,7 @@ fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {
         return Ok(());
     }
     let ns = Kernel::ns(seconds);
-    kernel.emit(ns, Kind::Dwell);
+    kernel.emit(ns, Kind::Dwell(Dwell));
     kernel.advance(ns);
     Ok(())
 }

@@ -7,7 +7,7 @@ use crate::channel::block::Firing;
 use crate::channel::frames::offsets::{BASE, Table};
 use crate::channel::state::group;
 use crate::diag;
-use crate::log::event::{Kind, MAX_AXES, Position};
+use crate::log::event::{Frame, Kind, MAX_AXES, Position};
 use crate::machine::ident::{codes, data};
 use counterpoint_fault::Acted;
 
@@ -57,7 +57,7 @@ pub(super) fn work_offset(kernel: &mut Kernel<'_>) -> Acted {
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     kernel.missing_work_offset(number);
     kernel.channel.state.place.work_offset = number;
-    kernel.emit(0, Kind::Mode { text: format!("comp workp n={number}").into() });
+    kernel.emit(0, Kind::mode(format!("comp workp n={number}")));
     kernel.reframe();
     Ok(())
 }
@@ -65,7 +65,7 @@ pub(super) fn work_offset(kernel: &mut Kernel<'_>) -> Acted {
 /// Cancels work offsets.
 pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
     kernel.channel.state.place.work_offset = 0;
-    kernel.emit(0, Kind::Mode { text: "comp workp off".into() });
+    kernel.emit(0, Kind::mode("comp workp off"));
     kernel.reframe();
     Ok(())
 }
@@ -91,7 +91,7 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
             _ => format!("comp length n={} set={set}", kernel.channel.state.place.length_number),
         }
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
 }
@@ -99,7 +99,7 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
 /// Length compensation that another code brings along.
 pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
     (kernel.channel.state.place.length_sign, kernel.channel.state.place.length_number) = (1.0, number);
-    kernel.emit(0, Kind::Mode { text: format!("comp length n={number}").into() });
+    kernel.emit(0, Kind::mode(format!("comp length n={number}")));
     kernel.reframe();
 }
 
@@ -107,7 +107,7 @@ pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
 /// stands still.
 pub(crate) fn forget(kernel: &mut Kernel<'_>) {
     if kernel.end_tip() {
-        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+        kernel.emit(0, Kind::mode("rtcp off"));
     }
     let place = &mut kernel.channel.state.place;
     (place.frames, place.clamped) = (None, 0);
@@ -161,7 +161,7 @@ impl Kernel<'_> {
         }
         if self.channel.state.place.shift != [0.0; MAX_AXES] {
             let shift = Box::new(self.channel.state.place.shift);
-            self.emit(0, Kind::Frame { shift });
+            self.emit(0, Kind::Frame(Frame { shift }));
         }
     }
 
@@ -190,7 +190,7 @@ impl Kernel<'_> {
             self.channel.state.place.shift = wanted;
         }
         self.keep_ways(before);
-        self.emit(0, Kind::Frame { shift: Box::new(wanted) });
+        self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
     /// Presets, the work offset and the tool together.

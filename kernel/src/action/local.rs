@@ -92,7 +92,7 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
     kernel.keep_ways(before);
     kernel.keep_levels(levels);
     let text = kernel.frame_text();
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -68,7 +68,7 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         What::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 

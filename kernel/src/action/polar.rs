@@ -39,7 +39,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
     kernel.frames().polar = Some(Polar::new(&kernel.channel.state.place, linear, rotary, cartesian));
     kernel.frames_changed();
     super::cutter::plane_changed(kernel);
-    kernel.emit(0, Kind::Mode { text: format!("c2p {} on", form(cartesian)).into() });
+    kernel.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
 }
 
@@ -50,7 +50,7 @@ pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
     };
     kernel.frames_changed();
     super::cutter::plane_changed(kernel);
-    kernel.emit(0, Kind::Mode { text: format!("c2p {} off", form(polar.cartesian)).into() });
+    kernel.emit(0, Kind::mode(format!("c2p {} off", form(polar.cartesian))));
     Ok(())
 }
 

@@ -70,7 +70,7 @@ pub(crate) fn is_shared(machine: &Machine, index: usize) -> bool {
 pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
     if kernel.channel.acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
     }
     kernel.follow_spindle();
     Ok(())
@@ -81,7 +81,7 @@ pub(super) fn apply(kernel: &mut Kernel<'_>, milling: bool) -> Acted {
     if kernel.channel.state.others.spindles.milling != milling {
         kernel.channel.state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
         kernel.follow_spindle();
     }
     Ok(())

@@ -98,7 +98,7 @@ fn passes(kernel: &Kernel<'_>) -> bool {
 }
 
 fn pass(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
+    kernel.emit(0, Kind::mode("sync passed without waiting"));
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::state::group;
 use crate::diag;
-use crate::log::event::{FeedUnit, Kind, MAX_AXES, Position};
+use crate::log::event::{FeedUnit, Function, Kind, MAX_AXES, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, RapidPath};
 
@@ -183,7 +183,7 @@ impl Kernel<'_> {
     pub(crate) fn take_time(&mut self, row: &CodeRow, firing: Firing) {
         let ns = Self::ns(row.seconds);
         let (letter, value) = self.written(row, firing);
-        self.emit(ns, Kind::Function { letter, value });
+        self.emit(ns, Kind::Function(Function { letter, value }));
         self.advance(ns);
     }
 

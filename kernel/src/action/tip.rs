@@ -57,7 +57,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
     kernel.channel.state.others.tip.format = kernel.channel.state.others.tip.format.max(1);
     if changed {
         let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -65,7 +65,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
 /// Switches it off.
 pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
     if kernel.end_tip() {
-        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+        kernel.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
 }
@@ -75,7 +75,7 @@ pub(super) fn orient(kernel: &mut Kernel<'_>, format: u8) -> Acted {
     kernel.channel.state.others.tip.format = format;
     if kernel.channel.acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
-        kernel.emit(0, Kind::Mode { text: format!("rtcp orient {name}").into() });
+        kernel.emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
     Ok(())
 }

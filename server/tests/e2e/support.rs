@@ -118,7 +118,7 @@ pub fn event(seq: u64) -> Event {
             text: "note".into(),
             ..Diagnostic::default()
         })),
-        n if n % 2 == 0 => Kind::Block { number: seq },
+        n if n % 2 == 0 => Kind::Block(Block { number: seq }),
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
             moving: 3,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::event::{Event, Kind, Motion, MotionKind};
+use counterpoint_kernel::log::event::{Call, Event, Function, Kind, Message, Mode, Motion, MotionKind, ToolChange};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 
@@ -34,19 +34,19 @@ fn motion(info: &Info, event: &Event, motion: &Motion) -> String {
 pub(super) fn event(info: &Info, event: &Event) -> Option<String> {
     let text = match &event.kind {
         Kind::Motion(m) => motion(info, event, m),
-        Kind::Message { text, .. } => format!("message {text}"),
-        Kind::Mode { text } => format!("mode {text}"),
-        Kind::Tool { action, tool, .. } => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
+        Kind::Message(Message { text, .. }) => format!("message {text}"),
+        Kind::Mode(Mode { text }) => format!("mode {text}"),
+        Kind::Tool(ToolChange { action, tool, .. }) => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => {
             let of = if s.spindle > 1 { format!(" of {}", s.spindle) } else { String::new() };
             format!("spindle {} {}{of}", format!("{:?}", s.direction).to_lowercase(), s.speed)
         }
         Kind::Coolant(coolant) => coolant.to_string(),
-        Kind::Function { letter, value } => format!("function {letter}{value}"),
-        Kind::Call { program, .. } => format!("call {program}"),
-        Kind::Return { .. } => "return".to_owned(),
+        Kind::Function(Function { letter, value }) => format!("function {letter}{value}"),
+        Kind::Call(Call { program, .. }) => format!("call {program}"),
+        Kind::Return(_) => "return".to_owned(),
         Kind::Stop(stop) => format!("stop {}", format!("{stop:?}").to_lowercase()),
-        Kind::Dwell => format!("dwell {}", event.dur_ns as f64 / 1e9),
+        Kind::Dwell(_) => format!("dwell {}", event.dur_ns as f64 / 1e9),
         Kind::Wait(wait) => format!("wait {}", wait.key),
         Kind::Release(release) => format!("release {}", release.key),
         Kind::Verdict(verdict) => format!("verdict {:?}", verdict.kind).to_lowercase(),

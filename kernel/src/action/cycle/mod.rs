@@ -133,7 +133,7 @@ pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
     if kernel.channel.env.machine.cycles.motion_cancels {
         kernel.channel.state.cycle.end();
         kernel.channel.state.modal.activate(group::CYCLE, codes::CYCLE_OFF, kernel.channel.state.cycle.off);
-        kernel.emit(0, EventKind::Mode { text: "cycle off".into() });
+        kernel.emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
 }

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
-use super::record::Record;
 use super::{JOB, MACHINE, readable, storage};
+use crate::ledger::record::Record;
 use crate::machines::Definition;
 use crate::reason::Refusal;
 

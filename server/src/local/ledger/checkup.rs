@@ -8,12 +8,12 @@ use std::path::Path;
 use bytes::Bytes;
 use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
 
-use super::record::Record;
 use super::writer::Place;
 use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, parse, retention, schema, storage};
+use crate::ledger::record::Record;
+use crate::local::store::Store;
 use crate::machines::Definition;
 use crate::reason::Refusal;
-use crate::store::Store;
 
 /// A ledger that no server has open.
 #[derive(Debug)]

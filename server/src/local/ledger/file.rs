@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 use redb::StorageBackend;
 use redb::backends::FileBackend;
 
-use super::disk::{Disk, Step};
+use crate::local::disk::{Disk, Step};
 
 const PAGE: u64 = 4096;
 

@@ -5,39 +5,34 @@
 //! what the macros did, never on who holds a value besides them, nor on time.
 
 use super::State;
-use super::calls::Frame;
-use crate::bytecode::Code;
-use crate::compile::Program;
-use crate::diag::Number;
-use crate::fault::{Fault, Outcome};
-use crate::host::Host;
+use crate::fault::Outcome;
 use crate::value::{Elements, Value};
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
 
 /// Bytes that an element of a sequence takes, with the room that sequences keep to grow.
-pub(super) const ELEMENT: usize = 32;
+pub(crate) const ELEMENT: usize = 32;
 /// Bytes of an element of an array.
 const CELL: usize = 16;
 /// Bytes that a text or a sequence takes besides what it holds.
 const HEAD: usize = 80;
 /// Values that are weighed for a tick.
-const PER_TICK: usize = 4;
+pub(crate) const PER_TICK: usize = 4;
 /// Bytes made after which values are weighed before other macros run within a macro.
 const WORTH_WEIGHING: u64 = 1 << 20;
 
 /// Bytes of a text of this length.
-pub(super) const fn text(length: usize) -> usize {
+pub(crate) const fn text(length: usize) -> usize {
     HEAD + length
 }
 
 /// Bytes of a sequence of this length, without those of its texts.
-pub(super) const fn sequence(length: usize) -> usize {
+pub(crate) const fn sequence(length: usize) -> usize {
     HEAD + length * ELEMENT
 }
 
 /// Bytes of an array of this size, without those of its texts.
-pub(super) const fn array(size: usize) -> usize {
+pub(crate) const fn array(size: usize) -> usize {
     HEAD + size * CELL
 }
 
@@ -47,8 +42,8 @@ pub struct Scale {
     shared: FxHashSet<usize>,
     /// Bytes so far.
     pub bytes: u64,
-    visited: usize,
-    largest: (u64, String),
+    pub(crate) visited: usize,
+    pub(crate) largest: (u64, String),
 }
 
 impl Scale {
@@ -106,22 +101,22 @@ impl Scale {
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     /// Bytes that may be kept.
-    limit: u64,
+    pub(crate) limit: u64,
     /// Weighed last: what outlives a run, and the macros that run.
-    kept: u64,
-    running: u64,
+    pub(crate) kept: u64,
+    pub(crate) running: u64,
     /// Macros that wait while the host works for them.
-    outer: u64,
+    pub(crate) outer: u64,
     /// Made since.
-    fresh: u64,
+    pub(crate) fresh: u64,
     /// May be made before values are weighed again.
-    room: u64,
+    pub(crate) room: u64,
     /// The largest holder, once the budget is used up.
-    over: Option<String>,
+    pub(crate) over: Option<String>,
 }
 
 impl Memory {
-    pub(super) fn new(limit: usize) -> Memory {
+    pub(crate) fn new(limit: usize) -> Memory {
         Memory { limit: limit as u64, room: limit as u64, ..Memory::default() }
     }
 }
@@ -135,7 +130,7 @@ impl State {
 
     /// Counts bytes that are made if there is room for them without weighing.
     #[inline]
-    pub(super) fn grows(&mut self, bytes: usize) -> bool {
+    pub(crate) fn grows(&mut self, bytes: usize) -> bool {
         let fresh = self.memory.fresh + bytes as u64;
         let room = fresh <= self.memory.room;
         if room {
@@ -146,12 +141,12 @@ impl State {
 
     /// More was made than can be without weighing.
     #[inline]
-    pub(super) fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.memory.fresh > self.memory.room
     }
 
     /// Other macros may run within this one: what it keeps should be known.
-    pub(super) fn is_vague(&self) -> bool {
+    pub(crate) fn is_vague(&self) -> bool {
         self.memory.fresh > (self.memory.kept / 4).max(WORTH_WEIGHING)
     }
 
@@ -167,7 +162,7 @@ impl State {
     }
 
     /// Counts a value that was made just now: pays for it and for its memory.
-    pub(super) fn made(&mut self, value: &Value) -> Outcome<()> {
+    pub(crate) fn made(&mut self, value: &Value) -> Outcome<()> {
         match value {
             Value::Text(held) if Arc::strong_count(held) == 1 => {
                 self.grow(text(held.len()));
@@ -194,7 +189,7 @@ impl State {
     }
 
     /// Begins a run within the macros that run already; to be ended with [`inner_ended`](Self::inner_ended).
-    pub(super) fn inner_begins(&mut self) -> (u64, u64, u64) {
+    pub(crate) fn inner_begins(&mut self) -> (u64, u64, u64) {
         let memory = &mut self.memory;
         let before = (memory.outer, memory.running, memory.fresh);
         memory.outer += memory.running + memory.fresh;
@@ -203,54 +198,10 @@ impl State {
         before
     }
 
-    pub(super) fn inner_ended(&mut self, (outer, running, fresh): (u64, u64, u64)) {
+    pub(crate) fn inner_ended(&mut self, (outer, running, fresh): (u64, u64, u64)) {
         let memory = &mut self.memory;
         (memory.outer, memory.running) = (outer, running);
         memory.fresh += fresh;
         memory.room = memory.limit.saturating_sub(memory.outer + memory.running + memory.kept);
     }
-}
-
-/// Weighs everything that macros can reach.
-///
-/// # Errors
-/// It is more than the budget, or there are no ticks for it.
-#[cold]
-#[inline(never)]
-pub(super) fn weigh(program: &Program, state: &mut State, host: &dyn Host, frame: &Frame) -> Outcome<()> {
-    let mut scale = Scale::default();
-    let name = |index: u16| program.macros.get(usize::from(index)).map_or("", |code: &Arc<Code>| code.name.as_str());
-    let macro_name = |index: u16| move || format!("variables of the macro {}", name(index));
-    for (index, value) in (0..).zip(&state.objects) {
-        let from = scale.bytes;
-        scale.add(value);
-        scale.held_by(from, || format!("the OBJECT variable {}", program.object_name(index)));
-    }
-    for frame in state.frames.iter().flatten() {
-        let from = scale.bytes;
-        frame.registers.iter().for_each(|value| scale.add(value));
-        scale.held_by(from, macro_name(frame.index));
-    }
-    let from = scale.bytes;
-    state.units.values().for_each(|unit| scale.weigh(unit.bytes()));
-    scale.held_by(from, || "open files of macros".to_owned());
-    host.held(&mut scale);
-    let kept = scale.bytes;
-    let mut waiting = Some(frame);
-    while let Some(frame) = waiting {
-        let from = scale.bytes;
-        frame.registers.iter().for_each(|value| scale.add(value));
-        scale.held_by(from, macro_name(frame.index));
-        waiting = frame.caller.as_deref();
-    }
-    let memory = &mut state.memory;
-    (memory.kept, memory.running, memory.fresh) = (kept, scale.bytes - kept, 0);
-    let all = memory.outer + scale.bytes;
-    memory.room = memory.limit.saturating_sub(all);
-    if memory.room < memory.limit / 8 {
-        let text = format!("macros keep more than {} bytes, most of them in {}", memory.limit, scale.largest.1);
-        memory.over = Some(scale.largest.1);
-        return Err(Fault::new(Number::MEMORY, text));
-    }
-    state.spend(scale.visited / PER_TICK)
 }

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use redb::{Database, WriteTransaction};
 use tokio::sync::{mpsc, watch};
 
+use super::file::{Frozen, LedgerFile};
 use super::storage;
 use crate::local::disk::Disk;
-use crate::local::ledger_file::{Frozen, LedgerFile};
 use crate::reason::Refusal;
 
 const GROUP: usize = 256;

@@ -6,8 +6,8 @@
 use redb::{ReadableTable, TableDefinition, WriteTransaction};
 
 use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, retention, storage};
+use crate::local::store::Store;
 use crate::reason::Refusal;
-use crate::store::Store;
 
 pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
 

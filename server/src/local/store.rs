@@ -8,8 +8,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::local::disk::{Disk, Temporary};
-use crate::local::folder_lock::FolderLock;
+use super::disk::{Disk, Temporary};
+use super::folder_lock::FolderLock;
 
 /// The data folder.
 #[derive(Debug, Clone)]
@@ -219,28 +219,9 @@ fn names(folder: &Path) -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
-/// backslash, no colon (drive or stream on some systems), no control character, at most 255 bytes.
-pub(crate) fn path_is_clean(path: &str) -> bool {
-    !path.is_empty()
-        && path.len() <= 255
-        && !path.chars().any(|c| c == '\\' || c == ':' || c.is_control())
-        && path.split('/').all(|part| !matches!(part, "" | "." | ".."))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_relative_downward_paths_are_clean() {
-        for path in ["O1000.nc", "sub/O9001", "a b/ü.tps"] {
-            assert!(path_is_clean(path), "{path}");
-        }
-        for path in ["", "/etc/passwd", "../x", "a/../b", "a//b", "a/", "./a", "a\\b", "C:x", "a\nb"] {
-            assert!(!path_is_clean(path), "{path}");
-        }
-    }
 
     #[test]
     fn a_written_file_is_whole() {

@@ -6,31 +6,14 @@ use std::collections::BTreeSet;
 
 use redb::{ReadTransaction, ReadableTable, ReadableTableMetadata, TableDefinition, WriteTransaction};
 
-use super::record::Record;
 use super::{JOB, readable, storage};
+use crate::ledger::record::Record;
+use crate::ledger::{Ended, Keep};
+use crate::local::store::Store;
 use crate::reason::Refusal;
-use crate::store::Store;
 
 /// Time of the end and identity → bytes of log, files and results.
 pub(super) const ENDED: TableDefinition<'_, (i64, &str), u64> = TableDefinition::new("ended");
-
-/// What is kept of ended jobs.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Keep {
-    /// How long, ms.
-    pub(crate) age_ms: Option<i64>,
-    /// How many.
-    pub(crate) jobs: Option<u64>,
-    /// How many bytes.
-    pub(crate) bytes: Option<u64>,
-}
-
-/// An ended job.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Ended {
-    pub(crate) id: String,
-    pub(crate) ended_ms: i64,
-}
 
 /// Lists a job that has ended.
 pub(super) fn list(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
