@@ -1,6 +1,7 @@
 //! One event as one line of JSON.
 //!
-//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow. `file` is
+//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow, and the word
+//! of a diagnostic after its fields. `file` is
 //! empty when `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON whatever the texts and numbers
 //! of the event are; a number that JSON cannot hold is `null`; positions are objects with every axis of the channel, in
 //! channel order.
@@ -8,6 +9,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::diag;
 use crate::log::event::fields::{Field, Fields, Presence, Record, Value};
 use crate::log::event::{Event, Kind, Motion, MotionKind};
 use crate::log::geometry::Loop;
@@ -21,6 +23,12 @@ pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
     object.out.push(b'{');
     event.head(seq, &mut object);
     event.kind.fields(&mut object);
+    if let Kind::Diagnostic(diagnostic) = &event.kind
+        && let Some(name) = diag::name(diagnostic.number)
+    {
+        object.name("name");
+        serial(object.out, name);
+    }
     out.extend_from_slice(b"}\n");
 }
 

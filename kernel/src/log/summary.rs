@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::log::meetings::{Arrival, Meeting, Waits};
 pub use crate::log::tools::Tool;
 
+use crate::diag;
 use crate::log::event::{FileId, Origin, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
 use crate::log::told::{Told, What};
@@ -133,6 +134,9 @@ pub struct Member {
 pub struct Diagnostic {
     /// Stable number.
     pub number: u32,
+    /// Word of the number, left out where only the machine knows the number.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
     /// Channel, 0 = master.
@@ -236,6 +240,7 @@ impl Findings {
         let (file, block) = self.place(told.file, told.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
+            name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
             channel: told.channel,
             file,
