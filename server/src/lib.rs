@@ -5,6 +5,7 @@
 //! [`service::Handle`]. Invariants: a submit answers only after the job is on stable storage; a watcher reads the
 //! log and never stands between a kernel and its log; nothing here knows how a block is processed.
 
+pub mod access;
 pub mod backup;
 mod blobs;
 pub mod doctor;
@@ -23,5 +24,6 @@ mod results;
 mod rpc;
 pub mod runner;
 pub mod service;
+mod tenant;
 
 pub use ledger::record::Record;

@@ -166,7 +166,7 @@ impl Core {
 
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
-        if let Some(known) = self.ledger.by_request(&record.request_id)? {
+        if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
             return if known.content == record.content {
                 Ok((self.current(known), true))
             } else {
@@ -184,7 +184,8 @@ impl Core {
         };
         let blobs = self.blobs.clone();
         let check = move |record: &Record| {
-            blobs.require(&mut record.files.iter().map(|(_, digest)| digest).chain(record.machine.files.values()))
+            blobs.of(&record.tenant).require(&mut record.files.iter().map(|(_, digest)| digest))?;
+            blobs.of(&record.machine.tenant).require(&mut record.machine.files.values())
         };
         let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
         drop(place);
@@ -319,6 +320,12 @@ impl Core {
             return Ok(live.record());
         }
         self.ledger.job(id)?.ok_or_else(|| Refusal::UnknownJob(id.to_owned()))
+    }
+
+    /// A job of a tenant; those of others are not there for it.
+    pub(crate) fn job_of(&self, tenant: &str, id: &str) -> Result<Record, Refusal> {
+        let record = self.job(id)?;
+        if record.tenant == tenant { Ok(record) } else { Err(Refusal::UnknownJob(id.to_owned())) }
     }
 
     /// Jobs before this one in the queue.

@@ -183,7 +183,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
     if live.cancelled() {
         stop.ask();
     }
-    let files = Sandbox::new(core.blobs.clone(), &record.files);
+    let files = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
     let prepared = prepare(core, &record, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
@@ -199,8 +199,9 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
     }
-    if core.options.allow_system {
-        control = control.with_system(Arc::new(Shell::new(core.host.scratch(), core.options.system_wait_s)));
+    if core.options.system.allow_system && record.machine.trusted {
+        let shell = Shell::new(core.host.scratch(), core.options.system.system_wait_s);
+        control = control.with_system(Arc::new(shell));
     }
     let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });
