@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped, so
 //! a motion only looks at that. Decision: a move of a clamped axis is told and made all the same.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind};
 use crate::machine::ident::{self, CodeId, DataId, code_facts};
+use counterpoint_fault::Acted;
 
 /// How whole turns are taken off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,21 +58,24 @@ pub(super) fn clamp(kernel: &mut Kernel<'_>, id: DataId, on: bool) -> Acted {
     let Some(axis) = kernel.axis_of_data(id) else { return no_axis(kernel, id) };
     kernel.set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, kernel.axis_name(axis));
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 
 /// Takes whole turns off one rotary axis, or off all.
 pub(super) fn unwind(kernel: &mut Kernel<'_>, id: Option<DataId>) -> Acted {
     let Some(id) = id else {
-        for axis in 0..kernel.place.axes.len() {
-            if kernel.place.axes.get(axis).is_some_and(|axis| axis.rotary) {
+        for axis in 0..kernel.channel.state.place.axes.len() {
+            if kernel.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) {
                 kernel.unwind_axis(axis, Modulo::Normal);
             }
         }
         return Ok(());
     };
-    match kernel.axis_of_data(id).filter(|axis| kernel.place.axes.get(*axis).is_some_and(|axis| axis.rotary)) {
+    match kernel
+        .axis_of_data(id)
+        .filter(|axis| kernel.channel.state.place.axes.get(*axis).is_some_and(|axis| axis.rotary))
+    {
         Some(axis) => kernel.unwind_axis(axis, Modulo::Normal),
         None => return no_axis(kernel, id),
     }
@@ -81,8 +85,8 @@ pub(super) fn unwind(kernel: &mut Kernel<'_>, id: Option<DataId>) -> Acted {
 fn no_axis(kernel: &mut Kernel<'_>, id: DataId) -> Acted {
     let text = format!(
         "channel {} has no axis of {} for '{}'",
-        kernel.rank,
-        kernel.machine.data_name(id),
+        kernel.channel.at.channel,
+        kernel.channel.env.machine.data_name(id),
         kernel.block_text()
     );
     kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
@@ -92,27 +96,33 @@ fn no_axis(kernel: &mut Kernel<'_>, id: DataId) -> Acted {
 impl Kernel<'_> {
     /// Channel axis that these data move.
     pub(crate) fn axis_of_data(&self, id: DataId) -> Option<usize> {
-        self.place.axes.iter().position(|axis| axis.data == id)
+        self.channel.state.place.axes.iter().position(|axis| axis.data == id)
     }
 
     /// Name of a channel axis for listings.
     pub(crate) fn axis_name(&self, axis: usize) -> String {
-        let own = self.place.axes.get(axis).and_then(|axis| self.machine.axes.get(axis.machine));
+        let own =
+            self.channel.state.place.axes.get(axis).and_then(|axis| self.channel.env.machine.axes.get(axis.machine));
         own.map_or_else(String::new, |own| own.letter.to_lowercase())
     }
 
     fn set_clamp(&mut self, axis: usize, on: bool) {
         let bit = 1_u8.checked_shl(axis as u32).unwrap_or(0);
-        self.place.clamped = if on { self.place.clamped | bit } else { self.place.clamped & !bit };
+        self.channel.state.place.clamped =
+            if on { self.channel.state.place.clamped | bit } else { self.channel.state.place.clamped & !bit };
     }
 
     /// Follows the groups of clamps after a macro has changed active codes.
     pub(crate) fn follow_clamps(&mut self) {
-        for axis in 0..self.place.axes.len() {
-            let Some(name) = self.place.axes.get(axis).map(|axis| self.machine.data_name(axis.data)) else { break };
+        for axis in 0..self.channel.state.place.axes.len() {
+            let Some(name) =
+                self.channel.state.place.axes.get(axis).map(|axis| self.channel.env.machine.data_name(axis.data))
+            else {
+                break;
+            };
             let code = ident::code(&name.replacen("REG_AXIS", "CODE_CLAMP", 1));
             let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
-            if let Some((_, on)) = self.modal.code(group).filter(|_| group != 0).and_then(of) {
+            if let Some((_, on)) = self.channel.state.modal.code(group).filter(|_| group != 0).and_then(of) {
                 self.set_clamp(axis, on);
             }
         }
@@ -123,8 +133,8 @@ impl Kernel<'_> {
     #[inline(never)]
     pub(crate) fn check_clamps(&mut self, motion: &Motion) {
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
-        let clamped = self.place.clamped;
-        for axis in (0..self.place.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
+        let clamped = self.channel.state.place.clamped;
+        for axis in (0..self.channel.state.place.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
             let turns = round && motion.plane_axes.map(usize::from).contains(&axis);
             if !turns && motion.from.get(axis) == motion.to.get(axis) {
                 continue;
@@ -137,20 +147,20 @@ impl Kernel<'_> {
     /// Takes whole turns off the position of an axis; nothing moves.
     pub(crate) fn unwind_axis(&mut self, axis: usize, modulo: Modulo) {
         self.settle_for_macro();
-        let mut machine = self.machine_point(&self.place.position);
+        let mut machine = self.machine_point(&self.channel.state.place.position);
         let Some(slot) = machine.get_mut(axis) else { return };
         let (before, after) = (*slot, modulo.of(*slot));
         if before == after {
             return;
         }
         *slot = after;
-        self.place.position = self.way_of_machine(&machine);
+        self.channel.state.place.position = self.way_of_machine(&machine);
         if let Some(slot) = self.cutter().and_then(|cutter| cutter.contour.get_mut(axis)) {
             *slot += after - before;
         }
         self.frames_changed();
         let text = format!("unwind {}={}", self.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
-        self.emit(0, Kind::Mode { text: text.into() });
+        self.emit(0, Kind::mode(text));
     }
 }
 

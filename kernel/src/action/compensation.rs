@@ -2,10 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 6.6, system-variables.md 7. Decisions: docs/emulation.md, "Offsets".
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
+use crate::channel::Kernel;
 use crate::channel::frames::offsets::{EXTENDED, RANGE};
-use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
@@ -50,12 +51,12 @@ pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {
     };
     let number = number_of(range.unwrap_or(1), register);
     kernel.missing_work_offset(number);
-    kernel.place.work_offset = number;
+    kernel.channel.state.place.work_offset = number;
     let text = match range {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
 }
@@ -75,13 +76,13 @@ fn whole(kernel: &mut Kernel<'_>, id: DataId) -> Option<u32> {
 
 /// Dynamic fixture compensation.
 pub(super) fn dynamic(kernel: &mut Kernel<'_>, on: bool) -> Acted {
-    kernel.place.compensation.dynamic = on;
+    kernel.channel.state.place.compensation.dynamic = on;
     super::mode::mode(kernel, if on { "comp dynfix on" } else { "comp dynfix off" })
 }
 
 /// Corners of compensated paths.
 pub(super) fn corner(kernel: &mut Kernel<'_>, arc: bool) -> Acted {
-    kernel.place.compensation.corner = if arc { 2 } else { 1 };
+    kernel.channel.state.place.compensation.corner = if arc { 2 } else { 1 };
     super::mode::mode(kernel, if arc { "comp corner arc" } else { "comp corner linear" })
 }
 
@@ -89,13 +90,13 @@ pub(super) fn corner(kernel: &mut Kernel<'_>, arc: bool) -> Acted {
 pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
     take_diameter(kernel);
     let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| kernel.take(id).map(|d| d.value));
-    for (slot, word) in kernel.place.compensation.vector.iter_mut().zip(words) {
+    for (slot, word) in kernel.channel.state.place.compensation.vector.iter_mut().zip(words) {
         *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
     }
-    let direction = kernel.place.compensation.vector.map(wildcard_text).join(",");
-    let text = format!("comp diam vector n={} pqr={direction}", kernel.place.compensation.diameter);
+    let direction = kernel.channel.state.place.compensation.vector.map(wildcard_text).join(",");
+    let text = format!("comp diam vector n={} pqr={direction}", kernel.channel.state.place.compensation.diameter);
     super::cutter::switched(kernel, codes::COMP_3D_VECTOR)?;
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 
@@ -103,7 +104,7 @@ pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn take_diameter(kernel: &mut Kernel<'_>) -> Option<f64> {
     let number = kernel.take(data::COMP_DIAM).map(|datum| datum.value);
     if let Some(number) = number.filter(|number| (0.0..=999_999.0).contains(number)) {
-        kernel.place.compensation.diameter = number as u32;
+        kernel.channel.state.place.compensation.diameter = number as u32;
     }
     number
 }

@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. Invariant: what flows is the active code of its
 //! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Coolant, Kind, Outlet};
 use crate::machine::ident::{self, CodeId, codes, data};
@@ -124,7 +125,7 @@ pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {
         Switch::Fluid(flow, outlet) => flows(kernel, flow, outlet),
         Switch::Device(number, on) => tell(kernel, Coolant { on, fluid: 0, outlet: Outlet::Device(number) }),
         Switch::Level(level) => {
-            let pressure = kernel.machine.pump.pressures.get(usize::from(level)).copied();
+            let pressure = kernel.channel.env.machine.pump.pressures.get(usize::from(level)).copied();
             set_pressure(kernel, pressure.unwrap_or(f64::from(level)));
         }
         Switch::Pressure => match kernel.take(data::COOLANT_PRESSURE).map(|d| d.value) {
@@ -141,14 +142,14 @@ pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {
 /// The coolant that a spindle code brings along: its group follows.
 pub(super) fn with_spindle(kernel: &mut Kernel<'_>, on: bool) {
     let code = if on { codes::COOLANT_ON } else { codes::COOLANT_OFF };
-    kernel.modal.activate(group::COOLANT, code, u16::MAX);
+    kernel.channel.state.modal.activate(group::COOLANT, code, u16::MAX);
     flows(kernel, if on { Flow::Again } else { Flow::Off }, Outlet::Main);
 }
 
 fn flows(kernel: &mut Kernel<'_>, flow: Flow, outlet: Outlet) {
     let fluid = match flow {
         Flow::Off => 0,
-        Flow::Again => kernel.states.coolant.last.get(head(outlet)).copied().unwrap_or(1),
+        Flow::Again => kernel.channel.state.others.coolant.last.get(head(outlet)).copied().unwrap_or(1),
         Flow::Fluid(fluid) => {
             note(kernel, fluid, outlet);
             fluid
@@ -159,7 +160,7 @@ fn flows(kernel: &mut Kernel<'_>, flow: Flow, outlet: Outlet) {
 
 /// What flows is what a later `on` switches on.
 pub(crate) fn note(kernel: &mut Kernel<'_>, fluid: u8, outlet: Outlet) {
-    if let Some(last) = kernel.states.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
+    if let Some(last) = kernel.channel.state.others.coolant.last.get_mut(head(outlet)).filter(|_| fluid != 0) {
         *last = fluid;
     }
 }
@@ -169,7 +170,7 @@ fn tell(kernel: &mut Kernel<'_>, coolant: Coolant) {
 }
 
 fn set_pressure(kernel: &mut Kernel<'_>, wanted: f64) {
-    let largest = kernel.states.coolant.largest(&kernel.machine.pump);
+    let largest = kernel.channel.state.others.coolant.largest(&kernel.channel.env.machine.pump);
     let most = if largest > 0.0 { largest } else { f64::INFINITY };
     let pressure = wanted.max(0.0).min(most);
     if pressure != wanted {
@@ -181,7 +182,7 @@ fn set_pressure(kernel: &mut Kernel<'_>, wanted: f64) {
         );
         kernel.diagnose(&diag::COOLANT_PRESSURE, text);
     }
-    let state = &mut kernel.states.coolant;
+    let state = &mut kernel.channel.state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
-    kernel.emit(0, Kind::Mode { text: format!("coolant pressure p={}", wildcard_text(pressure)).into() });
+    kernel.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

@@ -1,18 +1,19 @@
 //! Dwells: seconds or spindle revolutions.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
 use super::spindle::Turning;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Dwell, Kind};
 use crate::machine::ident::{DataId, data};
 use crate::trace::{self, ACTION};
 
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
     let Some(seconds) = kernel.take_seconds(data::DELAY) else {
-        if kernel.machine.habits.dwell.bare {
+        if kernel.channel.env.machine.habits.dwell.bare {
             return super::mode::exact_stop_block(kernel);
         }
         let text = format!("a dwell needs its time in '{}'", kernel.block_text());
@@ -35,14 +36,14 @@ pub(super) fn revolutions(kernel: &mut Kernel<'_>) -> Acted {
 impl Kernel<'_> {
     /// Takes a time, seconds. On some controls a decimal point makes seconds of a word in thousandths.
     pub(super) fn take_seconds(&mut self, id: DataId) -> Option<f64> {
-        let pointed = self.machine.habits.dwell.pointed && self.is_pointed(id);
+        let pointed = self.channel.env.machine.habits.dwell.pointed && self.is_pointed(id);
         self.take(id).map(|datum| if pointed { datum.raw } else { datum.value })
     }
 
     /// The word that supplies a value is in a smaller unit and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
         let sources = self.plan.sources.get(usize::from(id.0)).into_iter().flatten();
-        let found = sources.filter_map(|source| Some((source.mul, self.block.look(source.register)?))).next();
+        let found = sources.filter_map(|source| Some((source.mul, self.channel.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
         mul != 0.0 && text.contains(&b'.')
@@ -52,7 +53,7 @@ impl Kernel<'_> {
 fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
     let rpm = match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
-        Some(Turning::Surface(surface)) => surface.rpm(kernel.radius(&kernel.place.position)),
+        Some(Turning::Surface(surface)) => surface.rpm(kernel.radius(&kernel.channel.state.place.position)),
         None => {
             let text = format!("dwell in revolutions while the spindle stands in '{}'", kernel.block_text());
             kernel.diagnose(&diag::SPINDLE_STANDS, text);
@@ -81,7 +82,7 @@ fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {
         return Ok(());
     }
     let ns = Kernel::ns(seconds);
-    kernel.emit(ns, Kind::Dwell);
+    kernel.emit(ns, Kind::Dwell(Dwell));
     kernel.advance(ns);
     Ok(())
 }

@@ -2,45 +2,47 @@
 //!
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::frames::offsets::{BASE, Table};
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{Kind, MAX_AXES, Position};
+use crate::log::event::{Frame, Kind, MAX_AXES, Position};
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
 /// any frame.
 pub(super) fn machine_frame(kernel: &mut Kernel<'_>) -> Acted {
     // The mode that the block says, wherever it says so, else the active one.
-    let code = |firing: &Firing| kernel.machine.codes.get(usize::from(firing.row)).filter(|row| row.enable);
-    let rows = kernel.block.firings.iter().rev().filter_map(code);
+    let code = |firing: &Firing| kernel.channel.env.machine.codes.get(usize::from(firing.row)).filter(|row| row.enable);
+    let rows = kernel.channel.block.firings.iter().rev().filter_map(code);
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
-    let mode = said.or_else(|| kernel.modal.code(group::POSITION));
+    let mode = said.or_else(|| kernel.channel.state.modal.code(group::POSITION));
     if mode == Some(codes::POSITION_RELATIVE) {
         let text = format!("machine coordinates are ignored in incremental mode in '{}'", kernel.block_text());
         kernel.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
-    kernel.block.machine_frame = true;
+    kernel.channel.block.machine_frame = true;
     Ok(())
 }
 
 /// The place where the axes stand gets the programmed values.
 pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
     // Nothing turns: words are positions, also of axes whose words are angles.
-    let angles = std::mem::take(&mut kernel.place.angles);
+    let angles = std::mem::take(&mut kernel.channel.state.place.angles);
     let (coded, target) = kernel.targets();
-    kernel.place.angles = angles;
+    kernel.channel.state.place.angles = angles;
     if coded == 0 {
         return Ok(());
     }
-    let turned = kernel.place.frames.is_some();
+    let turned = kernel.channel.state.place.frames.is_some();
     let stands = kernel.contour();
     for (index, value) in target.iter().enumerate() {
         if (turned || coded & (1 << index) != 0)
-            && let (Some(preset), Some(position)) = (kernel.place.preset.get_mut(index), stands.get(index))
+            && let (Some(preset), Some(position)) =
+                (kernel.channel.state.place.preset.get_mut(index), stands.get(index))
         {
             *preset += position - value;
         }
@@ -54,16 +56,16 @@ pub(super) fn work_offset(kernel: &mut Kernel<'_>) -> Acted {
     let number = kernel.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     kernel.missing_work_offset(number);
-    kernel.place.work_offset = number;
-    kernel.emit(0, Kind::Mode { text: format!("comp workp n={number}").into() });
+    kernel.channel.state.place.work_offset = number;
+    kernel.emit(0, Kind::mode(format!("comp workp n={number}")));
     kernel.reframe();
     Ok(())
 }
 
 /// Cancels work offsets.
 pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.place.work_offset = 0;
-    kernel.emit(0, Kind::Mode { text: "comp workp off".into() });
+    kernel.channel.state.place.work_offset = 0;
+    kernel.emit(0, Kind::mode("comp workp off"));
     kernel.reframe();
     Ok(())
 }
@@ -75,29 +77,29 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
     if sign == 0.0 && kernel.tip().is_some_and(|tip| tip.with_length) {
         super::tip::off(kernel)?;
     }
-    kernel.place.length_sign = sign;
+    kernel.channel.state.place.length_sign = sign;
     let text = if sign == 0.0 {
-        kernel.place.length_number = 0;
+        kernel.channel.state.place.length_number = 0;
         "comp length off".to_owned()
     } else {
         if let Some(number) = number.filter(|n| (0.0..=999_999.0).contains(n)) {
-            kernel.place.length_number = number as u32;
+            kernel.channel.state.place.length_number = number as u32;
         }
-        kernel.place.compensation.set = set;
+        kernel.channel.state.place.compensation.set = set;
         match set {
-            1 => format!("comp length n={}", kernel.place.length_number),
-            _ => format!("comp length n={} set={set}", kernel.place.length_number),
+            1 => format!("comp length n={}", kernel.channel.state.place.length_number),
+            _ => format!("comp length n={} set={set}", kernel.channel.state.place.length_number),
         }
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
 }
 
 /// Length compensation that another code brings along.
 pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
-    (kernel.place.length_sign, kernel.place.length_number) = (1.0, number);
-    kernel.emit(0, Kind::Mode { text: format!("comp length n={number}").into() });
+    (kernel.channel.state.place.length_sign, kernel.channel.state.place.length_number) = (1.0, number);
+    kernel.emit(0, Kind::mode(format!("comp length n={number}")));
     kernel.reframe();
 }
 
@@ -105,9 +107,9 @@ pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
 /// stands still.
 pub(crate) fn forget(kernel: &mut Kernel<'_>) {
     if kernel.end_tip() {
-        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+        kernel.emit(0, Kind::mode("rtcp off"));
     }
-    let place = &mut kernel.place;
+    let place = &mut kernel.channel.state.place;
     (place.frames, place.clamped) = (None, 0);
     (place.work_offset, place.tool_offset) = (1, 0);
     (place.length_sign, place.length_number) = (0.0, 0);
@@ -118,7 +120,7 @@ pub(crate) fn forget(kernel: &mut Kernel<'_>) {
 impl Kernel<'_> {
     /// The part of the shift that is the tool.
     pub(crate) fn tool_shift(&self) -> Position {
-        let place = &self.place;
+        let place = &self.channel.state.place;
         let mut shift = [0.0; MAX_AXES];
         let mut add = |values: Position, sign: f64| {
             for (slot, value) in shift.iter_mut().zip(values) {
@@ -140,55 +142,60 @@ impl Kernel<'_> {
 
     /// Tells of a work offset that has no values.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
-        let known = self.machine.work_offsets.len();
-        let set = self.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
+        let known = self.channel.env.machine.work_offsets.len();
+        let set = self.channel.state.place.offsets.as_deref().is_some_and(|offsets| offsets.has_work(number));
         if known > 0 && number as usize > known && !set {
-            let text = format!("work offset {number} has no values in machine {}, zero is used", self.machine.name);
+            let text = format!(
+                "work offset {number} has no values in machine {}, zero is used",
+                self.channel.env.machine.name
+            );
             self.diagnose(&diag::NO_OFFSET, text);
         }
     }
 
     /// Frame at program start.
     pub(crate) fn initial_frame(&mut self) {
-        self.place.shift = self.wanted_shift();
-        for (position, shift) in self.place.position.iter_mut().zip(self.place.shift) {
+        self.channel.state.place.shift = self.wanted_shift();
+        for (position, shift) in self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift) {
             *position -= shift;
         }
-        if self.place.shift != [0.0; MAX_AXES] {
-            let shift = Box::new(self.place.shift);
-            self.emit(0, Kind::Frame { shift });
+        if self.channel.state.place.shift != [0.0; MAX_AXES] {
+            let shift = Box::new(self.channel.state.place.shift);
+            self.emit(0, Kind::Frame(Frame { shift }));
         }
     }
 
     /// Puts the sum of all offsets into force; the machine stands still.
     pub(crate) fn reframe(&mut self) {
         let wanted = self.wanted_shift();
-        if wanted == self.place.shift {
+        if wanted == self.channel.state.place.shift {
             return;
         }
         let before = self.counts_from();
-        if self.place.frames.is_some() {
+        if self.channel.state.place.frames.is_some() {
             self.settle_for_macro();
             let levels = self.cycle_levels();
             self.standing(|kernel| {
-                kernel.place.shift = wanted;
+                kernel.channel.state.place.shift = wanted;
                 kernel.refresh_tip();
             });
             self.keep_levels(levels);
         } else {
-            self.cycle.reframed(&self.place.shift, &wanted);
-            for ((position, old), new) in self.place.position.iter_mut().zip(self.place.shift).zip(wanted) {
+            self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
+            for ((position, old), new) in
+                self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift).zip(wanted)
+            {
                 *position += old - new;
             }
-            self.place.shift = wanted;
+            self.channel.state.place.shift = wanted;
         }
         self.keep_ways(before);
-        self.emit(0, Kind::Frame { shift: Box::new(wanted) });
+        self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
     /// Presets, the work offset and the tool together.
     fn wanted_shift(&self) -> Position {
-        let place = &self.place;
+        let place = &self.channel.state.place;
         let mut shift = place.preset;
         let mut add = |values: Position, more: Position| {
             for ((slot, value), more) in shift.iter_mut().zip(values).zip(more) {

@@ -2,29 +2,30 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
+use crate::channel::Kernel;
 use crate::channel::state::Axis;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Position;
 use crate::machine::habits::Home;
 use crate::machine::ident::data;
 use crate::trace::{self, ACTION};
+use counterpoint_fault::Acted;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {
-    if kernel.machine.habits.home == Home::Machine {
+    if kernel.channel.env.machine.habits.home == Home::Machine {
         return straight(kernel, number);
     }
     let (mut coded, via) = kernel.targets();
     if coded == 0 {
-        if !kernel.machine.habits.bare_home {
+        if !kernel.channel.env.machine.habits.bare_home {
             return Ok(());
         }
         coded = every_axis(kernel);
     }
     kernel.trace(ACTION, |kernel| trace::action(&home_text(kernel, coded, number)));
     check_reference(kernel, coded, number)?;
-    kernel.place.home_via = Some(via);
+    kernel.channel.state.place.home_via = Some(via);
     kernel.rapid_to(coded, via)?;
     to_reference(kernel, coded, number)
 }
@@ -39,7 +40,7 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 
 /// Reports a reference point that the machine does not have for all axes that go there.
 fn check_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
-    let mut axes = kernel.place.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
+    let mut axes = kernel.channel.state.place.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
     if axes.any(|(_, axis)| reference(axis, number).is_none()) {
         let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
         kernel.diagnose(&diag::NO_REFERENCE, text);
@@ -49,7 +50,7 @@ fn check_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
 fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
-    kernel.place.home_via = Some(kernel.place.position);
+    kernel.channel.state.place.home_via = Some(kernel.channel.state.place.position);
     let (coded, target) = machine_targets(kernel);
     if coded != 0 {
         return kernel.rapid_to(coded, target);
@@ -61,20 +62,20 @@ fn straight(kernel: &mut Kernel<'_>, number: usize) -> Acted {
 
 /// All axes of the channel, bit by axis.
 fn every_axis(kernel: &Kernel<'_>) -> u8 {
-    ((1_u16 << kernel.place.axes.len().min(8)) - 1) as u8
+    ((1_u16 << kernel.channel.state.place.axes.len().min(8)) - 1) as u8
 }
 
 /// Takes the axis words as positions of the machine frame.
 pub(super) fn machine_targets(kernel: &mut Kernel<'_>) -> (u8, Position) {
-    let before = std::mem::replace(&mut kernel.block.machine_frame, true);
+    let before = std::mem::replace(&mut kernel.channel.block.machine_frame, true);
     let taken = kernel.targets();
-    kernel.block.machine_frame = before;
+    kernel.channel.block.machine_frame = before;
     taken
 }
 
 fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
-    let mut target = kernel.machine_point(&kernel.place.position);
-    for (index, (slot, axis)) in target.iter_mut().zip(&kernel.place.axes).enumerate() {
+    let mut target = kernel.machine_point(&kernel.channel.state.place.position);
+    for (index, (slot, axis)) in target.iter_mut().zip(&kernel.channel.state.place.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
         }
@@ -88,7 +89,7 @@ fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
 fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
-    let axes = (0..kernel.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let axes = (0..kernel.channel.state.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
     let mut items: Vec<String> = axes.map(|axis| kernel.axis_name(axis)).collect();
     if number > 1 {
         items.push(format!("n={number}"));
@@ -114,9 +115,9 @@ pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
     if coded == 0 {
         return Ok(());
     }
-    match kernel.place.home_via {
+    match kernel.channel.state.place.home_via {
         Some(via) => {
-            let mut through = kernel.place.position;
+            let mut through = kernel.channel.state.place.position;
             for (index, (slot, value)) in through.iter_mut().zip(via).enumerate() {
                 if coded & (1 << index) != 0 {
                     *slot = value;

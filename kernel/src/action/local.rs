@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 6.7. Invariant: the machine stands still; the programmed point is what changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::frames::affine::{Affine, Point};
-use crate::channel::frames::local::{Given, Part, Refused};
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, codes, data};
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::local::{Given, Part, Refused};
 
 /// What a code does to its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +56,7 @@ pub(super) fn of(id: crate::machine::ident::CodeId) -> Option<(Part, Change)> {
 
 /// Carries out a code of the local frame.
 pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Acted {
-    let has = kernel.place.has_axes();
+    let has = kernel.channel.state.place.has_axes();
     let levels = kernel.cycle_levels();
     let before = kernel.counts_from();
     let made = match (part, change) {
@@ -91,7 +92,7 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
     kernel.keep_ways(before);
     kernel.keep_levels(levels);
     let text = kernel.frame_text();
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 
@@ -110,7 +111,7 @@ pub(crate) fn refuse(kernel: &mut Kernel<'_>, refused: Refused) {
 fn lengths(kernel: &mut Kernel<'_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
     let mut taken = numbers(kernel, ids);
     for (role, slot) in taken.iter_mut().enumerate() {
-        *slot = slot.map(|value| value * kernel.place.scale_of(role));
+        *slot = slot.map(|value| value * kernel.channel.state.place.scale_of(role));
     }
     taken
 }
@@ -122,7 +123,7 @@ fn numbers(kernel: &mut Kernel<'_>, ids: [DataId; 3]) -> [Option<f64>; 3] {
 fn translation(kernel: &mut Kernel<'_>, change: Change) -> Option<Given> {
     let words = lengths(kernel, TRANSLATION);
     words.iter().any(Option::is_some).then(|| {
-        let frames = kernel.place.frames.as_deref().filter(|_| change == Change::On);
+        let frames = kernel.channel.state.place.frames.as_deref().filter(|_| change == Change::On);
         let before = frames.and_then(|frames| frames.local.part(Part::Translate)).map_or([0.0; 3], |part| part.values);
         let by = filled(words, before);
         Given::new(Affine::translation(by), by)
@@ -141,7 +142,7 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 /// Takes a centre. A machine that has words for it means the place where the tool stands when the block has none.
 fn center(kernel: &mut Kernel<'_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
     let here = kernel.seen_from_work(&kernel.contour());
-    let stands = match kernel.place.frames.as_deref() {
+    let stands = match kernel.channel.state.place.frames.as_deref() {
         Some(_) if change == Change::Add => kernel.seen(&kernel.programmed()),
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
@@ -176,7 +177,7 @@ fn rotation(kernel: &mut Kernel<'_>, change: Change) -> Option<Given> {
         (None, Some([x, y, z]), _) => (chain([2, 1, 0], [z, y, x])?, [x, y, z], "ABC", 0.0),
         // Each about an axis that the ones before have turned.
         (None, None, Some(angles)) => {
-            let order = kernel.machine.habits.rotations;
+            let order = kernel.channel.env.machine.habits.rotations;
             (chain(order.axes, angles)?, angles, order.name, 0.0)
         }
         (None, None, None) => return None,
@@ -187,7 +188,7 @@ fn rotation(kernel: &mut Kernel<'_>, change: Change) -> Option<Given> {
 /// Normal of the active plane.
 fn normal(kernel: &Kernel<'_>) -> Point {
     let [x, y, z] = UNITS;
-    match kernel.modal.code(group::PLANE) {
+    match kernel.channel.state.modal.code(group::PLANE) {
         Some(codes::PLANE_ZX) => y,
         Some(codes::PLANE_YZ) => x,
         _ => z,
@@ -209,8 +210,8 @@ fn scale(kernel: &mut Kernel<'_>, change: Change) -> Option<Given> {
 fn mirrors(kernel: &mut Kernel<'_>) -> [Option<f64>; 3] {
     let mut words = [None; 3];
     for (role, slot) in words.iter_mut().enumerate() {
-        let axis = kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
-        let Some(axis) = axis.and_then(|axis| kernel.place.axes.get(axis)) else { continue };
+        let axis = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+        let Some(axis) = axis.and_then(|axis| kernel.channel.state.place.axes.get(axis)) else { continue };
         let (id, scale) = (axis.data, axis.scale);
         *slot = kernel.take(id).map(|datum| datum.value * scale);
     }
@@ -219,7 +220,7 @@ fn mirrors(kernel: &mut Kernel<'_>) -> [Option<f64>; 3] {
 
 /// Mirrored axes and where their mirrors stand.
 fn mirrored(kernel: &Kernel<'_>) -> (Point, Point) {
-    let frames = kernel.place.frames.as_deref();
+    let frames = kernel.channel.state.place.frames.as_deref();
     let part = frames.and_then(|frames| frames.local.part(Part::Mirror));
     part.map_or(([0.0; 3], [0.0; 3]), |part| (part.values, part.center.unwrap_or_default()))
 }
@@ -247,7 +248,9 @@ fn fewer_mirrors(kernel: &mut Kernel<'_>) -> Option<Given> {
 impl Kernel<'_> {
     /// The local frame in the words of the listing.
     pub(crate) fn frame_text(&self) -> String {
-        let Some(local) = self.place.frames.as_deref().map(|frames| &frames.local).filter(|l| l.is_programmed()) else {
+        let Some(local) =
+            self.channel.state.place.frames.as_deref().map(|frames| &frames.local).filter(|l| l.is_programmed())
+        else {
             return "lcs off".to_owned();
         };
         let list = |values: Point| values.map(wildcard_text).join(",");

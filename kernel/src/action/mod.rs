@@ -35,12 +35,13 @@ pub(crate) mod tool_data;
 mod turned;
 pub(crate) mod turning;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
-use crate::channel::frames::local::Part;
-use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
 use crate::machine::ident::{CodeId, DataId, codes};
 use crate::machine::model::CodeRow;
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::local::Part;
 
 /// A built-in action.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -300,10 +301,10 @@ fn spindle_code(id: CodeId) -> Option<Action> {
 
 /// Carries out an action.
 pub(crate) fn act(kernel: &mut Kernel<'_>, action: Action, row: &CodeRow, firing: Firing) -> Acted {
-    if kernel.cycle.running && !firing.implied && action.moves() {
+    if kernel.channel.state.cycle.running && !firing.implied && action.moves() {
         cycle::meets_motion(kernel)?;
     }
-    if kernel.place.frames.is_some() {
+    if kernel.channel.state.place.frames.is_some() {
         cutter::before(kernel, action)?;
     }
     match action {

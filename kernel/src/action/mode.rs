@@ -1,15 +1,16 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
-use crate::channel::{Acted, Kernel};
-use crate::log::event::Kind;
+use crate::log::event::{Function, Kind};
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
+use counterpoint_fault::Acted;
 
 /// A modal state.
 pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
-    if kernel.mode_changed {
-        kernel.emit(0, Kind::Mode { text: text.into() });
+    if kernel.channel.acting.mode_changed {
+        kernel.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -17,14 +18,14 @@ pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
 /// Primary or secondary units.
 pub(super) fn units(kernel: &mut Kernel<'_>, secondary: bool) -> Acted {
     use crate::log::info::Unit;
-    kernel.secondary = secondary;
-    let inch = (kernel.machine.unit == Unit::Inch) != secondary;
+    kernel.channel.state.secondary = secondary;
+    let inch = (kernel.channel.env.machine.unit == Unit::Inch) != secondary;
     mode(kernel, if inch { "units inch" } else { "units mm" })
 }
 
 /// Exact stop at the end of this block.
 pub(super) fn exact_stop_block(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.block.exact_stop = true;
+    kernel.channel.block.exact_stop = true;
     Ok(())
 }
 
@@ -33,7 +34,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
     // What ends compensation needs no number.
     let asks = side != "off" || kernel.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(kernel) } else { None };
-    if kernel.mode_changed || number.is_some() {
+    if kernel.channel.acting.mode_changed || number.is_some() {
         let text = match number {
             Some(number) if side != "off" => {
                 format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number))
@@ -41,7 +42,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
             _ => format!("comp diam {side}"),
         };
         super::cutter::switched(kernel, code)?;
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
         kernel.tell_tool();
     }
     Ok(())
@@ -52,7 +53,7 @@ pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -
     kernel.take(data::FUNCTION);
     if row.seconds <= 0.0 {
         let (letter, value) = kernel.written(row, firing);
-        kernel.emit(0, Kind::Function { letter, value });
+        kernel.emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())
 }
@@ -65,6 +66,6 @@ pub(super) fn additive(kernel: &mut Kernel<'_>, on: bool) -> Acted {
         (true, None) => "am on".to_owned(),
         (false, _) => "am off".to_owned(),
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }

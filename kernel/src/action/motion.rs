@@ -4,12 +4,13 @@
 
 use super::cutter::{Shape, Step};
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
@@ -24,7 +25,7 @@ pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {
 /// Straight feed.
 pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
     let (feed, unit) = kernel.feed();
-    if kernel.place.frames.is_none() {
+    if kernel.channel.state.place.frames.is_none() {
         let (coded, target) = kernel.plain_targets();
         return kernel.plain_feed(coded, &target, feed, unit);
     }
@@ -48,21 +49,21 @@ pub(super) fn linear_times(kernel: &mut Kernel<'_>, factor: f64) -> Acted {
 impl Kernel<'_> {
     /// Feed of the active mode: the word on the block, else the remembered one.
     pub(super) fn feed(&mut self) -> (Option<f64>, FeedUnit) {
-        let (id, unit) = feed_of(self.modal.code(group::FEED));
+        let (id, unit) = feed_of(self.channel.state.modal.code(group::FEED));
         match self.take(id) {
             Some(datum) => {
-                self.modal.remember(id, datum.value);
+                self.channel.state.modal.remember(id, datum.value);
                 (Some(datum.value), unit)
             }
             // Inverse time belongs to its block alone.
             None if unit == FeedUnit::InverseTime => (None, unit),
-            None => (self.modal.value(id), unit),
+            None => (self.channel.state.modal.value(id), unit),
         }
     }
 
     /// Feed that a rapid move must not pass: that of the block, else the remembered one where the row is modal.
     fn rapid_feed(&mut self) -> Option<f64> {
-        let Some(datum) = self.take(data::RAPID_FEED) else { return self.modal.value(data::RAPID_FEED) };
+        let Some(datum) = self.take(data::RAPID_FEED) else { return self.channel.state.modal.value(data::RAPID_FEED) };
         if datum.value <= 0.0 {
             let text = format!("the feed is zero or less in '{}', the move is timed as rapid", self.block_text());
             self.diagnose(&diag::FEED_NOT_POSITIVE, text);
@@ -70,7 +71,7 @@ impl Kernel<'_> {
         }
         let mut sources = self.plan.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
         if sources.any(|source| source.modal) {
-            self.modal.remember(data::RAPID_FEED, datum.value);
+            self.channel.state.modal.remember(data::RAPID_FEED, datum.value);
         }
         Some(datum.value)
     }
@@ -78,25 +79,29 @@ impl Kernel<'_> {
     /// Takes the axis words: bits of coded axes, and the target in the work frame.
     #[inline(always)]
     pub(super) fn targets(&mut self) -> (u8, Position) {
-        if self.place.frames.is_some() { self.targets_in_frames() } else { self.plain_targets() }
+        if self.channel.state.place.frames.is_some() { self.targets_in_frames() } else { self.plain_targets() }
     }
 
     /// The same, with the words that orient the tool.
     #[inline(always)]
     pub(super) fn straight_targets(&mut self) -> (u8, Position) {
-        if self.place.frames.is_some() { self.oriented_targets() } else { self.plain_targets() }
+        if self.channel.state.place.frames.is_some() { self.oriented_targets() } else { self.plain_targets() }
     }
 
     /// Takes the axis words: bits of coded axes, and the target as programmed.
     #[inline(always)]
     pub(super) fn programmed_targets(&mut self) -> (u8, Position) {
-        if self.place.frames.is_some() { self.framed_targets() } else { self.plain_targets() }
+        if self.channel.state.place.frames.is_some() { self.framed_targets() } else { self.plain_targets() }
     }
 
     /// Where programmed points are points of the work frame.
     #[inline(never)]
     fn plain_targets(&mut self) -> (u8, Position) {
-        self.axis_words(self.place.position, |kernel, axis| kernel.place.shift.get(axis).copied(), Self::take_axis)
+        self.axis_words(
+            self.channel.state.place.position,
+            |kernel, axis| kernel.channel.state.place.shift.get(axis).copied(),
+            Self::take_axis,
+        )
     }
 
     #[cold]
@@ -113,15 +118,15 @@ impl Kernel<'_> {
 
     #[cold]
     fn framed_targets(&mut self) -> (u8, Position) {
-        if self.block.machine_frame {
-            let machine = self.machine_point(&self.place.position);
+        if self.channel.block.machine_frame {
+            let machine = self.machine_point(&self.channel.state.place.position);
             let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
             self.ways_travelled(coded);
             return (coded, self.program_point(&self.point_of_machine(&target)));
         }
         let from = self.programmed();
         let counted = self.counted();
-        let shift = |kernel: &Self, axis: usize| kernel.place.shift.get(axis).copied();
+        let shift = |kernel: &Self, axis: usize| kernel.channel.state.place.shift.get(axis).copied();
         let (coded, mut target) = match self.polar() {
             Some(polar) => self.axis_words(counted, shift, |kernel, axis| kernel.take_polar(polar, axis)),
             None => self.axis_words(counted, shift, Self::take_axis),
@@ -140,7 +145,7 @@ impl Kernel<'_> {
     /// Takes the word of an axis.
     #[inline(always)]
     fn take_axis(&mut self, axis: usize) -> Option<Datum> {
-        let id = self.place.axes.get(axis).map(|a| a.data)?;
+        let id = self.channel.state.place.axes.get(axis).map(|a| a.data)?;
         self.take(id)
     }
 
@@ -152,15 +157,15 @@ impl Kernel<'_> {
         shift: impl Fn(&Self, usize) -> Option<f64>,
         take: impl Fn(&mut Self, usize) -> Option<Datum>,
     ) -> (u8, Position) {
-        let relative = match self.modal.code(group::POSITION) {
+        let relative = match self.channel.state.modal.code(group::POSITION) {
             Some(codes::POSITION_RELATIVE) => Some(true),
             Some(_) => Some(false),
             None => None,
         };
         let mut target = from;
         let mut coded = 0_u8;
-        let as_written = self.place.angles == 0 && !self.block.machine_frame;
-        for index in 0..self.place.axes.len() {
+        let as_written = self.channel.state.place.angles == 0 && !self.channel.block.machine_frame;
+        for index in 0..self.channel.state.place.axes.len() {
             let Some(datum) = take(self, index) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
@@ -175,8 +180,8 @@ impl Kernel<'_> {
             } else if as_written {
                 datum.value
             } else {
-                let away = if self.block.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
-                match self.place.angles & 1 << index {
+                let away = if self.channel.block.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
+                match self.channel.state.place.angles & 1 << index {
                     0 => datum.value - away,
                     _ => self.turned_to(index, *slot, datum.value, away),
                 }
@@ -189,7 +194,15 @@ impl Kernel<'_> {
     /// Length of the tool path: linear axes, or the rotary ones when nothing else moves.
     pub(super) fn tool_path(&self, changes: &Position) -> f64 {
         let sum = |rotary: bool| {
-            self.place.axes.iter().zip(changes).filter(|(a, _)| a.rotary == rotary).map(|(_, c)| c * c).sum::<f64>()
+            self.channel
+                .state
+                .place
+                .axes
+                .iter()
+                .zip(changes)
+                .filter(|(a, _)| a.rotary == rotary)
+                .map(|(_, c)| c * c)
+                .sum::<f64>()
         };
         let linear = sum(false);
         if linear > 0.0 { linear.sqrt() } else { sum(true).sqrt() }
@@ -210,7 +223,7 @@ impl Kernel<'_> {
     /// Axes that a move concerns: a turned frame moves others than the coded ones.
     #[inline(always)]
     pub(super) fn moving(&self, coded: u8, changes: &Position) -> u8 {
-        if self.place.frames.is_none() {
+        if self.channel.state.place.frames.is_none() {
             return coded;
         }
         changes.iter().enumerate().filter(|(_, c)| **c != 0.0).fold(coded, |bits, (axis, _)| bits | 1 << axis)
@@ -227,7 +240,7 @@ impl Kernel<'_> {
             let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
             return self.compensate(step);
         }
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         if target == from {
             return Ok(());
         }
@@ -245,7 +258,7 @@ impl Kernel<'_> {
 
     /// A straight feed move to a target in the work frame.
     pub(super) fn feed_to(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.place.frames.is_some() {
+        if self.channel.state.place.frames.is_some() {
             return self.feed_in_frames(coded, target, feed, unit);
         }
         self.plain_feed(coded, &target, feed, unit)
@@ -253,7 +266,7 @@ impl Kernel<'_> {
 
     /// Where programmed points are points of the work frame.
     fn plain_feed(&mut self, coded: u8, target: &Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         if *target == from {
             return Ok(());
         }
@@ -261,7 +274,7 @@ impl Kernel<'_> {
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = if self.place.rotary { self.tool_path(&changes) } else { feed_length };
+        let length = if self.channel.state.place.rotary { self.tool_path(&changes) } else { feed_length };
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
     }
@@ -273,7 +286,7 @@ impl Kernel<'_> {
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
             return if coded == 0 { Ok(()) } else { self.compensate(step) };
         }
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         if target == from {
             return Ok(());
         }
@@ -301,7 +314,7 @@ impl Kernel<'_> {
 
     /// A straight move that a macro has changed: made again from its start.
     pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         let changes = self.changes(&from, &to);
         let length = self.tool_path(&changes);
         let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
@@ -319,7 +332,7 @@ impl Kernel<'_> {
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.place.frames.is_some() {
+        if self.channel.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
         let length = self.feed_path(&changes, feed_length);
@@ -331,7 +344,7 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
         if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.before = self.place.position;
+            runtime.before = self.channel.state.place.position;
             let rapid = usize::from(motion.kind == MotionKind::Rapid);
             if let Some(time) = runtime.store.times.get_mut(rapid) {
                 *time += seconds;
@@ -340,12 +353,12 @@ impl Kernel<'_> {
             self.sum_motion(rapid == 1, seconds, motion.length);
             self.note_travel(motion);
         }
-        if self.place.clamped != 0 {
+        if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);
         }
-        self.block.moved = true;
+        self.channel.block.moved = true;
         self.flow.pass.effects = true;
-        self.place.position = motion.to;
+        self.channel.state.place.position = motion.to;
         let ns = Self::ns(seconds);
         self.emit_as(ns, |kind| match kind {
             Kind::Motion(place) => *place = *motion,
@@ -358,7 +371,7 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn check_travel(&mut self, to: &Position) {
-        if self.place.bounds.limited && !self.place.bounds.stop {
+        if self.channel.state.place.bounds.limited && !self.channel.state.place.bounds.stop {
             self.check_limits_of_axes(to);
         }
     }
@@ -366,7 +379,7 @@ impl Kernel<'_> {
     /// Where it is an alarm, an end beyond the limits stops the channel before the move.
     #[inline(always)]
     fn check_travel_before(&mut self, motion: &Motion) -> Acted {
-        if self.place.bounds.limited && self.place.bounds.stop {
+        if self.channel.state.place.bounds.limited && self.channel.state.place.bounds.stop {
             self.check_limits_of_axes(&motion.to);
             return self.check_stop();
         }
@@ -377,7 +390,7 @@ impl Kernel<'_> {
     fn check_limits_of_axes(&mut self, to: &Position) {
         let mut over = None;
         let machine = self.machine_point(to);
-        for (axis, at) in self.place.axes.iter().zip(machine) {
+        for (axis, at) in self.channel.state.place.axes.iter().zip(machine) {
             if let Some((low, high)) = axis.limits
                 && (at < low - 1e-9 || at > high + 1e-9)
             {
@@ -385,7 +398,7 @@ impl Kernel<'_> {
             }
         }
         if let Some((axis, at, low, high)) = over {
-            let name = self.machine.axes.get(axis).map_or("?", |a| a.name.as_str());
+            let name = self.channel.env.machine.axes.get(axis).map_or("?", |a| a.name.as_str());
             let text = format!(
                 "axis {name} at {at:.3} in the machine frame is beyond its limits {low} to {high} in '{}'",
                 self.block_text()

@@ -3,12 +3,13 @@
 //! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. Invariant: what
 //! is not kept is told and nothing changes; the machine stands still.
 
+use crate::channel::Kernel;
 use crate::channel::frames::offsets::{EXTENDED, Radii, Table};
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// What is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,19 +68,19 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         What::Tool(_, _, number) => ("tool", number),
     };
     let text = if kept { format!("set {table} n={number}") } else { format!("set {table} n={number} refused") };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }
 
 fn is_relative(kernel: &Kernel<'_>) -> bool {
-    kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+    kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
 }
 
 fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
     let mut values = kernel.offset_values(table, number);
     let relative = is_relative(kernel);
-    for index in 0..kernel.place.axes.len() {
-        let Some(id) = kernel.place.axes.get(index).map(|axis| axis.data) else { break };
+    for index in 0..kernel.channel.state.place.axes.len() {
+        let Some(id) = kernel.channel.state.place.axes.get(index).map(|axis| axis.data) else { break };
         let Some(datum) = kernel.take(id).filter(|datum| datum.value.is_finite()) else { continue };
         if let Some(slot) = values.get_mut(index) {
             *slot = if relative || datum.incremental { *slot + datum.value } else { datum.value };
@@ -90,7 +91,7 @@ fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
 
 fn length(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
     let mut values = kernel.offset_values(table, number);
-    let along = kernel.place.cartesian.get(2).copied().flatten().map(usize::from);
+    let along = kernel.channel.state.place.cartesian.get(2).copied().flatten().map(usize::from);
     let relative = is_relative(kernel);
     let Some(value) = kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
     let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };

@@ -3,16 +3,17 @@
 //! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
 //! the real axes; length and time are those on the part.
 
+use counterpoint_fault::Acted;
 use std::f64::consts::TAU;
 
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
 use crate::channel::frames::polar::{Polar, round_the_centre};
 use crate::channel::report::STRAIGHT;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
 use crate::log::info::Unit;
@@ -29,27 +30,27 @@ pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
     let Some((linear, rotary)) = axes(kernel) else {
         let text = format!(
             "channel {} has no linear and rotary axis for polar interpolation of '{}'",
-            kernel.rank,
+            kernel.channel.at.channel,
             kernel.block_text()
         );
         kernel.diagnose(&diag::NO_POLAR_AXES, text);
         return Ok(());
     };
-    kernel.frames().polar = Some(Polar::new(&kernel.place, linear, rotary, cartesian));
+    kernel.frames().polar = Some(Polar::new(&kernel.channel.state.place, linear, rotary, cartesian));
     kernel.frames_changed();
     super::cutter::plane_changed(kernel);
-    kernel.emit(0, Kind::Mode { text: format!("c2p {} on", form(cartesian)).into() });
+    kernel.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
 }
 
 /// Switches it off; the axes stay where they are.
 pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
-    let Some(polar) = kernel.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
+    let Some(polar) = kernel.channel.state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
     kernel.frames_changed();
     super::cutter::plane_changed(kernel);
-    kernel.emit(0, Kind::Mode { text: format!("c2p {} off", form(polar.cartesian)).into() });
+    kernel.emit(0, Kind::mode(format!("c2p {} off", form(polar.cartesian))));
     Ok(())
 }
 
@@ -59,14 +60,15 @@ fn form(cartesian: bool) -> &'static str {
 
 /// The axes that the machine names for it, else X and the first rotary axis of the workpiece.
 fn axes(kernel: &Kernel<'_>) -> Option<(usize, usize)> {
-    let channel = kernel.machine.channels.iter().find(|channel| channel.number == kernel.rank)?;
-    let own = |machine: usize| kernel.place.axes.iter().position(|axis| axis.machine == machine);
+    let channel =
+        kernel.channel.env.machine.channels.iter().find(|channel| channel.number == kernel.channel.at.channel)?;
+    let own = |machine: usize| kernel.channel.state.place.axes.iter().position(|axis| axis.machine == machine);
     if let Some([linear, rotary]) = channel.polar {
         return own(linear).zip(own(rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
     let rotary = tables.into_iter().find_map(|id| kernel.axis_of_data(id))?;
-    Some((usize::from(kernel.place.cartesian.first().copied().flatten()?), rotary))
+    Some((usize::from(kernel.channel.state.place.cartesian.first().copied().flatten()?), rotary))
 }
 
 /// A circle on the part. Its plane is that of the part, whatever plane is active.
@@ -85,10 +87,10 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     let spots = if polar.cartesian {
         [&programmed, &target].map(|point| kernel.seen(point)).map(|[x, y, _]| [x, y])
     } else {
-        [&from, &to].map(|point| polar.part(&kernel.place, point))
+        [&from, &to].map(|point| polar.part(&kernel.channel.state.place, point))
     };
     let [start, end] = spots;
-    let tolerance = if kernel.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
+    let tolerance = if kernel.channel.env.machine.unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 };
     let made = match radius {
         Some(radius) => geometry::by_radius(start, end, radius, clockwise, tolerance),
         None => {
@@ -108,7 +110,8 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
         let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
         kernel.diagnose(&diag::ARC_END_OFF, text);
     }
-    let local = kernel.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
+    let local =
+        kernel.channel.state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
     let level = kernel.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
         let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
@@ -118,8 +121,8 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     };
     let turns = if (0.0..=999.0).contains(&turns) { turns as u16 } else { 0 };
     let made = made.with_turns(turns);
-    let spot = polar.part(&kernel.place, &to);
-    polar.reach(&kernel.place, &mut to, spot, way_round(&made));
+    let spot = polar.part(&kernel.channel.state.place, &to);
+    polar.reach(&kernel.channel.state.place, &mut to, spot, way_round(&made));
     kernel.circle_to(&Circle { made, coded, from, to, axes: [polar.linear, polar.rotary], turns, feed, unit })
 }
 
@@ -160,7 +163,7 @@ impl Kernel<'_> {
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
-        let (id, scale) = self.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
+        let (id, scale) = self.channel.state.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
         let registers = |id: DataId| self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.
@@ -182,6 +185,10 @@ impl Kernel<'_> {
     /// Length of a feed move on the part, or of its tool path.
     #[inline(always)]
     pub(super) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
-        if self.place.frames.is_some() && self.polar().is_some() { feed_length } else { self.tool_path(changes) }
+        if self.channel.state.place.frames.is_some() && self.polar().is_some() {
+            feed_length
+        } else {
+            self.tool_path(changes)
+        }
     }
 }

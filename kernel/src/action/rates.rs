@@ -84,15 +84,15 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
         if self.tip().is_some() {
-            let turns = self.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+            let turns = self.channel.state.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
         let Some(polar) = self.polar() else { return seconds };
-        let rate = self.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
-        let [start, end] = [from, to].map(|point| polar.part(&self.place, point));
+        let rate = self.channel.state.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
+        let [start, end] = [from, to].map(|point| polar.part(&self.channel.state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
         let turned = (to.get(polar.rotary).unwrap_or(&0.0) - from.get(polar.rotary).unwrap_or(&0.0)).abs();
         if !(rate > 0.0 && seconds > 0.0 && seconds.is_finite() && turned.is_finite()) {

@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 6.1, system-variables.md 12. Invariant: there is no model here, so nothing is ever
 //! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is told.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{MAX_AXES, Position};
 use crate::machine::ident::codes;
+use counterpoint_fault::Acted;
 
 /// Modal group of the alarm mode.
 const ALARM: u16 = 86;
@@ -39,8 +40,9 @@ pub(super) fn probe(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     }
     kernel.feed_to(coded, target, feed, unit)?;
-    *kernel.skip = State { result: 2.0, end: kernel.place.position, block: kernel.blocks };
-    if kernel.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
+    *kernel.channel.state.skip =
+        State { result: 2.0, end: kernel.channel.state.place.position, block: kernel.channel.at.blocks };
+    if kernel.channel.state.modal.code(ALARM) == Some(codes::SKIP_ALARM_SIGNAL) {
         let text = format!("the probe has touched nothing in '{}'", kernel.block_text());
         kernel.diagnose(&diag::PROBE_MISSED, text);
     }

@@ -4,10 +4,11 @@
 //! command: the last writer in tag order wins, with a warning when no meeting lies between). A shared spindle is
 //! reached only through shared operations; an own one is plain state of the kernel.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::surface_speed::Speed;
 
 use super::spindles::{commanded, no_head};
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
 use crate::log::info::Unit;
@@ -54,7 +55,7 @@ pub(super) fn drop_data(kernel: &mut Kernel<'_>) {
 /// Constant surface speed on.
 pub(super) fn css(kernel: &mut Kernel<'_>) -> Acted {
     let speed = take_speed(kernel, true);
-    let driver = kernel.states.spindles.driver.unwrap_or(kernel.rank);
+    let driver = kernel.channel.state.others.spindles.driver.unwrap_or(kernel.channel.at.channel);
     command(kernel, |c| {
         c.css = true;
         c.driver = driver;
@@ -89,10 +90,10 @@ pub(super) fn limit(kernel: &mut Kernel<'_>) -> Acted {
 
 /// The channel whose X drives constant surface speed.
 pub(super) fn driver(kernel: &mut Kernel<'_>, channel: u16) -> Acted {
-    if !kernel.machine.channels.iter().any(|known| known.number == channel) {
+    if !kernel.channel.env.machine.channels.iter().any(|known| known.number == channel) {
         return no_head(kernel, f64::from(channel));
     }
-    kernel.states.spindles.driver = Some(channel);
+    kernel.channel.state.others.spindles.driver = Some(channel);
     command(kernel, |c| c.driver = channel)
 }
 
@@ -108,7 +109,7 @@ pub(super) fn radial(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Stops, orients or reverses the spindle inside of a cycle; it stays as it is when it stands.
 pub(super) fn turn_inside(kernel: &mut Kernel<'_>, direction: Direction) -> Acted {
-    if kernel.spindle.index.is_none() {
+    if kernel.channel.state.spindle.index.is_none() {
         return Ok(());
     }
     command(kernel, |c| c.direction = direction)
@@ -119,8 +120,8 @@ pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
     kernel.settle()?;
     let css = kernel.current()?.css;
     match take_speed(kernel, css) {
-        Some(speed) if !kernel.machine.habits.speed_word => {
-            kernel.states.spindles.waiting = Some(speed);
+        Some(speed) if !kernel.channel.env.machine.habits.speed_word => {
+            kernel.channel.state.others.spindles.waiting = Some(speed);
             Ok(())
         }
         Some(speed) => command(kernel, |c| set_speed(c, css, Some(speed))),
@@ -131,7 +132,7 @@ pub(crate) fn speed_word(kernel: &mut Kernel<'_>) -> Acted {
 /// The speed of the block, else one that was left for the next spindle code (reference control-emulator.md 1.5).
 fn take_speed(kernel: &mut Kernel<'_>, css: bool) -> Option<f64> {
     let word = kernel.take(if css { data::SPINDLE_CSS } else { data::SPINDLE_RPM }).map(|d| d.value);
-    let waiting = kernel.states.spindles.waiting.take();
+    let waiting = kernel.channel.state.others.spindles.waiting.take();
     word.or(waiting)
 }
 
@@ -146,28 +147,28 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 
 /// Speed that turns now, rev/min.
 fn held_speed(kernel: &mut Kernel<'_>) -> Result<f64, Halt> {
-    let position = kernel.place.position;
+    let position = kernel.channel.state.place.position;
     let radius = kernel.radius(&position);
     Ok(match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
         Some(Turning::Surface(surface)) => surface.rpm(radius),
-        None => kernel.spindle.command.rpm,
+        None => kernel.channel.state.spindle.command.rpm,
     })
 }
 
 /// Changes the commanded state, logs it, and lets the spindle run up.
 fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
-    let Some(index) = kernel.spindle.index else {
-        let text = format!("channel {} has no spindle for '{}'", kernel.rank, kernel.block_text());
+    let Some(index) = kernel.channel.state.spindle.index else {
+        let text = format!("channel {} has no spindle for '{}'", kernel.channel.at.channel, kernel.block_text());
         kernel.diagnose(&diag::NO_SPINDLE, text);
         return Ok(());
     };
     kernel.flow.pass.effects = true;
     let before = kernel.turning_speed()?;
-    let old = kernel.spindle.command;
-    let rank = kernel.rank;
+    let old = kernel.channel.state.spindle.command;
+    let rank = kernel.channel.at.channel;
     let mut conflict = 0;
-    if kernel.spindle.shared {
+    if kernel.channel.state.spindle.shared {
         let (now, writer) = kernel.shared(|order| {
             let Some(spindle) = order.shared.spindles.get_mut(index) else { return (Command::default(), 0) };
             let old = spindle.command;
@@ -183,10 +184,10 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
             spindle.ordered = Set::default().with(rank);
             (spindle.command, writer)
         })?;
-        kernel.spindle.command = now;
+        kernel.channel.state.spindle.command = now;
         conflict = writer;
     } else {
-        change(&mut kernel.spindle.command);
+        change(&mut kernel.channel.state.spindle.command);
     }
     if conflict != 0 {
         let text = format!(
@@ -195,7 +196,7 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
         );
         kernel.diagnose(&diag::SPINDLE_CONFLICT, text);
     }
-    if kernel.spindle.command != old {
+    if kernel.channel.state.spindle.command != old {
         announce(kernel, index, before)?;
     }
     kernel.follow_radius()
@@ -203,9 +204,9 @@ fn command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
 
 /// Changes the commanded state as a macro wants it: without an event and without time.
 pub(crate) fn set_command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Acted {
-    let Some(index) = kernel.spindle.index else { return Ok(()) };
-    if !kernel.spindle.shared {
-        change(&mut kernel.spindle.command);
+    let Some(index) = kernel.channel.state.spindle.index else { return Ok(()) };
+    if !kernel.channel.state.spindle.shared {
+        change(&mut kernel.channel.state.spindle.command);
         return Ok(());
     }
     let now = kernel.shared(|order| {
@@ -214,15 +215,15 @@ pub(crate) fn set_command(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)
             spindle.command
         })
     })?;
-    kernel.spindle.command = now.unwrap_or_default();
+    kernel.channel.state.spindle.command = now.unwrap_or_default();
     kernel.follow_radius()
 }
 
 /// Logs the state and takes the run-up time.
 fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
-    let Some(spindle) = kernel.machine.spindles.get(index) else { return Ok(()) };
+    let Some(spindle) = kernel.channel.env.machine.spindles.get(index) else { return Ok(()) };
     let (number, max, run_up) = (spindle.number, spindle.max, spindle.run_up);
-    let now = kernel.spindle.command;
+    let now = kernel.channel.state.spindle.command;
     let speed = if now.css { now.surface } else { now.rpm };
     if !now.css && now.rpm > max {
         let text = format!(
@@ -238,7 +239,7 @@ fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
         seconds = run_up * (after - before).abs() / max;
     }
     if after != before {
-        seconds += kernel.machine.time.spindle_speed;
+        seconds += kernel.channel.env.machine.time.spindle_speed;
     }
     let ns = Kernel::ns(seconds);
     let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
@@ -251,16 +252,16 @@ fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
 impl Kernel<'_> {
     /// Commanded state of the channel's spindle as of now.
     pub(super) fn current(&mut self) -> Result<Command, Halt> {
-        if self.spindle.shared
-            && let Some(index) = self.spindle.index
+        if self.channel.state.spindle.shared
+            && let Some(index) = self.channel.state.spindle.index
         {
             let (command, now) = self.shared(|order| {
                 order.shared.spindles.get(index).map_or((Command::default(), 0.0), |s| (s.command, s.now))
             })?;
-            self.spindle.command = command;
-            self.spindle.now = now;
+            self.channel.state.spindle.command = command;
+            self.channel.state.spindle.now = now;
         }
-        Ok(self.spindle.command)
+        Ok(self.channel.state.spindle.command)
     }
 
     /// How the spindle turns now, `None` when it stands.
@@ -270,9 +271,11 @@ impl Kernel<'_> {
             return Ok(None);
         }
         let (max, min) = self
+            .channel
+            .state
             .spindle
             .index
-            .and_then(|i| self.machine.spindles.get(i))
+            .and_then(|i| self.channel.env.machine.spindles.get(i))
             .map_or((f64::INFINITY, 0.0), |s| (if s.max > 0.0 { s.max } else { f64::INFINITY }, s.min));
         let max = max.min(command.limit);
         if !command.css {
@@ -282,14 +285,14 @@ impl Kernel<'_> {
         if command.surface <= 0.0 {
             return Ok(None);
         }
-        if command.driver != self.rank && command.radius <= 0.0 {
-            return Ok((self.spindle.now > 0.0).then_some(Turning::Fixed(self.spindle.now)));
+        if command.driver != self.channel.at.channel && command.radius <= 0.0 {
+            return Ok((self.channel.state.spindle.now > 0.0).then_some(Turning::Fixed(self.channel.state.spindle.now)));
         }
-        let factor = match (self.machine.unit, self.secondary) {
+        let factor = match (self.channel.env.machine.unit, self.channel.state.secondary) {
             (Unit::Mm, false) | (Unit::Inch, true) => 1000.0,
             (Unit::Mm, true) | (Unit::Inch, false) => 12.0,
         };
-        let to_machine = match (self.machine.unit, self.secondary) {
+        let to_machine = match (self.channel.env.machine.unit, self.channel.state.secondary) {
             (Unit::Mm, true) => 25.4,
             (Unit::Inch, true) => 1.0 / 25.4,
             _ => 1.0,
@@ -304,7 +307,7 @@ impl Kernel<'_> {
 
     /// Speed that turns now, 0 when the spindle stands.
     fn turning_speed(&mut self) -> Result<f64, Halt> {
-        let radius = self.radius(&self.place.position);
+        let radius = self.radius(&self.channel.state.place.position);
         Ok(match self.spindle_speed()? {
             Some(Turning::Fixed(rpm)) => rpm,
             Some(Turning::Surface(surface)) => {
@@ -317,14 +320,16 @@ impl Kernel<'_> {
 
     /// Tells other channels the speed that this channel's X drives.
     pub(super) fn follow_radius(&mut self) -> Acted {
-        let command = self.spindle.command;
-        let Some(index) = self.spindle.index.filter(|_| self.spindle.shared) else { return Ok(()) };
-        if !command.css || command.driver != self.rank {
+        let command = self.channel.state.spindle.command;
+        let Some(index) = self.channel.state.spindle.index.filter(|_| self.channel.state.spindle.shared) else {
+            return Ok(());
+        };
+        if !command.css || command.driver != self.channel.at.channel {
             return Ok(());
         }
         let rpm = self.turning_speed()?;
-        if rpm != self.spindle.now {
-            self.spindle.now = rpm;
+        if rpm != self.channel.state.spindle.now {
+            self.channel.state.spindle.now = rpm;
             self.shared(|order| {
                 if let Some(spindle) = order.shared.spindles.get_mut(index) {
                     spindle.now = rpm;

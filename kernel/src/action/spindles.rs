@@ -4,13 +4,14 @@
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 
+use crate::channel::Kernel;
 use crate::channel::state::{SpindleState, group};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, code_facts, codes, data};
 use crate::machine::model::{Channel, Machine};
 use crate::multi::shared::Command;
+use counterpoint_fault::Acted;
 
 /// Spindles of one channel by index of the machine's list, and what they are in work for.
 #[derive(Debug, Default)]
@@ -67,9 +68,9 @@ pub(crate) fn is_shared(machine: &Machine, index: usize) -> bool {
 
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
 pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
-    if kernel.mode_changed {
+    if kernel.channel.acting.mode_changed {
         let text = if rear { "spindle rear" } else { "spindle front" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
     }
     kernel.follow_spindle();
     Ok(())
@@ -77,10 +78,10 @@ pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
 
 /// `CODE_APPLY_TURN`, `CODE_APPLY_MILL`.
 pub(super) fn apply(kernel: &mut Kernel<'_>, milling: bool) -> Acted {
-    if kernel.states.spindles.milling != milling {
-        kernel.states.spindles.milling = milling;
+    if kernel.channel.state.others.spindles.milling != milling {
+        kernel.channel.state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
         kernel.follow_spindle();
     }
     Ok(())
@@ -91,7 +92,7 @@ pub(super) fn commanded(kernel: &mut Kernel<'_>, number: u16, action: impl FnOnc
     let index = if number == 0 {
         kernel.plain_spindle()
     } else {
-        let index = index_of(kernel.machine, number);
+        let index = index_of(kernel.channel.env.machine, number);
         if index.is_none() {
             let text = format!("the machine has no spindle {number} for '{}'", kernel.block_text());
             kernel.diagnose(&diag::NO_SPINDLE, text);
@@ -100,7 +101,7 @@ pub(super) fn commanded(kernel: &mut Kernel<'_>, number: u16, action: impl FnOnc
         }
         index
     };
-    let before = kernel.spindle.index;
+    let before = kernel.channel.state.spindle.index;
     kernel.select_spindle(index);
     let done = action(kernel);
     kernel.select_spindle(before);
@@ -114,7 +115,7 @@ pub(super) fn driver_by_id(kernel: &mut Kernel<'_>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return Ok(());
     };
-    let known = kernel.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
+    let known = kernel.channel.env.machine.channels.iter().find(|channel| f64::from(channel.number) == id);
     match known.map(|channel| channel.number) {
         Some(channel) => super::spindle::driver(kernel, channel),
         None => no_head(kernel, id),
@@ -132,27 +133,29 @@ pub(super) fn no_head(kernel: &mut Kernel<'_>, id: f64) -> Acted {
 impl Kernel<'_> {
     /// The spindle that turns the part.
     fn turning_spindle(&self) -> Option<usize> {
-        let spindles = &self.states.spindles;
-        let rear = spindles.rear.filter(|_| self.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR));
+        let spindles = &self.channel.state.others.spindles;
+        let rear =
+            spindles.rear.filter(|_| self.channel.state.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR));
         rear.or(spindles.front)
     }
 
     /// The spindle in work.
     fn working_spindle(&self) -> Option<usize> {
-        let spindles = &self.states.spindles;
+        let spindles = &self.channel.state.others.spindles;
         spindles.mill.filter(|_| spindles.milling).or_else(|| self.turning_spindle())
     }
 
     /// The spindle of codes without a number: not a milling one that has codes of its own.
     fn plain_spindle(&self) -> Option<usize> {
-        let spindles = &self.states.spindles;
+        let spindles = &self.channel.state.others.spindles;
         let mill = spindles.mill.filter(|_| spindles.milling && self.milling_code() == 0);
         mill.or_else(|| self.turning_spindle())
     }
 
     fn number_in_codes(&self, index: Option<usize>) -> u16 {
-        let number = index.and_then(|index| self.machine.spindles.get(index)).map_or(0, |spindle| spindle.number);
-        if has_codes(self.machine, number) { number } else { 0 }
+        let number =
+            index.and_then(|index| self.channel.env.machine.spindles.get(index)).map_or(0, |spindle| spindle.number);
+        if has_codes(self.channel.env.machine, number) { number } else { 0 }
     }
 
     /// `$STID`
@@ -162,7 +165,7 @@ impl Kernel<'_> {
 
     /// `$SMID`
     pub(crate) fn milling_code(&self) -> u16 {
-        self.number_in_codes(self.states.spindles.mill)
+        self.number_in_codes(self.channel.state.others.spindles.mill)
     }
 
     /// Puts into work what the codes say.
@@ -173,16 +176,16 @@ impl Kernel<'_> {
 
     /// Puts a spindle into work.
     fn select_spindle(&mut self, index: Option<usize>) {
-        if index == self.spindle.index {
+        if index == self.channel.state.spindle.index {
             return;
         }
-        let old = self.spindle;
-        let kept = &mut self.states.spindles.kept;
+        let old = self.channel.state.spindle;
+        let kept = &mut self.channel.state.others.spindles.kept;
         if let Some(slot) = old.index.filter(|_| !old.shared).and_then(|at| kept.get_mut(at)) {
             *slot = old.command;
         }
         let command = index.and_then(|at| kept.get(at)).copied().unwrap_or_default();
-        let shared = index.is_some_and(|at| is_shared(self.machine, at));
-        self.spindle = SpindleState { index, shared, command, now: 0.0 };
+        let shared = index.is_some_and(|at| is_shared(self.channel.env.machine, at));
+        self.channel.state.spindle = SpindleState { index, shared, command, now: 0.0 };
     }
 }

@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
 //! acts first.
 
+use crate::channel::Kernel;
 use crate::channel::custom_calls::Callee;
 use crate::channel::flow::Pending;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::model::CallForm;
+use counterpoint_fault::Acted;
 
 /// Call by number, or by name.
 pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
@@ -26,7 +27,7 @@ pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {
         return Err(kernel.alarm(&diag::SUBPROGRAM_MISSING, text));
     };
     let id = id as u32;
-    let (number, packed) = match kernel.machine.subprograms.call {
+    let (number, packed) = match kernel.channel.env.machine.subprograms.call {
         // O0012 called 3 times is P30012; a number of up to four digits is only that.
         CallForm::RepeatAndNumber if repeat.is_none() && id > 9999 => (id % 10_000, id / 10_000),
         _ => (id, 1),
@@ -64,7 +65,7 @@ pub(crate) fn passes(kernel: &mut Kernel<'_>, count: f64) -> u32 {
         return 1;
     }
     let count = count.min(f64::from(u32::MAX - 1)) as u32;
-    if kernel.machine.subprograms.repeat_is_executions { count } else { count + 1 }
+    if kernel.channel.env.machine.subprograms.repeat_is_executions { count } else { count + 1 }
 }
 
 /// Return, optionally to a sequence number of the caller.

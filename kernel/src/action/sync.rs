@@ -5,11 +5,12 @@
 
 mod start;
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::control::State;
 use crate::diag;
 use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, Wait};
@@ -78,7 +79,7 @@ fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
     };
     let number = kernel.take(id).map_or(0.0, |d| d.value) as u32;
     let heads = heads(kernel);
-    if passes(kernel) || !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 {
+    if passes(kernel) || !heads.has(kernel.channel.at.channel) || kernel.channel.env.machine.channels.len() < 2 {
         return pass(kernel);
     }
     let (primitive, named) = (Primitive::Barrier, Set::default());
@@ -87,16 +88,17 @@ fn meet_head(kernel: &mut Kernel<'_>, mark: Mark) -> Acted {
 
 /// The first two channels.
 fn heads(kernel: &Kernel<'_>) -> Set {
-    kernel.machine.channels.iter().take(2).map(|channel| channel.number).collect()
+    kernel.channel.env.machine.channels.iter().take(2).map(|channel| channel.number).collect()
 }
 
 /// The channel never waits.
 fn passes(kernel: &Kernel<'_>) -> bool {
-    kernel.machine.sync.dialect == SyncDialect::None || kernel.options.ignore_waits.contains(&kernel.rank)
+    kernel.channel.env.machine.sync.dialect == SyncDialect::None
+        || kernel.channel.env.options.ignore_waits.contains(&kernel.channel.at.channel)
 }
 
 fn pass(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
+    kernel.emit(0, Kind::mode("sync passed without waiting"));
     Ok(())
 }
 
@@ -111,19 +113,24 @@ pub(super) fn meet(kernel: &mut Kernel<'_>, row: &CodeRow, mark: Mark) -> Acted 
         return pass(kernel);
     }
     let letter = match row.form {
-        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => {
-            kernel.machine.registers.get(usize::from(register)).and_then(|r| r.name.chars().next()).unwrap_or('M')
-        }
+        CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => kernel
+            .channel
+            .env
+            .machine
+            .registers
+            .get(usize::from(register))
+            .and_then(|r| r.name.chars().next())
+            .unwrap_or('M'),
         CodeForm::Text(_) | CodeForm::NotApplicable => 'M',
     };
-    let all: Set = kernel.machine.channels.iter().map(|channel| channel.number).collect();
-    let spec = match participants(paths, kernel.machine.sync.paths, all) {
+    let all: Set = kernel.channel.env.machine.channels.iter().map(|channel| channel.number).collect();
+    let spec = match participants(paths, kernel.channel.env.machine.sync.paths, all) {
         Ok(Some(named)) => Spec {
             primitive: Primitive::Barrier,
             letter,
             number: number as u32,
             named,
-            parts: named.with(kernel.rank),
+            parts: named.with(kernel.channel.at.channel),
             style: Style::Listed,
         },
         Ok(None) => Spec {
@@ -184,26 +191,26 @@ fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<
 
 /// Arrives, and waits until the others are there.
 fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
-    let since_ns = kernel.clock;
-    let wait = kernel.meetings.wait(&spec);
-    kernel.burden.result(crate::channel::burden::RESULT);
+    let since_ns = kernel.channel.at.clock;
+    let wait = kernel.channel.reports.waits.wait(&spec);
+    kernel.channel.burden.result(crate::channel::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();
-    let (file, line, info) = (kernel.file, kernel.line, kernel.info);
+    let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
     let waiting = Waiting { spec, tag, file, line };
     let release = |meeting| Release { key: wait.key.clone(), primitive: wait.primitive, since_ns, meeting };
-    kernel.control.disturb(kernel.rank);
-    let met = kernel.coordinator.meet(
+    kernel.ports.control.disturb(kernel.channel.at.channel);
+    let met = kernel.ports.coordinator.meet(
         waiting.clone(),
         kernel,
         |kernel| {
-            kernel.emitter.flush(tag);
-            kernel.progress.stand(wait.clone());
+            kernel.ports.emitter.flush(tag);
+            kernel.ports.progress.stand(wait.clone());
         },
-        |kernel, look| kernel.emitter.work(look),
+        |kernel, look| kernel.ports.emitter.work(look),
     );
-    kernel.control.disturb(kernel.rank);
+    kernel.ports.control.disturb(kernel.channel.at.channel);
     let after = match met {
         Met::Woken(wake) => return woken(kernel, wake, release),
         Met::Turn(mut turn) => {
@@ -213,7 +220,7 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     };
     match after {
         After::Go { t, micro, meeting } => {
-            kernel.progress.set_state(State::Running);
+            kernel.ports.progress.set_state(State::Running);
             go_on(kernel, (t, micro), release(meeting));
             Ok(())
         }
@@ -238,18 +245,18 @@ fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
 fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Release) -> Acted {
     match wake {
         Wake::Released { tag, meeting, all } => {
-            kernel.progress.set_state(State::Running);
+            kernel.ports.progress.set_state(State::Running);
             if all {
-                kernel.emitter.all_reached(tag.t);
+                kernel.ports.emitter.all_reached(tag.t);
             }
             go_on(kernel, (tag.t, tag.micro), release(meeting));
             Ok(())
         }
         Wake::Alarm { tag, text } => {
-            (kernel.clock, kernel.micro) = (tag.t, tag.micro);
+            (kernel.channel.at.clock, kernel.channel.at.micro) = (tag.t, tag.micro);
             Err(kernel.fatal(&diag::WAIT_MISMATCH, text))
         }
-        Wake::Over if kernel.control.cancelled() => Err(Halt::Stopped),
+        Wake::Over if kernel.ports.control.cancelled() => Err(Halt::Stopped),
         Wake::Over => Err(Halt::Blocked),
         Wake::Stopped | Wake::Turn => Err(Halt::Stopped),
     }
@@ -257,12 +264,12 @@ fn woken(kernel: &mut Kernel<'_>, wake: Wake, release: impl FnOnce(u64) -> Relea
 
 /// Waits until another channel ends the wait that this one is blocked at.
 fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
-    let (coordinator, rank) = (kernel.coordinator, kernel.rank);
+    let (coordinator, rank) = (kernel.ports.coordinator, kernel.channel.at.channel);
     let wake = coordinator.wait(rank, kernel, |kernel| {
-        kernel.emitter.flush(tag);
-        kernel.progress.stand(wait.clone());
+        kernel.ports.emitter.flush(tag);
+        kernel.ports.progress.stand(wait.clone());
     });
-    kernel.control.disturb(kernel.rank);
+    kernel.ports.control.disturb(kernel.channel.at.channel);
     wake
 }
 
@@ -319,13 +326,13 @@ fn refuse(
 
 /// Continues after a meeting.
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
-    if t > kernel.clock {
-        kernel.idle_blocks = 0;
+    if t > kernel.channel.at.clock {
+        kernel.channel.at.idle_blocks = 0;
         if let Some(runtime) = kernel.macros.as_deref_mut() {
-            runtime.store.idle += t - kernel.clock;
+            runtime.store.idle += t - kernel.channel.at.clock;
         }
     }
-    (kernel.clock, kernel.micro) = (t, micro);
+    (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
     kernel.emit(0, Kind::Release(release));
 }
 

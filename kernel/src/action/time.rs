@@ -3,14 +3,15 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
-use crate::log::event::{FeedUnit, Kind, MAX_AXES, Position};
+use crate::log::event::{FeedUnit, Function, Kind, MAX_AXES, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, RapidPath};
 
@@ -36,7 +37,7 @@ impl Kernel<'_> {
     /// Change of each axis in geometry units (radius on a diameter axis).
     pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
         let mut out = [0.0; MAX_AXES];
-        for (((slot, axis), a), b) in out.iter_mut().zip(&self.place.axes).zip(from).zip(to) {
+        for (((slot, axis), a), b) in out.iter_mut().zip(&self.channel.state.place.axes).zip(from).zip(to) {
             *slot = (b - a) * axis.scale;
         }
         out
@@ -44,13 +45,15 @@ impl Kernel<'_> {
 
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if self.place.frames.is_none() || self.tip().is_none() {
+        let changes = if self.channel.state.place.frames.is_none() || self.tip().is_none() {
             self.changes(from, to)
         } else {
             self.changes(&self.machine_point(from), &self.machine_point(to))
         };
-        match self.machine.time.rapid {
+        match self.channel.env.machine.time.rapid {
             RapidPath::SlowestAxis => self
+                .channel
+                .state
                 .place
                 .axes
                 .iter()
@@ -60,7 +63,7 @@ impl Kernel<'_> {
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.place.axes.iter().zip(&changes) {
+                for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
@@ -75,7 +78,7 @@ impl Kernel<'_> {
     /// Seconds of a feed move without a usable feed: at the smallest one of the control, else those of a rapid move.
     #[cold]
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
-        let least = self.machine.habits.least_feed;
+        let least = self.channel.env.machine.habits.least_feed;
         let how = match least {
             _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
@@ -112,7 +115,7 @@ impl Kernel<'_> {
         path: &Path<'_>,
         feed: Option<f64>,
         unit: FeedUnit,
-    ) -> Result<f64, crate::channel::Halt> {
+    ) -> Result<f64, counterpoint_fault::Halt> {
         let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
             let (facts, what) = lack(feed);
             return Ok(self.without_feed(path, facts, what));
@@ -130,13 +133,14 @@ impl Kernel<'_> {
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
-        let exact = self.block.exact_stop || self.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        let exact = self.channel.block.exact_stop
+            || self.channel.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         if !exact {
             return path.length / speed;
         }
         let changes = self.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.place.axes.iter().zip(&changes) {
+        for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
             if *change != 0.0
                 && let Some(a) = axis.acceleration
             {
@@ -147,7 +151,7 @@ impl Kernel<'_> {
     }
 
     /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
-    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, crate::channel::Halt> {
+    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.spindle_speed()? else {
             let text = format!(
                 "feed per revolution while the spindle stands in '{}', the move is timed as rapid",
@@ -171,15 +175,15 @@ impl Kernel<'_> {
 
     /// Distance from the spindle axis at a position.
     pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
-        x.and_then(|i| Some(position.get(i)? * self.place.axes.get(i)?.scale)).unwrap_or(0.0)
+        let x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from);
+        x.and_then(|i| Some(position.get(i)? * self.channel.state.place.axes.get(i)?.scale)).unwrap_or(0.0)
     }
 
     /// Time of a code from the machine's table.
     pub(crate) fn take_time(&mut self, row: &CodeRow, firing: Firing) {
         let ns = Self::ns(row.seconds);
         let (letter, value) = self.written(row, firing);
-        self.emit(ns, Kind::Function { letter, value });
+        self.emit(ns, Kind::Function(Function { letter, value }));
         self.advance(ns);
     }
 
@@ -190,7 +194,7 @@ impl Kernel<'_> {
             CodeForm::Text(_) | CodeForm::NotApplicable => None,
         };
         let letter = register
-            .and_then(|r| self.machine.registers.get(usize::from(r)))
+            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
             .and_then(|r| r.name.chars().next())
             .unwrap_or('?');
         (letter, firing.value)

@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
 use super::frame;
-use crate::channel::frames::affine::{Affine, Point};
-use crate::channel::frames::kinematics::Angles;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, Position};
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::kinematics::Angles;
 
 /// Words of the forms that say a direction, by `$TCPFMT`.
 const WORDS: [[DataId; 3]; 5] = [
@@ -43,17 +44,20 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
     }
     let was = kernel.end_tip();
     if !kernel.start_tip(number.is_some()) {
-        let text =
-            format!("the axes of channel {} cannot follow the tool tip in '{}'", kernel.rank, kernel.block_text());
+        let text = format!(
+            "the axes of channel {} cannot follow the tool tip in '{}'",
+            kernel.channel.at.channel,
+            kernel.block_text()
+        );
         kernel.diagnose(&diag::NO_TIP_AXES, text);
         return Ok(());
     }
-    let changed = kernel.states.tip.method != method || !was;
-    kernel.states.tip.method = method;
-    kernel.states.tip.format = kernel.states.tip.format.max(1);
+    let changed = kernel.channel.state.others.tip.method != method || !was;
+    kernel.channel.state.others.tip.method = method;
+    kernel.channel.state.others.tip.format = kernel.channel.state.others.tip.format.max(1);
     if changed {
         let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -61,17 +65,17 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
 /// Switches it off.
 pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
     if kernel.end_tip() {
-        kernel.emit(0, Kind::Mode { text: "rtcp off".into() });
+        kernel.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
 }
 
 /// How the orientation is written from here on.
 pub(super) fn orient(kernel: &mut Kernel<'_>, format: u8) -> Acted {
-    kernel.states.tip.format = format;
-    if kernel.mode_changed {
+    kernel.channel.state.others.tip.format = format;
+    if kernel.channel.acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
-        kernel.emit(0, Kind::Mode { text: format!("rtcp orient {name}").into() });
+        kernel.emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
     Ok(())
 }
@@ -106,23 +110,23 @@ impl Kernel<'_> {
     /// Takes the words of the orientation and turns the rotary axes of a move; `coded` and the target in the work frame.
     #[cold]
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
-        let format = self.states.tip.format;
+        let format = self.channel.state.others.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
         let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };
         let given = words.map(|id| self.take(id).map(|datum| datum.value));
         if given.iter().all(Option::is_none) {
             return (coded, target);
         }
-        let mut values = self.states.tip.words.get(usize::from(format)).copied().unwrap_or_default();
+        let mut values = self.channel.state.others.tip.words.get(usize::from(format)).copied().unwrap_or_default();
         for (slot, given) in values.iter_mut().zip(given) {
             *slot = given.unwrap_or(*slot);
         }
-        if let Some(slot) = self.states.tip.words.get_mut(usize::from(format)) {
+        if let Some(slot) = self.channel.state.others.tip.words.get_mut(usize::from(format)) {
             *slot = values;
         }
-        let tip = self.place.geometry(&self.program_point(&target));
+        let tip = self.channel.state.place.geometry(&self.program_point(&target));
         let wanted = direction(format, values, tip);
-        let wanted = wanted.map(|wanted| match self.place.frames.as_deref() {
+        let wanted = wanted.map(|wanted| match self.channel.state.place.frames.as_deref() {
             Some(frames) => frames.local.map().direction(wanted),
             None => wanted,
         });

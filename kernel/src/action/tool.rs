@@ -2,17 +2,18 @@
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// Preselects a tool.
 pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
     let Some(word) = tool_word(kernel) else { return Ok(()) };
     let (tool, offset) = split(kernel, word);
-    kernel.place.chosen = true;
+    kernel.channel.state.place.chosen = true;
     kernel.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
@@ -20,30 +21,33 @@ pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     let (tool, offset) = match tool_word(kernel) {
         Some(word) => split(kernel, word),
-        None if kernel.place.chosen || kernel.place.selected > 0 => (kernel.place.selected, kernel.place.tool_offset),
+        None if kernel.channel.state.place.chosen || kernel.channel.state.place.selected > 0 => {
+            (kernel.channel.state.place.selected, kernel.channel.state.place.tool_offset)
+        }
         None => {
             let text = format!("no tool is selected for '{}'", kernel.block_text());
             kernel.diagnose(&diag::DATA_MISSING, text);
             return Ok(());
         }
     };
-    let changes = tool != 0 && tool != kernel.place.tool;
+    let changes = tool != 0 && tool != kernel.channel.state.place.tool;
     let seconds = if changes { change_seconds(kernel, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = Kernel::ns(seconds);
     kernel.flow.pass.effects = true;
-    if changes && kernel.machine.tool.change_motion {
+    if changes && kernel.channel.env.machine.tool.change_motion {
         super::change_point::before_load(kernel)?;
     }
     kernel.tool_event(action, tool, offset, ns)?;
-    if kernel.machine.tool.offset_digits > 0 {
+    if kernel.channel.env.machine.tool.offset_digits > 0 {
         missing_offset(kernel, offset);
-        let other = kernel.place.tool_offset != offset;
-        kernel.place.tool_offset = offset;
+        let other = kernel.channel.state.place.tool_offset != offset;
+        kernel.channel.state.place.tool_offset = offset;
         kernel.reframe();
         // Compensation goes on with the nose of the new offset.
         if other
-            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) = kernel.modal.code(group::DIAMETER)
+            && let Some(code @ (codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT)) =
+                kernel.channel.state.modal.code(group::DIAMETER)
         {
             super::cutter::switched(kernel, code)?;
         }
@@ -54,16 +58,16 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Tells of a tool offset that has no values; on a machine without any tool offsets once, as a remark.
 fn missing_offset(kernel: &mut Kernel<'_>, offset: u32) {
-    let machine = kernel.machine;
+    let machine = kernel.channel.env.machine;
     let offsets = &machine.tool.offsets;
-    let set = kernel.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
+    let set = kernel.channel.state.place.offsets.as_deref().is_some_and(|own| own.has_tool(offset));
     if offset == 0 || set || offsets.iter().any(|known| known.number == offset) {
         return;
     }
     if !offsets.is_empty() {
         let text = format!("tool offset {offset} has no values in machine {}, zero is used", machine.name);
         kernel.diagnose(&diag::NO_OFFSET, text);
-    } else if !std::mem::replace(&mut kernel.place.told_offsets, true) {
+    } else if !std::mem::replace(&mut kernel.channel.state.place.told_offsets, true) {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
@@ -80,7 +84,7 @@ fn tool_word(kernel: &mut Kernel<'_>) -> Option<f64> {
 /// Tool and offset number of a tool word.
 fn split(kernel: &Kernel<'_>, word: f64) -> (u32, u32) {
     let word = word as u32;
-    let digits = u32::from(kernel.machine.tool.offset_digits);
+    let digits = u32::from(kernel.channel.env.machine.tool.offset_digits);
     match 10_u32.checked_pow(digits) {
         Some(power) if digits > 0 => (word / power, word % power),
         _ => (word, 0),
@@ -89,10 +93,10 @@ fn split(kernel: &Kernel<'_>, word: f64) -> (u32, u32) {
 
 /// Constant part, plus the steps of the turret the shorter way round.
 fn change_seconds(kernel: &Kernel<'_>, tool: u32) -> f64 {
-    let time = &kernel.machine.time;
+    let time = &kernel.channel.env.machine.time;
     let stations = time.stations;
     let steps = if stations > 0 {
-        let from = kernel.place.tool.saturating_sub(1) % stations;
+        let from = kernel.channel.state.place.tool.saturating_sub(1) % stations;
         let to = tool.saturating_sub(1) % stations;
         let ahead = (to + stations - from) % stations;
         ahead.min(stations - ahead)

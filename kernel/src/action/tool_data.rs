@@ -27,10 +27,10 @@ pub(crate) type Told = FxHashMap<u32, ToolData>;
 impl Kernel<'_> {
     /// The tool in use has been loaded, or another offset is in force.
     pub(crate) fn tell_tool(&mut self) {
-        let tables = &self.machine.tool;
-        let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.place.offsets.is_none();
-        if self.place.tool != 0 && !(nothing && self.macros.is_none()) {
-            self.tell(self.tool_data(self.place.tool));
+        let tables = &self.channel.env.machine.tool;
+        let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
+        if self.channel.state.place.tool != 0 && !(nothing && self.macros.is_none()) {
+            self.tell(self.tool_data(self.channel.state.place.tool));
         }
     }
 
@@ -61,7 +61,7 @@ impl Kernel<'_> {
     }
 
     fn tell(&mut self, data: ToolData) {
-        let told = &mut self.states.tools;
+        let told = &mut self.channel.state.others.tools;
         let known = match told.get(&data.tool) {
             Some(before) => *before == data,
             None => told.len() >= MOST || data == ToolData { tool: data.tool, ..ToolData::default() },
@@ -74,11 +74,12 @@ impl Kernel<'_> {
     }
 
     fn tool_data(&self, tool: u32) -> ToolData {
-        let facts = self.machine.tool.facts(tool);
-        let before = self.states.tools.get(&tool);
+        let facts = self.channel.env.machine.tool.facts(tool);
+        let before = self.channel.state.others.tools.get(&tool);
         let written = |column| self.tool_cell(tool, column);
         let number = |column| written(column).and_then(Value::as_real).filter(|value| value.is_finite());
-        let (diameter, radius) = if tool == self.place.tool { self.offset_in_force() } else { (None, None) };
+        let (diameter, radius) =
+            if tool == self.channel.state.place.tool { self.offset_in_force() } else { (None, None) };
         let name = written(column::NAME).and_then(Value::as_text).map(str::trim).filter(|name| !name.is_empty());
         let name = name.or(facts.map(|facts| facts.name.as_str())).unwrap_or_default();
         let name: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -96,11 +97,11 @@ impl Kernel<'_> {
     /// diameter, and only while its path is compensated.
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);
-        if self.machine.tool.offset_digits > 0 {
-            return (None, some(self.offset_radius(Radii::Cutter, self.place.tool_offset)));
+        if self.channel.env.machine.tool.offset_digits > 0 {
+            return (None, some(self.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
         }
-        let on = self.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-        let number = self.place.compensation.diameter;
+        let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+        let number = self.channel.state.place.compensation.diameter;
         if !on || number == 0 {
             return (None, None);
         }

@@ -4,17 +4,18 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane make no circle; it is told, and the end is reached straight.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
-use crate::channel::frames::affine::{Affine, Point};
+use crate::channel::Kernel;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, plane};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use counterpoint_motion::frame::affine::{Affine, Point};
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;
@@ -32,7 +33,7 @@ struct Sides {
 
 /// Makes a circle whose points are those of the program.
 pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> Acted {
-    let map = kernel.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+    let map = kernel.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
         let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("unequal scales make no circle of '{}', {done}", kernel.block_text());
@@ -101,10 +102,10 @@ fn flat(
     (circle, scale): (&Circle, f64),
     from: Position,
 ) -> Acted {
-    let axes = roles.map(|role| kernel.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let axes = roles.map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
     let [Some(first), Some(second)] = axes else { return Ok(()) };
     let to = kernel.work_point(&circle.to);
-    let mut middle = kernel.place.geometry(&circle.from);
+    let mut middle = kernel.channel.state.place.geometry(&circle.from);
     for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
         if let Some(slot) = middle.get_mut(role) {
             *slot = value;
@@ -112,7 +113,7 @@ fn flat(
     }
     let pick = |point: Point| roles.map(|role| point.get(role).copied().unwrap_or(0.0));
     let center = pick(map.point(middle));
-    let start = pick(kernel.place.geometry(&from));
+    let start = pick(kernel.channel.state.place.geometry(&from));
     // The other way round where the frame mirrors the plane.
     let unit = |role: usize| {
         let mut direction = [0.0; 3];
@@ -134,7 +135,7 @@ fn flat(
 
 /// A circle between the axes, in straight pieces that stay near to it.
 fn leaning(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle, scale: f64) -> Acted {
-    let near = match kernel.machine.unit {
+    let near = match kernel.channel.env.machine.unit {
         Unit::Mm => 0.001,
         Unit::Inch => 0.001 / 25.4,
     };
@@ -154,7 +155,7 @@ fn leaning(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle, scale: f64) -
         let at = [made.center[0] + made.radius * libm::cos(angle), made.center[1] + made.radius * libm::sin(angle)];
         for ((axis, value), role) in circle.axes.into_iter().zip(at).zip([plane.first, plane.second]) {
             if let Some(slot) = target.get_mut(axis) {
-                *slot = value / kernel.place.scale_of(role);
+                *slot = value / kernel.channel.state.place.scale_of(role);
             }
         }
         kernel.feed_to_point(circle.coded, target, feed, circle.unit)?;

@@ -3,15 +3,15 @@
 //! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
 //! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::Scale;
+use counterpoint_ports::Shares;
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::log::event::{Event, VerdictKind};
-use crate::log::info::Room;
 use crate::log::timeline::bars::Bar;
 use crate::log::toolpath::store::{Curve, Move};
-use crate::options::Limits;
 
 /// Elements that a block may set or look at before it counts as one more.
 const PER_BLOCK: u64 = 256;
@@ -30,42 +30,6 @@ pub(crate) const RESULT: usize = 256;
 const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
 const BAR: u64 = size_of::<Bar>() as u64 / 2;
 const EVENT: u64 = size_of::<Event>() as u64;
-
-/// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
-/// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
-/// than their part of the rest, whatever a program does.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares {
-    /// Variables and files that all kernels share.
-    pub(crate) common: u64,
-    /// Values of the macros of one kernel.
-    pub(crate) macros: u64,
-    /// Everything else of one kernel.
-    pub(crate) rest: u64,
-}
-
-impl Shares {
-    /// The shares of a job with so many kernels.
-    pub(crate) fn of(limits: &Limits, kernels: usize) -> Self {
-        let common = limits.memory / 4;
-        let each = (limits.memory - common) / kernels.max(1) as u64;
-        Self { common, macros: each - each / 3, rest: each / 3 }
-    }
-
-    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
-    pub(crate) fn of_channels(limits: &Limits, channels: usize) -> Self {
-        Self::of(limits, channels + usize::from(channels > 1))
-    }
-
-    /// How much of the rest results and events may take; there is a least that is of any use.
-    pub(crate) fn room(&self) -> Room {
-        Room {
-            path: (self.rest / 2).max(32 << 10),
-            bars: (self.rest / 8).max(16 << 10),
-            waiting: (self.rest / 8).max(64 << 10),
-        }
-    }
-}
 
 /// What a kernel has used up.
 #[derive(Debug, Clone, Copy, Default)]
@@ -129,7 +93,7 @@ pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
 impl Kernel<'_> {
     /// The shares of the memory of the job.
     pub(crate) fn shares(&self) -> Shares {
-        Shares::of_channels(&self.options.limits, self.machine.channels.len())
+        Shares::of_channels(&self.channel.env.options.limits, self.channel.env.machine.channels.len())
     }
 
     /// Counts work within a block, in elements, and looks whether the job is to end.
@@ -137,13 +101,13 @@ impl Kernel<'_> {
     /// # Errors
     /// It is.
     pub(crate) fn work(&mut self, elements: usize) -> Acted {
-        let before = self.burden.work;
-        self.burden.work = before.saturating_add(elements as u64);
-        self.idle_blocks += self.burden.work / PER_BLOCK - before / PER_BLOCK;
-        if self.burden.work / LOOK_EVERY == before / LOOK_EVERY {
+        let before = self.channel.burden.work;
+        self.channel.burden.work = before.saturating_add(elements as u64);
+        self.channel.at.idle_blocks += self.channel.burden.work / PER_BLOCK - before / PER_BLOCK;
+        if self.channel.burden.work / LOOK_EVERY == before / LOOK_EVERY {
             return Ok(());
         }
-        if self.control.cancelled() {
+        if self.ports.control.cancelled() {
             return Err(Halt::Stopped);
         }
         self.check_limits()
@@ -154,12 +118,12 @@ impl Kernel<'_> {
         let shares = self.shares();
         let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
-        let events = self.emitter.count();
-        let several = self.machine.channels.len() > 1;
-        let interpreter = self.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
+        let events = self.ports.emitter.count();
+        let several = self.channel.env.machine.channels.len() > 1;
+        let interpreter = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
         let tables = (self.flow.compiled.bytes() + self.flow.tables) as u64;
         let parts = [
-            (self.burden.results, "diagnostics and meetings"),
+            (self.channel.burden.results, "diagnostics and meetings"),
             (interpreter, "variables of the program"),
             (tables, "tables of the program's labels and lines"),
             (room.path.min(events.saturating_mul(PATH)), "the toolpath"),
@@ -171,7 +135,7 @@ impl Kernel<'_> {
         ];
         let all: u64 = parts.iter().map(|(bytes, _)| bytes).sum();
         let largest = parts.iter().max_by_key(|(bytes, _)| *bytes).map_or("", |(_, name)| name);
-        let channel = self.rank;
+        let channel = self.channel.at.channel;
         (all > limit).then(|| format!("channel {channel} keeps more than {limit} bytes, most of them in {largest}"))
     }
 
@@ -184,25 +148,6 @@ impl Kernel<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_shares_are_never_more_than_the_memory() {
-        for kernels in 1..20 {
-            let limits = Limits::default();
-            let shares = Shares::of(&limits, kernels);
-            let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
-            assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
-        }
-    }
-
-    #[test]
-    fn results_leave_room_for_the_rest() {
-        for kernels in 1..40 {
-            let shares = Shares::of(&Limits::default(), kernels);
-            let room = shares.room();
-            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
-        }
-    }
 
     #[test]
     fn a_hoard_is_weighed_when_it_could_be_too_much() {

@@ -4,13 +4,16 @@
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
 //! (clock of the coordinator, waits, streams) begins anew.
 
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::pattern::Memory;
+use rustc_hash::FxHashMap;
+
+use super::burden::Burden;
 use super::flow::Flow;
-use super::state::{Modal, Place, SpindleState};
-use super::variables::ChannelVariables;
-use super::{Acted, Halt, Kernel, tape};
-use crate::dialect::Interpreter;
+use super::parts::{At, BlockText, DialectState, Reports, State};
+use super::{Channel, Kernel, tape};
 use crate::log::event::FileId;
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
 
@@ -22,93 +25,79 @@ pub(crate) struct Lived {
     pub(crate) left: Option<Box<Carried>>,
 }
 
-/// Says once what is carried on and what is not, so that a new part of a kernel has to be in one list or the other.
-macro_rules! carried {
-    (on: { $($field:ident: $type:ty,)* } anew: { $($other:ident,)* }) => {
-        /// State of a kernel between two runs.
-        pub(crate) struct Carried {
-            pub(crate) rank: u16,
-            clock: i64,
-            events: u64,
-            $($field: $type,)*
-        }
-
-        impl Kernel<'_> {
-            fn into_carried(self) -> Carried {
-                let events = self.emitter.count();
-                let Self { rank, clock, $($field,)* $($other: _,)* } = self;
-                Carried { rank, clock, events, $($field,)* }
-            }
-
-            fn put_back(&mut self, carried: Carried) {
-                $(self.$field = carried.$field;)*
-                self.emitter.go_on_from(carried.events);
-            }
-        }
-    };
+/// State of a kernel between two runs.
+pub(crate) struct Carried {
+    pub(crate) channel: u16,
+    clock: i64,
+    events: u64,
+    blocks: u64,
+    idle_blocks: u64,
+    diagnostics: u32,
+    raised: FxHashMap<u32, u32>,
+    burden: Burden,
+    tape: (tape::Rules, Memory),
+    state: State,
+    flow: Flow,
+    dialect: DialectState,
+    macros: Option<Box<Runtime>>,
 }
 
-carried! {
-    on: {
-        modal: Modal,
-        place: Place,
-        spindle: SpindleState,
-        flow: Flow,
-        variables: ChannelVariables,
-        interpreter: Option<Box<dyn Interpreter>>,
-        secondary: bool,
-        blocks: u64,
-        idle_blocks: u64,
-        diagnostics: u32,
-        burden: super::burden::Burden,
-        macros: Option<Box<Runtime>>,
-        raised: rustc_hash::FxHashMap<u32, u32>,
-        cycle: crate::action::cycle::State,
-        arcs: crate::action::arc::State,
-        threads: Box<crate::action::thread::State>,
-        skip: Box<crate::action::skip::State>,
-        states: Box<crate::action::states::States>,
-        tape: (tape::Rules, counterpoint_lang::pattern::Memory),
+impl Kernel<'_> {
+    /// Takes the kernel apart by name, so that a new part of it is either carried on or begins anew here.
+    fn into_carried(self) -> Carried {
+        let events = self.ports.emitter.count();
+        let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
+        let Channel { env: _, at, block: _, text, acting: _, state, reports, burden } = channel;
+        let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
+        let BlockText { edited: _, stripped: _, tape } = text;
+        let Reports { diagnostics, alarms: _, raised, waits: _ } = reports;
+        Carried {
+            channel,
+            clock,
+            events,
+            blocks,
+            idle_blocks,
+            diagnostics,
+            raised,
+            burden,
+            tape,
+            state,
+            flow,
+            dialect,
+            macros,
+        }
     }
-    anew: {
-        alarms,
-        machine,
-        info,
-        options,
-        files,
-        plan,
-        coordinator,
-        control,
-        progress,
-        emitter,
-        micro,
-        file,
-        line,
-        block,
-        as_data,
-        mode_changed,
-        meetings,
-        stripped,
-        trace,
-        edited,
+
+    fn put_back(&mut self, carried: Carried) {
+        let at = &mut self.channel.at;
+        (at.blocks, at.idle_blocks) = (carried.blocks, carried.idle_blocks);
+        self.channel.reports.diagnostics = carried.diagnostics;
+        self.channel.reports.raised = carried.raised;
+        self.channel.burden = carried.burden;
+        self.channel.text.tape = carried.tape;
+        self.channel.state = carried.state;
+        self.flow = carried.flow;
+        self.dialect = carried.dialect;
+        self.macros = carried.macros;
+        self.ports.emitter.go_on_from(carried.events);
     }
 }
 
 impl Kernel<'_> {
     /// The end of its life.
     pub(super) fn lived(self, halt: Halt) -> Lived {
-        let hook = self.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
-        let rank = self.rank;
+        let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
+        let rank = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
         Lived { rank, halt, left }
     }
 
     /// Takes over what it was before; from its end to now it stood idle.
     pub(crate) fn take_over(&mut self, carried: Carried) {
-        let idle = self.clock.saturating_sub(carried.clock);
+        let idle = self.channel.at.clock.saturating_sub(carried.clock);
         self.put_back(carried);
         if idle > 0 {
-            self.idle_blocks = 0;
+            self.channel.at.idle_blocks = 0;
         }
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.store.idle = runtime.store.idle.saturating_add(idle);
@@ -120,8 +109,8 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.closing = false;
         }
-        self.blocks += 1;
-        self.idle_blocks += 1;
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
         self.check_limits()?;
         self.load(file)?;
         self.start_over(file, range, name, reset)

@@ -2,13 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
+use super::Kernel;
 use super::block::{Firing, Word};
 use super::modal_call::END_CALLS;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
+use counterpoint_fault::Acted;
 
 use super::state::group;
 
@@ -27,7 +28,7 @@ impl Kernel<'_> {
         self.check_refused()?;
         self.sort();
         let mut index = 0;
-        while let Some(&firing) = self.block.firings.get(index) {
+        while let Some(&firing) = self.channel.block.firings.get(index) {
             self.fire(firing)?;
             index += 1;
         }
@@ -37,13 +38,13 @@ impl Kernel<'_> {
     /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
     #[inline(always)]
     pub(crate) fn categorise(&mut self) -> bool {
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let mut conditional = false;
         let mut call = self.plan.word_calls.is_some() && self.calls_by_word();
-        for position in 0..self.block.words.len() {
-            let Some(word) = self.block.words.get(position) else { break };
+        for position in 0..self.channel.block.words.len() {
+            let Some(word) = self.channel.block.words.get(position) else { break };
             if self.plan.only_data & 1 << word.register != 0 {
-                self.block.index_word(position);
+                self.channel.block.index_word(position);
                 continue;
             }
             let word = *word;
@@ -64,14 +65,14 @@ impl Kernel<'_> {
         if conditional {
             self.categorise_conditional();
         }
-        for index in 0..self.block.texts.len() {
-            if let Some(&row) = self.block.texts.get(index)
+        for index in 0..self.channel.block.texts.len() {
+            if let Some(&row) = self.channel.block.texts.get(index)
                 && let Some(code) = machine.codes.get(usize::from(row))
             {
                 self.queue(row, code, 0.0, false);
             }
         }
-        if self.block.firings.len() > 1 && !self.plan.rules.exclusive.is_empty() {
+        if self.channel.block.firings.len() > 1 && !self.plan.rules.exclusive.is_empty() {
             self.last_of_groups();
         }
         call
@@ -80,11 +81,11 @@ impl Kernel<'_> {
     /// Of several G codes of one group the last one acts.
     #[inline(never)]
     fn last_of_groups(&mut self) {
-        for position in 0..self.block.words.len() {
+        for position in 0..self.channel.block.words.len() {
             let Some((word, at, group)) = self.code_of_word(position) else { continue };
             let later = |at: usize| self.code_of_word(at).filter(|&(_, _, other)| other == group);
-            let Some((last, ..)) = (position + 1..self.block.words.len()).find_map(later) else { continue };
-            self.block.firings.remove(at);
+            let Some((last, ..)) = (position + 1..self.channel.block.words.len()).find_map(later) else { continue };
+            self.channel.block.firings.remove(at);
             if last.value != word.value {
                 let text = format!(
                     "{} has no effect: {} of the same group comes later in '{}'",
@@ -99,26 +100,30 @@ impl Kernel<'_> {
 
     /// The word at a position, the place of the code that it fires and the group in which only the last one acts.
     fn code_of_word(&self, position: usize) -> Option<(Word, usize, u16)> {
-        let word = self.block.words.get(position).copied().filter(|word| Some(word.register) == self.plan.g)?;
-        let rows = self.machine.tables.code(word.register, word.value);
+        let word = self.channel.block.words.get(position).copied().filter(|word| Some(word.register) == self.plan.g)?;
+        let rows = self.channel.env.machine.tables.code(word.register, word.value);
         let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
-        let at = self.block.firings.iter().position(fired)?;
-        let group =
-            self.block.firings.get(at).and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
+        let at = self.channel.block.firings.iter().position(fired)?;
+        let group = self
+            .channel
+            .block
+            .firings
+            .get(at)
+            .and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
         (*group != 0).then_some((word, at, *group))
     }
 
     /// A word as its register writes it.
     fn word_text(&self, word: Word) -> String {
-        let register = self.machine.registers.get(usize::from(word.register));
+        let register = self.channel.env.machine.registers.get(usize::from(word.register));
         register.map_or_else(String::new, |r| format!("{}{}", r.before, written(word.value, &r.format)))
     }
 
     /// Second pass over words whose rows depend on other words of the block.
     fn categorise_conditional(&mut self) {
-        let machine = self.machine;
-        for position in 0..self.block.words.len() {
-            let Some(word) = self.block.words.get(position).copied() else { break };
+        let machine = self.channel.env.machine;
+        for position in 0..self.channel.block.words.len() {
+            let Some(word) = self.channel.block.words.get(position).copied() else { break };
             if word.used {
                 continue;
             }
@@ -128,8 +133,8 @@ impl Kernel<'_> {
             }
             let chosen = candidates.iter().find_map(|&index| {
                 let row = machine.codes.get(usize::from(index))?;
-                let with = row.with.is_empty() || row.with.iter().any(|&r| self.block.has(r));
-                let without = row.without.iter().all(|&r| !self.block.has(r));
+                let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
+                let without = row.without.iter().all(|&r| !self.channel.block.has(r));
                 (with && without).then_some((index, row))
             });
             match chosen {
@@ -143,52 +148,58 @@ impl Kernel<'_> {
     }
 
     fn use_word(&mut self, position: usize) {
-        if let Some(word) = self.block.words.get_mut(position) {
+        if let Some(word) = self.channel.block.words.get_mut(position) {
             word.used = true;
         }
     }
 
     /// A word that is no code: data if a row knows its register, else unknown text.
     fn data_word(&mut self, position: usize) {
-        let Some(word) = self.block.words.get(position).copied() else { return };
-        let known =
-            self.machine.tables.data_of_register.get(usize::from(word.register)).is_some_and(|rows| !rows.is_empty());
+        let Some(word) = self.channel.block.words.get(position).copied() else { return };
+        let known = self
+            .channel
+            .env
+            .machine
+            .tables
+            .data_of_register
+            .get(usize::from(word.register))
+            .is_some_and(|rows| !rows.is_empty());
         if Some(word.register) == self.plan.definition {
             self.use_word(position);
         } else if known {
-            self.block.index_word(position);
+            self.channel.block.index_word(position);
         } else {
             self.use_word(position);
-            self.block.unknown.push((word.start, word.end));
+            self.channel.block.unknown.push((word.start, word.end));
         }
     }
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
-        self.block.swallows |= !row.process;
-        self.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
+        self.channel.block.swallows |= !row.process;
+        self.channel.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
     }
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
     /// a group that a non-modal code overrode on an earlier block.
     #[inline(always)]
     pub(crate) fn imply(&mut self) {
-        if self.block.swallows {
+        if self.channel.block.swallows {
             self.drop_ignored();
         }
         if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
-        if self.modal.refires.is_empty() {
+        if self.channel.state.modal.refires.is_empty() {
             return;
         }
-        for index in (0..self.modal.refires.len()).rev() {
-            let Some(&(group, forever)) = self.modal.refires.get(index) else { continue };
+        for index in (0..self.channel.state.modal.refires.len()).rev() {
+            let Some(&(group, forever)) = self.channel.state.modal.refires.get(index) else { continue };
             if self.group_queued(group) {
                 continue;
             }
             self.queue_modal(group);
             if !forever {
-                self.modal.refires.remove(index);
+                self.channel.state.modal.refires.remove(index);
             }
         }
     }
@@ -196,18 +207,23 @@ impl Kernel<'_> {
     /// Words of axes that swallowed codes of the block ignore move nothing.
     #[cold]
     fn drop_ignored(&mut self) {
-        for at in 0..self.block.firings.len() {
-            let row = self.block.firings.get(at).and_then(|firing| self.machine.codes.get(usize::from(firing.row)));
+        for at in 0..self.channel.block.firings.len() {
+            let row = self
+                .channel
+                .block
+                .firings
+                .get(at)
+                .and_then(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
             let row = row.filter(|row| !row.process);
             for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
-                self.block.take(register);
+                self.channel.block.take(register);
             }
         }
     }
 
     pub(crate) fn queue_modal(&mut self, group: u16) {
-        if let Some(index) = self.modal.row(group)
-            && let Some(row) = self.machine.codes.get(usize::from(index))
+        if let Some(index) = self.channel.state.modal.row(group)
+            && let Some(row) = self.channel.env.machine.codes.get(usize::from(index))
         {
             let value = match row.form {
                 CodeForm::RegisterAsData { min, .. } => min,
@@ -219,11 +235,11 @@ impl Kernel<'_> {
 
     /// The same for a code that data fire: it acts only if some of them are left by then.
     pub(crate) fn queue_by_data(&mut self, group: u16) {
-        let before = self.block.firings.len();
+        let before = self.channel.block.firings.len();
         self.queue_modal(group);
         // Alone on its block it finds what fires it.
-        if (before > 0 || !self.modal.refires.is_empty() || self.macros.is_some())
-            && let Some(firing) = self.block.firings.get_mut(before)
+        if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.macros.is_some())
+            && let Some(firing) = self.channel.block.firings.get_mut(before)
         {
             firing.fragile = true;
         }
@@ -237,18 +253,22 @@ impl Kernel<'_> {
     }
 
     pub(crate) fn group_queued(&self, group: u16) -> bool {
-        self.block.firings.iter().any(|f| self.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
+        self.channel
+            .block
+            .firings
+            .iter()
+            .any(|f| self.channel.env.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
     }
 
     /// A free data word of one of these registers is on the block.
     pub(crate) fn has_any(&self, registers: u128) -> bool {
-        self.block.present & registers != 0
+        self.channel.block.present & registers != 0
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
     #[inline(always)]
     pub(crate) fn sort(&mut self) {
-        let firings = &mut self.block.firings;
+        let firings = &mut self.channel.block.firings;
         for end in 1..firings.len() {
             let mut at = end;
             while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
@@ -261,7 +281,7 @@ impl Kernel<'_> {
     /// Lets one code act.
     pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
         self.check_stop()?;
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if firing.fragile && !self.is_left(row.group) {
             return Ok(());
@@ -272,7 +292,7 @@ impl Kernel<'_> {
         }
         self.set_firing(row, firing);
         let result = if self.macros.is_some() { self.fire_custom(firing, row.id) } else { self.perform(row, firing) };
-        self.as_data = None;
+        self.channel.acting.as_data = None;
         result
     }
 
@@ -288,13 +308,13 @@ impl Kernel<'_> {
     /// What firing a code means before it acts: its data, its modal group.
     #[inline(always)]
     pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: Firing) {
-        self.as_data = Self::data_of_firing(row, firing);
-        self.mode_changed = self.modal.code(row.group) != Some(row.id);
+        self.channel.acting.as_data = Self::data_of_firing(row, firing);
+        self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
-            Modality::NonModal if row.group != 0 && !firing.implied => self.modal.refire_once(row.group),
+            Modality::NonModal if row.group != 0 && !firing.implied => self.channel.state.modal.refire_once(row.group),
             Modality::NonModal => {}
-            Modality::Modal => self.modal.activate(row.group, row.id, firing.row),
-            Modality::Persistent => self.modal.activate_persistent(row.group, row.id, firing.row),
+            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, firing.row),
+            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, firing.row),
         }
     }
 
@@ -303,7 +323,7 @@ impl Kernel<'_> {
     pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
         let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {
-                if self.trace.is_some() {
+                if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
                 }
                 crate::action::act(self, action, row, firing)
@@ -322,7 +342,7 @@ impl Kernel<'_> {
 
     /// A code that nothing handles (reference control-emulator.md 2.3).
     pub(crate) fn without_action(&mut self, id: CodeId) {
-        let name = self.machine.code_name(id).to_owned();
+        let name = self.channel.env.machine.code_name(id).to_owned();
         if name == "CODE_IGNORE" {
             return;
         }
@@ -340,14 +360,15 @@ impl Kernel<'_> {
 
     /// Loads the start state of the machine: these codes become active without acting.
     pub(crate) fn initial_codes(&mut self) {
-        for &id in &self.machine.initial {
-            let row = self.machine.codes.iter().position(|r| r.id == id);
-            if let Some((index, row)) = row.and_then(|i| self.machine.codes.get(i).map(|r| (i as u16, r))) {
-                self.modal.activate(row.group, id, index);
+        for &id in &self.channel.env.machine.initial {
+            let row = self.channel.env.machine.codes.iter().position(|r| r.id == id);
+            if let Some((index, row)) = row.and_then(|i| self.channel.env.machine.codes.get(i).map(|r| (i as u16, r))) {
+                self.channel.state.modal.activate(row.group, id, index);
             } else if let Some(facts) = ident::code_facts(id) {
-                self.modal.activate(facts.group, id, u16::MAX);
+                self.channel.state.modal.activate(facts.group, id, u16::MAX);
             }
         }
-        self.secondary = self.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
+        self.channel.state.secondary =
+            self.channel.state.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
     }
 }

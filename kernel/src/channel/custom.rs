@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
 //! asks for it; it is split into words again only when somebody has changed it.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -10,13 +11,13 @@ use counterpoint_lang::value::Value;
 use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel, burden};
+use super::{Kernel, burden};
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Trace};
 use crate::machine::ident::data;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
 use crate::trace::{self, Stage};
 
@@ -34,7 +35,7 @@ impl Kernel<'_> {
             Later::Items(items, _) => self.listed(items),
         };
         let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
+        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
     }
 
     /// Processes such a block.
@@ -49,7 +50,7 @@ impl Kernel<'_> {
         let done = match block {
             Later::Text(text, _) => self.custom_block(Some(text)),
             Later::Items(items, _) => {
-                self.block.clear();
+                self.channel.block.clear();
                 self.item_block(&items)
             }
         };
@@ -62,26 +63,26 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         let mut block = runtime.blocks.pop().unwrap_or_default();
         block.clear();
-        let block = std::mem::replace(&mut self.block, block);
+        let block = std::mem::replace(&mut self.channel.block, block);
         let text = runtime.text.take();
         let left = runtime.left.take();
         let code = runtime.store.code.take();
         let kept = (runtime.issued, runtime.preprocessed, runtime.made, runtime.mark);
-        let (as_data, mode_changed) = (self.as_data.take(), self.mode_changed);
+        let (as_data, mode_changed) = (self.channel.acting.as_data.take(), self.channel.acting.mode_changed);
         let asked = self.flow.pending.take();
         // A block within a block is one, too.
         let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
         let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
         // The rest of that block is dropped, not that of the one around it.
         let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };
-        (self.as_data, self.mode_changed) = (as_data, mode_changed);
+        (self.channel.acting.as_data, self.channel.acting.mode_changed) = (as_data, mode_changed);
         // An end waits for the end of the block that was interrupted.
         match std::mem::replace(&mut self.flow.pending, asked) {
             Some(own) if self.flow.pending.is_some() => self.ask(own),
             Some(own) => self.flow.pending = Some(own),
             None => {}
         }
-        let nested: Block = std::mem::replace(&mut self.block, block);
+        let nested: Block = std::mem::replace(&mut self.channel.block, block);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.blocks.push(nested);
             (runtime.text, runtime.left, runtime.store.code) = (text, left, code);
@@ -103,13 +104,13 @@ impl Kernel<'_> {
                 }
             } else if let Some(id) = data_id(item) {
                 match items.next().and_then(Value::as_real) {
-                    Some(value) if self.knows_data(id) => self.block.added.push((id, value)),
+                    Some(value) if self.knows_data(id) => self.channel.block.added.push((id, value)),
                     Some(_) => {
-                        let text = format!("this machine has no word for {}", self.machine.data_name(id));
+                        let text = format!("this machine has no word for {}", self.channel.env.machine.data_name(id));
                         self.diagnose(&diag::DATA_MISSING, text);
                     }
                     None => {
-                        let text = format!("EXEC needs a number behind {}", self.machine.data_name(id));
+                        let text = format!("EXEC needs a number behind {}", self.channel.env.machine.data_name(id));
                         self.diagnose(&diag::MACRO_RESULT, text);
                     }
                 }
@@ -123,13 +124,13 @@ impl Kernel<'_> {
 
     /// Says that EXEC or OUTPUT named a code without a row.
     pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
-        let name = self.machine.code_name(id).to_owned();
+        let name = self.channel.env.machine.code_name(id).to_owned();
         self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));
     }
 
     /// One block on a kernel with macros; `text` if it is not the line of the file.
     pub(crate) fn custom_block(&mut self, text: Option<Arc<String>>) -> Acted {
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.issued = text.is_some();
             if runtime.issued && runtime.unmarked.is_none() {
@@ -149,10 +150,10 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.preprocessed = preprocess;
         }
-        let (info, file, line) = (self.info, self.file, self.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
-        let edited = self.edited.clone();
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let edited = self.channel.text.edited.clone();
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = match &own {
             Some(text) => text.as_bytes(),
             None => edited.as_deref().unwrap_or_else(as_read),
@@ -161,11 +162,11 @@ impl Kernel<'_> {
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
         let kind = match preprocess && self.flow.watched {
             true => LineKind::Macro,
-            false => scanner.scan_as(bytes, self.secondary, &mut self.block, preprocess),
+            false => scanner.scan_as(bytes, self.channel.state.secondary, &mut self.channel.block, preprocess),
         };
         match kind {
             LineKind::Words => {
-                if self.trace.is_some() && !self.has_embedded(1) {
+                if self.channel.env.trace.is_some() && !self.has_embedded(1) {
                     self.trace_deleted(bytes);
                 }
                 if preprocess && self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
@@ -242,13 +243,14 @@ impl Kernel<'_> {
     /// Words as text: what the pre-processor made of its template.
     fn write_block(&mut self) {
         let mut text = String::new();
-        if let Some(number) = self.block.sequence {
-            let register = self.plan.scanner.sequence().and_then(|at| self.machine.registers.get(usize::from(at)));
+        if let Some(number) = self.channel.block.sequence {
+            let register =
+                self.plan.scanner.sequence().and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
             let name = register.map_or("N", |register| register.name.as_str());
             text.push_str(&format!("{name}{number} "));
         }
-        for word in &self.block.words {
-            let Some(register) = self.machine.registers.get(usize::from(word.register)) else { continue };
+        for word in &self.channel.block.words {
+            let Some(register) = self.channel.env.machine.registers.get(usize::from(word.register)) else { continue };
             let before = match &register.second {
                 Some(second) if word.incremental => second,
                 _ => &register.before,
@@ -260,14 +262,14 @@ impl Kernel<'_> {
             text.push_str(&register.after);
             text.push(' ');
         }
-        for &row in &self.block.texts {
+        for &row in &self.channel.block.texts {
             if let Some(literal) = self.literal_of(row) {
                 text.push_str(literal);
                 text.push(' ');
             }
         }
         let line = self.text_bytes();
-        for &(start, end) in &self.block.unknown {
+        for &(start, end) in &self.channel.block.unknown {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');
@@ -300,7 +302,7 @@ impl Kernel<'_> {
         let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.scanner = Some(Arc::new(Scanner::new(machine, &levels)));
         }
@@ -315,7 +317,7 @@ impl Kernel<'_> {
         if let Some(text) = own {
             let (plan, own) = (self.plan, self.block_scanner());
             let scanner = own.as_deref().unwrap_or(&plan.scanner);
-            scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
+            scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
         }
     }
 
@@ -339,7 +341,7 @@ impl Kernel<'_> {
         if self.text_bytes().trim_ascii().is_empty() {
             return Ok(());
         }
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_words();
         }
         if self.may_have_remarks() {
@@ -356,13 +358,13 @@ impl Kernel<'_> {
         let asks = runtime.uses(code, 2);
         let text = if asks { self.text_value() } else { Value::Null };
         let given = if let Value::Text(text) = &text { Some(Arc::clone(text)) } else { None };
-        let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.line))];
+        let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.channel.at.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         let [flag, text, _] = arguments;
         let drops = flag.as_real() == Some(0.0);
         let verdict = match (given, text) {
             (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
-                let (length, limit) = (text.len(), self.options.limits.block_length);
+                let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
                 if length > limit {
                     let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
                     return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
@@ -391,11 +393,12 @@ impl Kernel<'_> {
         let Some(runtime) = self.macros.as_deref() else { return Ok(()) };
         let asks = runtime.uses(code, 2);
         let left = if asks { self.left_text() } else { String::new() };
-        let mut arguments = [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.line))];
+        let mut arguments =
+            [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.channel.at.line))];
         self.run_macro(code, Task::None, &mut arguments)?;
         match &arguments[1] {
             Value::Text(text) if **text != left => {
-                let (length, limit) = (text.len(), self.options.limits.block_length);
+                let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
                 if length > limit {
                     let title = Hook::BlockShutdown.title();
                     let text = format!("$P2 of the {title} has {length} bytes, a block may have {limit}");
@@ -418,13 +421,13 @@ impl Kernel<'_> {
 
     /// The same for a macro.
     pub(crate) fn text_value(&mut self) -> Value {
-        let (info, file, line) = (self.info, self.file, self.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let Some(runtime) = self.macros.as_deref_mut() else { return Value::text("") };
         if let Some(text) = &runtime.text {
             return Value::Text(Arc::clone(text));
         }
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
-        let bytes = self.edited.as_deref().unwrap_or_else(as_read);
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
+        let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
         Value::Text(runtime.texts.with(|text| {
             text.clear();
             match std::str::from_utf8(bytes) {
@@ -439,16 +442,16 @@ impl Kernel<'_> {
         if let Some(text) = self.macros.as_deref().and_then(|runtime| runtime.left.as_ref()) {
             return text.as_ref().clone();
         }
-        let parts: Vec<String> = self.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        let parts: Vec<String> = self.channel.block.unknown.iter().map(|&span| self.span_text(span)).collect();
         parts.join(" ")
     }
 
     /// Replaces the left-over text.
     pub(crate) fn set_left(&mut self, text: String) {
-        self.block.unknown.clear();
+        self.channel.block.unknown.clear();
         if !text.trim().is_empty() {
             // Any span will do: the text comes from here.
-            self.block.unknown.push((0, 0));
+            self.channel.block.unknown.push((0, 0));
         }
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.left = Some(Arc::new(text));

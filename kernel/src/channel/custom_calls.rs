@@ -5,17 +5,18 @@
 //! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
 //! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::Pending;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
 use crate::log::info::File;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{MainReturn, StoredFile};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{TICKS, Task};
 use crate::mcd::program::Range;
 
@@ -132,7 +133,9 @@ impl Kernel<'_> {
 
     fn call_arguments(&self, called: &Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
         let (file, offset) = match found {
-            Some((file, range)) => (self.info.file_name(file).to_owned(), f64::from(range.first.saturating_sub(1))),
+            Some((file, range)) => {
+                (self.channel.env.info.file_name(file).to_owned(), f64::from(range.first.saturating_sub(1)))
+            }
             None => (self.looked_for(&called.what), -1.0),
         };
         let (kind, number, (first, last)) = match &called.what {
@@ -160,11 +163,13 @@ impl Kernel<'_> {
         let stored =
             name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
         let is = |file: &File| file.name == name || stored && file.name.eq_ignore_ascii_case(name);
-        let Some(file) = self.info.files.iter().position(is) else { return Ok(None) };
+        let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
-        let info = self.info;
-        let Some(source) = info.source(file).filter(|source| line <= source.lines()) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|source| line <= source.lines()) else {
+            return Ok(None);
+        };
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
@@ -180,7 +185,7 @@ impl Kernel<'_> {
             _ => return Ok(()),
         }
         let level = self.flow.frames.len();
-        let place = (self.file, self.line, self.edited.clone());
+        let place = (self.channel.at.file, self.channel.at.line, self.channel.text.edited.clone());
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         let later = std::mem::take(&mut runtime.later);
         let matching = std::mem::replace(&mut runtime.matching, true);
@@ -193,7 +198,7 @@ impl Kernel<'_> {
             }
             done = self.step();
         }
-        (self.file, self.line, self.edited) = place;
+        (self.channel.at.file, self.channel.at.line, self.channel.text.edited) = place;
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.ticks(ticks);
             runtime.matching = matching;
@@ -207,9 +212,9 @@ impl Kernel<'_> {
     /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
     /// block that was interrupted.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
-        let has_interpreter = crate::dialect::concerns(self.machine.preprocessor).is_some();
-        let reading = has_interpreter && self.interpreter.is_none();
-        let ends = self.flow.frames.len() <= 1 && self.machine.subprograms.main_return == MainReturn::End;
+        let has_interpreter = crate::dialect::concerns(self.channel.env.machine.preprocessor).is_some();
+        let reading = has_interpreter && self.dialect.interpreter.is_none();
+        let ends = self.flow.frames.len() <= 1 && self.channel.env.machine.subprograms.main_return == MainReturn::End;
         !reading && (!ends || target.is_some())
     }
 }

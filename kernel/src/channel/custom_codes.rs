@@ -3,16 +3,17 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::block::Firing;
 use super::data::Datum;
 use super::state::group;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
-use crate::macros::condition::Item;
 use crate::macros::host::{code_id, code_value, data_value};
 use crate::macros::runtime::Task;
 
@@ -43,20 +44,20 @@ impl Kernel<'_> {
         }
         self.check_known()?;
         self.head_sequence();
-        if let (Some(number), Some(runtime)) = (self.block.sequence, self.macros.as_deref_mut()) {
+        if let (Some(number), Some(runtime)) = (self.channel.block.sequence, self.macros.as_deref_mut()) {
             runtime.last_sequence = number;
         }
-        self.block.next = 0;
+        self.channel.block.next = 0;
         let mark = self.macros.as_deref().and_then(|runtime| runtime.mark).filter(|_| origin == Origin::Text);
         if let Some(level) = mark {
-            self.block.added.push((data::OPSKIP, f64::from(level)));
+            self.channel.block.added.push((data::OPSKIP, f64::from(level)));
         }
         self.imply();
         self.imply_by_data();
         self.check_refused()?;
         self.sort();
-        while let Some(&firing) = self.block.firings.get(self.block.next) {
-            self.block.next += 1;
+        while let Some(&firing) = self.channel.block.firings.get(self.channel.block.next) {
+            self.channel.block.next += 1;
             self.fire(firing)?;
             self.pending_halt()?;
         }
@@ -71,9 +72,10 @@ impl Kernel<'_> {
     /// The sequence number that the head of this channel has of its own.
     fn head_sequence(&mut self) {
         if let Some(register) = self.own_sequence()
-            && let Some(word) = self.block.take(register)
+            && let Some(word) = self.channel.block.take(register)
         {
-            self.block.sequence = self.block.sequence.or((word.value >= 0.0).then_some(word.value as u32));
+            self.channel.block.sequence =
+                self.channel.block.sequence.or((word.value >= 0.0).then_some(word.value as u32));
         }
     }
 
@@ -115,8 +117,8 @@ impl Kernel<'_> {
 
     /// A macro has put the position of an axis or the shape of an arc on the block.
     pub(super) fn adds_motion(&self) -> bool {
-        self.block.added.iter().any(|(id, _)| {
-            let name = self.machine.data_name(*id);
+        self.channel.block.added.iter().any(|(id, _)| {
+            let name = self.channel.env.machine.data_name(*id);
             name.starts_with("REG_AXIS_") || name.starts_with("REG_ARC_")
         })
     }
@@ -129,7 +131,7 @@ impl Kernel<'_> {
 
     /// The first code macro for a code that is on, not running, and whose condition holds.
     pub(super) fn matching_macro(&self, id: CodeId) -> Option<u16> {
-        let macros = self.machine.macros.as_deref()?;
+        let macros = self.channel.env.machine.macros.as_deref()?;
         let list = macros.of_code(id);
         let runtime = self.macros.as_deref().filter(|runtime| !list.is_empty() && runtime.matching)?;
         list.iter().find_map(|&at| {
@@ -165,7 +167,7 @@ impl Kernel<'_> {
 
     fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
         let Some(code) = self.matching_macro(id) else {
-            let machine = self.machine;
+            let machine = self.channel.env.machine;
             let row = machine.codes.get(usize::from(firing.row));
             return row.map_or(Ok(()), |row| self.perform(row, firing));
         };
@@ -175,7 +177,7 @@ impl Kernel<'_> {
 
     /// `$P2` of a code macro.
     fn value_of_code(&self, firing: Firing) -> Value {
-        match self.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
+        match self.channel.env.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
             Some(CodeForm::Text(text)) => Value::text(text.as_str()),
             _ => Value::Real(self.code_number(firing)),
         }
@@ -200,19 +202,19 @@ impl Kernel<'_> {
             self.no_such_code(target);
             return Ok(());
         };
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let facts = |row: u16| machine.codes.get(usize::from(row));
         let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
         let firing = Firing { row, ..firing };
-        self.as_data = own;
+        self.channel.acting.as_data = own;
         if target != id
             && let Some(row) = facts(row)
         {
             self.set_firing(row, firing);
-            self.as_data = self.as_data.or(own);
+            self.channel.acting.as_data = self.channel.acting.as_data.or(own);
         }
         let done = self.fire_custom(firing, target);
-        self.as_data = None;
+        self.channel.acting.as_data = None;
         done
     }
 
@@ -223,28 +225,28 @@ impl Kernel<'_> {
             return if self.refuse(id) { None } else { self.recall(id) };
         };
         let mut absolute = false;
-        let list = self.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
+        let list = self.channel.env.machine.macros.as_deref().map_or(&[][..], |macros| macros.of_data(id));
         if !list.is_empty() && self.macros.as_deref().is_some_and(|runtime| runtime.matching) {
             absolute = self.data_macros(id, list, &mut taken)?;
         }
         let value = taken.value * taken.factor;
         if taken.modal && !taken.incremental {
-            self.modal.remember(id, value);
+            self.channel.state.modal.remember(id, value);
         }
         self.trace_data(id, value);
         Some(Datum { value, incremental: taken.incremental, absolute, raw: taken.raw })
     }
 
     fn taken(&mut self, id: DataId) -> Option<Taken> {
-        if let Some((data, value)) = self.as_data
+        if let Some((data, value)) = self.channel.acting.as_data
             && data == id
         {
-            self.as_data = None;
+            self.channel.acting.as_data = None;
             return Some(Taken { value, factor: 1.0, incremental: false, raw: value, modal: false, register: None });
         }
         let plan = self.plan;
         for source in plan.sources.get(usize::from(id.0))? {
-            let Some(word) = self.block.take(source.register) else { continue };
+            let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
@@ -255,10 +257,10 @@ impl Kernel<'_> {
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
         }
-        let at = self.block.added.iter().position(|(other, _)| *other == id)?;
-        let (_, value) = self.block.added.remove(at);
-        let rows = self.machine.tables.data(id);
-        let row = rows.first().and_then(|&row| self.machine.data.get(usize::from(row)));
+        let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
+        let (_, value) = self.channel.block.added.remove(at);
+        let rows = self.channel.env.machine.tables.data(id);
+        let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
         let across = if self.plan.across.contains(&id) { self.across_factor() } else { 1.0 };
         let factor = self.unit_factor(dimension) * across;
@@ -268,9 +270,10 @@ impl Kernel<'_> {
     /// Runs the data macros of an identifier, in list order; none if one of them takes the value away. True if a macro
     /// says that the value is absolute whatever the mode.
     fn data_macros(&mut self, id: DataId, list: &[u16], taken: &mut Taken) -> Option<bool> {
-        let relative = taken.incremental || self.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+        let relative =
+            taken.incremental || self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
         let mode = if relative { 2.0 } else { 1.0 };
-        let register = taken.register.and_then(|at| self.machine.registers.get(usize::from(at)));
+        let register = taken.register.and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
         let register = Value::Real(register.map_or(0.0, |register| f64::from(register.index)));
         let mut arguments = [Value::Real(1.0), Value::Real(taken.value), data_value(id), Value::Real(mode), register];
         for &at in list {
@@ -298,12 +301,12 @@ impl Kernel<'_> {
     }
 
     fn matching_data_macro(&self, at: usize) -> Option<u16> {
-        let named = self.machine.macros.as_deref()?.data.get(at)?;
+        let named = self.channel.env.machine.macros.as_deref()?.data.get(at)?;
         let runtime = self.macros.as_deref()?;
         let may = runtime.data_on.get(at).copied().unwrap_or(false) && !runtime.is_busy(named.code);
         // The data that are being taken count as present; they are off the block already.
         let holds = || {
-            let present = |item| match (item, self.machine.macros.as_deref()) {
+            let present = |item| match (item, self.channel.env.machine.macros.as_deref()) {
                 (Item::Data(id), Some(macros)) if macros.of_data(id).contains(&(at as u16)) && !self.has_data(id) => {
                     true
                 }
@@ -328,16 +331,23 @@ impl Kernel<'_> {
 
     /// Added data that nothing has taken.
     fn added_leftovers(&mut self) {
-        while let Some((id, value)) = self.block.added.pop() {
+        while let Some((id, value)) = self.channel.block.added.pop() {
             if id == data::OPSKIP {
                 continue;
             }
-            let rows = self.machine.tables.data(id).iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
+            let rows = self
+                .channel
+                .env
+                .machine
+                .tables
+                .data(id)
+                .iter()
+                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
             let modal = rows.clone().any(|row| row.modal && row.process);
-            let name = self.machine.data_name(id).to_owned();
+            let name = self.channel.env.machine.data_name(id).to_owned();
             if modal && !name.starts_with("REG_AXIS_") {
                 let factor = rows.map(|row| self.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
-                self.modal.remember(id, value * factor);
+                self.channel.state.modal.remember(id, value * factor);
                 continue;
             }
             let value = counterpoint_lang::format::wildcard_text(value);
@@ -349,7 +359,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It made the kernel leave its program.
-    pub(crate) fn plain_macro(&mut self, hook: crate::macros::model::Hook) -> Result<(), Halt> {
+    pub(crate) fn plain_macro(&mut self, hook: crate::machine::macros::model::Hook) -> Result<(), Halt> {
         match self.hook(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),

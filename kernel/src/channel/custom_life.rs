@@ -2,17 +2,18 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::{Flow, Frame};
 use super::state::Modal;
-use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
 use crate::mcd::program::Range;
 
@@ -55,8 +56,8 @@ impl Kernel<'_> {
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }
-        self.blocks += 1;
-        self.idle_blocks += 1;
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
         let done = self.check_limits().and_then(|()| self.load(file));
         Some(match done.and_then(|()| self.start_at(file, line, reset)) {
             Ok(()) => self.program(),
@@ -65,7 +66,7 @@ impl Kernel<'_> {
     }
 
     fn start_at(&mut self, file: FileId, line: u32, reset: bool) -> Acted {
-        let name = self.info.file_name(file).to_owned();
+        let name = self.channel.env.info.file_name(file).to_owned();
         let Some((file, range)) = self.place_in_file(&name, line)? else {
             let text = format!("the run cannot go on at line {line} of {name}");
             return Err(self.fatal(&diag::FILE_UNREADABLE, text));
@@ -76,32 +77,37 @@ impl Kernel<'_> {
     /// Begins another program in place of the one that has ended.
     pub(super) fn start_over(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         if reset {
-            self.modal = Modal::new(self.machine);
+            self.channel.state.modal = Modal::new(self.channel.env.machine);
             self.initial_codes();
-            (self.place.tool, self.place.selected, self.place.chosen) = (0, 0, false);
-            (self.cycle, self.arcs) = (action::cycle::State::new(self.machine), action::arc::State::default());
+            (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
+                (0, 0, false);
+            (self.channel.state.cycle, self.channel.state.arcs) =
+                (action::cycle::State::new(self.channel.env.machine), action::arc::State::default());
             action::frame::forget(self);
-            if let Some(channel) = self.machine.channels.iter().find(|channel| channel.number == self.rank) {
-                *self.states = action::states::States::new(self.machine, channel);
+            if let Some(channel) =
+                self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
+            {
+                *self.channel.state.others = action::states::States::new(self.channel.env.machine, channel);
             }
-            (*self.threads, *self.skip) = (action::thread::State::new(self.machine), action::skip::State::default());
+            (*self.channel.state.threads, *self.channel.state.skip) =
+                (action::thread::State::new(self.channel.env.machine), action::skip::State::default());
             if let Some(runtime) = self.macros.as_deref_mut() {
                 (runtime.store.counts, runtime.operations) = Default::default();
                 runtime.store.listed.clear();
                 runtime.tools.clear();
             }
         }
-        self.block.clear();
+        self.channel.block.clear();
         if !reset {
             self.switch_cutter();
         }
-        (self.file, self.line) = (file, 0);
+        (self.channel.at.file, self.channel.at.line) = (file, 0);
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {
-            self.variables.leave();
+            self.dialect.variables.leave();
         }
         self.flow = Flow::default();
         self.flow.frames.push(Frame::main(file, range, name));
-        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.begin(reset);
         }
         self.interpreter_started();

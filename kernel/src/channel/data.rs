@@ -32,14 +32,14 @@ impl Kernel<'_> {
         if self.macros.is_some() {
             return self.take_custom(id);
         }
-        if let Some((data, value)) = self.as_data
+        if let Some((data, value)) = self.channel.acting.as_data
             && data == id
         {
-            self.as_data = None;
+            self.channel.acting.as_data = None;
             self.trace_data(id, value);
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
-        if (self.block.present | RECALLED) & self.plan.registers_of.get(usize::from(id.0))? == 0 {
+        if (self.channel.block.present | RECALLED) & self.plan.registers_of.get(usize::from(id.0))? == 0 {
             return None;
         }
         self.take_word(id)
@@ -48,14 +48,14 @@ impl Kernel<'_> {
     /// A value of `id` is on the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
-        self.has_any(registers) || self.block.added.iter().any(|(other, _)| *other == id)
+        self.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is on the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
         for source in plan.sources.get(usize::from(id.0))? {
-            let Some(word) = self.block.take(source.register) else { continue };
+            let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
@@ -65,7 +65,7 @@ impl Kernel<'_> {
                 value *= self.across_factor();
             }
             if source.modal && !incremental {
-                self.modal.remember(id, value);
+                self.channel.state.modal.remember(id, value);
             }
             self.trace_data(id, value);
             return Some(Datum { value, incremental, absolute: false, raw });
@@ -77,7 +77,7 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn recall(&self, id: DataId) -> Option<Datum> {
         let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
-        let value = self.modal.value(id).filter(|_| modal)?;
+        let value = self.channel.state.modal.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
     }
 
@@ -85,9 +85,13 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn refuse(&mut self, id: DataId) -> bool {
         let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
-        if (self.block.present | RECALLED) & refused != 0 {
+        if (self.channel.block.present | RECALLED) & refused != 0 {
             let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };
-            let text = format!("{} is asked for in '{}', but {why}", self.machine.data_name(id), self.block_text());
+            let text = format!(
+                "{} is asked for in '{}', but {why}",
+                self.channel.env.machine.data_name(id),
+                self.block_text()
+            );
             self.diagnose(&diag::DATA_REFUSED, text);
             return true;
         }
@@ -98,9 +102,9 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn tell_off(&mut self, ids: &[DataId]) {
         for &id in ids {
-            let rows = || self.machine.data.iter().filter(|row| row.id == id);
+            let rows = || self.channel.env.machine.data.iter().filter(|row| row.id == id);
             if rows().next().is_some() && rows().all(|row| !row.enable) {
-                let name = self.machine.data_name(id);
+                let name = self.channel.env.machine.data_name(id);
                 let text = format!("{name} is asked for in '{}', but its rows are switched off", self.block_text());
                 self.diagnose(&diag::DATA_REFUSED, text);
             }
@@ -109,10 +113,10 @@ impl Kernel<'_> {
 
     /// Factor from program units to machine units.
     pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
-        if !self.secondary {
+        if !self.channel.state.secondary {
             return 1.0;
         }
-        match (dimension, self.machine.unit) {
+        match (dimension, self.channel.env.machine.unit) {
             (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
             (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
             // The least increment of an inch is ten times finer.
@@ -126,7 +130,7 @@ impl Kernel<'_> {
     /// diameters along another one (reference control-emulator.md 6.2).
     #[cold]
     pub(crate) fn across_factor(&self) -> f64 {
-        match (self.modal.code(group::ACROSS), self.place.scale_of(0) < 1.0) {
+        match (self.channel.state.modal.code(group::ACROSS), self.channel.state.place.scale_of(0) < 1.0) {
             (Some(codes::XAXIS_RADIUS), true) => 2.0,
             (Some(codes::XAXIS_DIAMETER), false) => 0.5,
             _ => 1.0,
@@ -135,21 +139,23 @@ impl Kernel<'_> {
 
     /// The same for the positions of an axis that have words of their own.
     pub(crate) fn factor_across(&self, axis: usize) -> f64 {
-        let is_x = self.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
+        let is_x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
         if is_x && !self.plan.across.is_empty() { self.across_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {
-        let Some(row) = self.machine.data.get(usize::from(row)) else { return };
-        let name =
-            row.register.and_then(|r| self.machine.registers.get(usize::from(r))).map_or("?", |r| r.name.as_str());
+        let Some(row) = self.channel.env.machine.data.get(usize::from(row)) else { return };
+        let name = row
+            .register
+            .and_then(|r| self.channel.env.machine.registers.get(usize::from(r)))
+            .map_or("?", |r| r.name.as_str());
         let bound = |b: Option<f64>| b.map_or_else(|| "-".to_owned(), counterpoint_lang::format::wildcard_text);
         let text = format!(
             "{name}{} is outside {} to {} of {} in '{}'",
             counterpoint_lang::format::wildcard_text(value),
             bound(row.min),
             bound(row.max),
-            self.machine.data_name(row.id),
+            self.channel.env.machine.data_name(row.id),
             self.block_text()
         );
         self.diagnose(&diag::DATA_OUT_OF_RANGE, text);

@@ -15,14 +15,19 @@ use crate::mcd::source::Source;
 impl Kernel<'_> {
     /// The text of the program goes on with the definition behind it, if that is so here.
     pub(super) fn runs_into_definition(&mut self) -> bool {
-        if self.machine.subprograms.placement != Placement::SameFile {
+        if self.channel.env.machine.subprograms.placement != Placement::SameFile {
             return false;
         }
-        let info = self.info;
+        let info = self.channel.env.info;
         let Some((file, range, name)) = self.frame().map(|f| (f.file, f.range, f.name.to_string())) else {
             return false;
         };
-        let next = info.source(file).and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
+        let next = self
+            .channel
+            .env
+            .sources
+            .get(file)
+            .and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
         let runs_elsewhere = |next: &Range| {
             info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && c.lines.1 == next.last)
         };
@@ -42,10 +47,12 @@ impl Kernel<'_> {
 
     /// Says what stands before the rewind-stop that a main program begins with.
     pub(super) fn tell_leader(&mut self, file: FileId, range: Range) {
-        let format = &self.machine.format;
-        let info = self.info;
+        let format = &self.channel.env.machine.format;
+        let sources = self.channel.env.sources;
         // Where a rewind-stop is expected, everything before it is passed over by rule (reference 5.1).
-        let Some(source) = info.source(file).filter(|_| format.rws_at != RewindStop::Start) else { return };
+        let Some(source) = sources.get(file).filter(|_| format.rws_at != RewindStop::Start) else {
+            return;
+        };
         if range.first > 1 && !format.rws.is_empty() && source.line(range.first).trim_ascii() == format.rws.as_bytes() {
             self.tell_unowned(file, source, (1, range.first - 1));
         }
@@ -53,8 +60,8 @@ impl Kernel<'_> {
 
     /// Says what stands before the definitions of a file when one of them is called and nothing runs that text.
     pub(super) fn tell_heading(&mut self, file: FileId, called: Range) {
-        let info = self.info;
-        let Some(source) = info.source(file) else { return };
+        let info = self.channel.env.info;
+        let Some(source) = self.channel.env.sources.get(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
         if !source.is_plain(*heading) || !self.first_time(file, heading.first) {
             return;
@@ -62,7 +69,7 @@ impl Kernel<'_> {
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
         let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
         // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
-        let is_main = channels.peek().is_some() && Callers::of(self.machine).ends_in(source, *heading);
+        let is_main = channels.peek().is_some() && Callers::of(self.channel.env.machine).ends_in(source, *heading);
         let is_run = is_main || channels.any(|c| runs(c.lines));
         if !is_run && !runs((called.first, called.last)) {
             self.tell_unowned(file, source, (heading.first, heading.last));
@@ -73,16 +80,16 @@ impl Kernel<'_> {
         let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
         let Some(from) = lines.next() else { return };
         let to = lines.next_back().unwrap_or(from);
-        let name = self.info.file_name(file);
+        let name = self.channel.env.info.file_name(file);
         let text = if from == to {
             format!("line {from} of {name} stands before the program and belongs to none")
         } else {
             format!("lines {from} to {to} of {name} stand before the program and belong to none")
         };
-        let place = (self.file, self.line);
-        (self.file, self.line) = (file, from);
+        let place = (self.channel.at.file, self.channel.at.line);
+        (self.channel.at.file, self.channel.at.line) = (file, from);
         self.diagnose(&diag::TEXT_OF_NO_PROGRAM, text);
-        (self.file, self.line) = place;
+        (self.channel.at.file, self.channel.at.line) = place;
     }
 
     /// This place has not been told of before.

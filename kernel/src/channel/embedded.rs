@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
 //! portion of a block is not run.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::log::info::cut;
-use crate::macros::environment::Surroundings;
+use crate::machine::macros::environment::MachineEnvironment;
 use crate::trace::{self, Stage};
 
 use counterpoint_lang::value::Value;
@@ -88,13 +89,13 @@ impl Kernel<'_> {
                 break;
             };
             self.embed(code, &mut out)?;
-            if out.len() > self.options.limits.block_length.max(text.len()) {
+            if out.len() > self.channel.env.options.limits.block_length.max(text.len()) {
                 break;
             }
             rest = behind;
         }
         out.push_str(rest);
-        let (length, limit) = (out.len(), self.options.limits.block_length.max(text.len()));
+        let (length, limit) = (out.len(), self.channel.env.options.limits.block_length.max(text.len()));
         if length > limit {
             let text = format!("embedded macro code makes {length} bytes of the block, it may have {limit}");
             return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
@@ -123,7 +124,7 @@ impl Kernel<'_> {
 
     /// Compiles embedded code once.
     fn compiled_code(&mut self, code: &str) -> Option<(u16, bool)> {
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let runtime = self.macros.as_deref_mut()?;
         if let Some(known) = runtime.embedded.get(code) {
             return *known;
@@ -135,7 +136,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::EMBEDDED_CODE, text);
             return None;
         }
-        let mut surroundings = Surroundings {
+        let mut surroundings = MachineEnvironment {
             codes: &machine.custom_codes,
             data: &machine.custom_data,
             files: None,

@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 4.3. Decision: the end of a straight move and rapid or linear may be changed;
 //! circles and threads stay as they are.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
+use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use crate::log::geometry::Loop;
+use crate::machine::macros::model::Hook;
 use crate::macros::host::tools::column;
 use crate::macros::host::variables::names;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).
@@ -50,7 +51,7 @@ impl Kernel<'_> {
 
     /// `$P2`: the end by the six elements of `$AXES`.
     fn ends(&mut self, code: u16, motion: &Motion) -> Value {
-        let preset = self.place.preset;
+        let preset = self.channel.state.place.preset;
         let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| runtime.uses(code, 2)) else {
             return Value::Null;
         };
@@ -82,8 +83,8 @@ impl Kernel<'_> {
     /// Centre, plane normal and number of the plane of a circle.
     fn circle(&self, motion: &Motion) -> [Value; 3] {
         let [first, second] = motion.plane_axes.map(usize::from);
-        let cartesian = self.place.cartesian.map(|axis| axis.map(usize::from));
-        let preset = |axis: usize| self.place.preset.get(axis).copied().unwrap_or(0.0);
+        let cartesian = self.channel.state.place.cartesian.map(|axis| axis.map(usize::from));
+        let preset = |axis: usize| self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
         let center: Vec<f64> = cartesian
             .iter()
             .map(|axis| match *axis {
@@ -105,13 +106,14 @@ impl Kernel<'_> {
 
     /// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
     fn loop_in_space(&self, motion: &Motion) -> [Value; 3] {
-        let axes = self.info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());
+        let axes =
+            self.channel.env.info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
         let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
         let programmed = |point: [f64; 3]| {
             let mut values = [0.0; 3];
             for (axis, value) in space.seen.values(point) {
                 if let Some(slot) = space.seen.coordinate(axis).and_then(|side| values.get_mut(side)) {
-                    *slot = value + self.place.preset.get(axis).copied().unwrap_or(0.0);
+                    *slot = value + self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
                 }
             }
             Value::numbers(&values)
@@ -146,7 +148,7 @@ impl Kernel<'_> {
     fn changed_end(&mut self, motion: &Motion, end: Option<&Value>) -> Position {
         let mut to = motion.to;
         let Some(runtime) = self.macros.as_deref() else { return to };
-        let (slots, preset) = (runtime.slots, self.place.preset);
+        let (slots, preset) = (runtime.slots, self.channel.state.place.preset);
         let values = match end {
             None => return to,
             Some(Value::Sequence(values)) if values.len() == 6 => values,
@@ -191,13 +193,13 @@ impl Kernel<'_> {
     /// The event itself: only the listing shows it.
     pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
         let verb = if kind == 1.0 { "select" } else { "load" };
-        self.emit(0, Kind::Mode { text: format!("{verb} head n={id}").into() });
+        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
         Ok(())
     }
 
     /// Gives a loaded tool its row of the tool table, with the name that waits for it.
     fn tool_row(&mut self, tool: u32) {
-        let clock = self.clock;
+        let clock = self.channel.at.clock;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let known = runtime.tools.iter().position(|known| *known == tool);
         let at = known.unwrap_or(runtime.tools.len());
@@ -228,13 +230,13 @@ impl Kernel<'_> {
     /// The tool event itself.
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
-            self.place.selected = tool;
-            self.emit(0, Kind::Tool { action, tool, offset });
+            self.channel.state.place.selected = tool;
+            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
-        let before = self.place.tool;
+        let before = self.channel.state.place.tool;
         if tool != 0 {
-            self.place.tool = tool;
+            self.channel.state.place.tool = tool;
         }
         if let Some(runtime) = self.macros.as_deref_mut()
             && action == ToolAction::Load
@@ -248,7 +250,7 @@ impl Kernel<'_> {
             self.tool_row(tool);
             self.operation_of_tool();
         }
-        self.emit(ns, Kind::Tool { action, tool: self.place.tool, offset });
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tool, offset }));
         self.advance(ns);
         Ok(())
     }

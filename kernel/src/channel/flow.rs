@@ -2,22 +2,23 @@
 //!
 //! Facts: reference control-emulator.md 5.7. Invariant: nesting is bounded; a backward jump is always counted.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::custom_calls::{Called, Callee};
 use super::modal_call::ModalCall;
 use super::passes::Passes;
 use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::kept::Kept;
-use crate::log::event::{FileId, Kind, Stop};
+use crate::log::event::{Call, FileId, Kind, Return, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
 use crate::mcd::spot::Spot;
@@ -152,7 +153,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
-            if self.flow.modal_text && std::mem::take(&mut self.block.moved) {
+            if self.flow.modal_text && std::mem::take(&mut self.channel.block.moved) {
                 self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
             }
             self.call_modally();
@@ -209,7 +210,7 @@ impl Kernel<'_> {
         }
         let own_variables = arguments.is_some();
         if let Some(arguments) = arguments {
-            self.variables.enter(&arguments);
+            self.dialect.variables.enter(&arguments);
         }
         let name = Self::name_of(&what);
         let next = range.first;
@@ -235,7 +236,7 @@ impl Kernel<'_> {
         self.check_nesting(|| what.to_string())?;
         self.check_levels(false, &what)?;
         let range = self.find_range(&what);
-        let mut found = range.map(|range| (self.file, range));
+        let mut found = range.map(|range| (self.channel.at.file, range));
         let called = self.called(what.clone(), passes);
         if self.macros.is_some() {
             match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
@@ -266,7 +267,7 @@ impl Kernel<'_> {
     }
 
     pub(super) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
-        let limit = usize::from(self.options.limits.nesting);
+        let limit = usize::from(self.channel.env.options.limits.nesting);
         if self.flow.frames.len() <= limit {
             return Ok(());
         }
@@ -277,7 +278,7 @@ impl Kernel<'_> {
 
     /// What the control itself allows: levels of macros, of subprograms, and of both together.
     fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
-        let levels = self.machine.subprograms.levels;
+        let levels = self.channel.env.machine.subprograms.levels;
         let all = self.flow.frames.len();
         let macros = self.call_level();
         let deep = |own: usize, limit: Option<u16>| limit.filter(|limit| own > usize::from(*limit));
@@ -297,7 +298,7 @@ impl Kernel<'_> {
 
     pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
-        self.emit(0, Kind::Call { program: frame.name.clone(), level });
+        self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
@@ -322,12 +323,12 @@ impl Kernel<'_> {
         }
         if let Some(frame) = self.flow.frames.pop() {
             if frame.own_variables {
-                self.variables.leave();
+                self.dialect.variables.leave();
             }
             self.interpreter_left();
             self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
             let level = self.flow.frames.len() as u16;
-            self.emit(0, Kind::Return { level });
+            self.emit(0, Kind::Return(Return { level }));
             if self.macros.is_some() {
                 let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
                 self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;
@@ -343,7 +344,7 @@ impl Kernel<'_> {
         if let Some(number) = target {
             return self.jump_to_sequence(number);
         }
-        match self.machine.subprograms.main_return {
+        match self.channel.env.machine.subprograms.main_return {
             MainReturn::Restart => {
                 let first = self.frame().map_or(1, |f| f.range.first);
                 self.flow.loops.clear();
@@ -361,9 +362,9 @@ impl Kernel<'_> {
 
     /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        let info = self.info;
+        let sources = self.channel.env.sources;
         let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
-        let blocks = info.source(file).map_or(&[][..], |s| s.sequences(number));
+        let blocks = sources.get(file).map_or(&[][..], |s| s.sequences(number));
         // They are in ascending order.
         let first_from = |from: Spot| {
             let from = from.max(Spot::line(range.first));

@@ -3,35 +3,36 @@
 //! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. Invariant: what such a pre-processor leaves is a text, which
 //! is split into words as any block is; on a kernel with macros it goes on to Pre-Processor Shutdown.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
-use super::frames::affine::Affine;
 use super::frames::offsets::Table;
 use super::state::group;
-use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Dimension;
 use crate::machine::number::written;
-use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
     /// A block that is not plain words.
     pub(super) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
         let text = text.to_vec();
-        self.block.clear();
+        self.channel.block.clear();
         match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, &text)) {
             Some(left) => {
                 left?.map_or(Ok(()), |left| left.split('\n').try_for_each(|left| self.left_words(left, &text)))
@@ -60,57 +61,57 @@ impl Kernel<'_> {
         if text.trim().is_empty() {
             return Ok(());
         }
-        let read = self.edited.replace(Arc::from(text.as_bytes()));
+        let read = self.channel.text.edited.replace(Arc::from(text.as_bytes()));
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
-        scanner.scan_as(text.as_bytes(), self.secondary, &mut self.block, false);
-        if self.trace.is_some() {
+        scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
+        if self.channel.env.trace.is_some() {
             self.trace_words();
         }
         let acted = self.act_block();
         // The next block has a text of its own.
-        self.edited = read;
+        self.channel.text.edited = read;
         acted
     }
 
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
-        let turns = self.place.axes.get(axis).is_some_and(|axis| axis.rotary);
+        let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
         let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
 
     /// Lets the interpreter work; it cannot be asked from within.
     pub(crate) fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
-        let mut interpreter = self.interpreter.take()?;
+        let mut interpreter = self.dialect.interpreter.take()?;
         let done = work(&mut *interpreter, self);
-        self.interpreter = Some(interpreter);
+        self.dialect.interpreter = Some(interpreter);
         Some(done)
     }
 
     pub(super) fn interpreter_started(&mut self) {
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
         }
     }
 
     #[inline]
     pub(super) fn interpreter_entered(&mut self) {
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.entered(kernel));
         }
     }
 
     #[inline]
     pub(super) fn interpreter_again(&mut self) {
-        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.again();
         }
     }
 
     #[inline]
     pub(super) fn interpreter_left(&mut self) {
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.left(kernel));
         }
     }
@@ -143,16 +144,23 @@ impl Host for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
-        Place { file: self.file, line: self.line, range, level: self.flow.frames.len().saturating_sub(1), as_read }
+        let as_read =
+            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        Place {
+            file: self.channel.at.file,
+            line: self.channel.at.line,
+            range,
+            level: self.flow.frames.len().saturating_sub(1),
+            as_read,
+        }
     }
 
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
-        self.info.files.get(usize::from(file))?.source.get()?.clone()
+        self.channel.env.sources.shared(file)
     }
 
     fn files(&self) -> Vec<String> {
-        self.info.files.iter().map(|file| file.name.clone()).collect()
+        self.channel.env.info.files.iter().map(|file| file.name.clone()).collect()
     }
 
     fn load(&mut self, file: FileId) -> Acted {
@@ -160,7 +168,7 @@ impl Host for Kernel<'_> {
     }
 
     fn main_file(&self) -> FileId {
-        self.flow.frames.first().map_or(self.file, |frame| frame.file)
+        self.flow.frames.first().map_or(self.channel.at.file, |frame| frame.file)
     }
 
     fn work(&mut self, elements: usize) -> Acted {
@@ -199,7 +207,7 @@ impl Host for Kernel<'_> {
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
-        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.machine.habits.unknown_alarms;
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.channel.env.machine.habits.unknown_alarms;
         Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
     }
 
@@ -234,7 +242,7 @@ impl Host for Kernel<'_> {
     }
 
     fn has_own_common(&self) -> bool {
-        self.machine.variables.own_common
+        self.channel.env.machine.variables.own_common
     }
 
     fn effect(&mut self) {
@@ -254,48 +262,49 @@ impl Host for Kernel<'_> {
 
     fn is_register(&self, name: &str) -> bool {
         let is = |text: &str| text.eq_ignore_ascii_case(name);
-        let mut registers = self.machine.registers.iter();
+        let mut registers = self.channel.env.machine.registers.iter();
         registers
             .any(|register| is(&register.name) || is(&register.before) || register.second.as_deref().is_some_and(is))
     }
 
     fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
         let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
-        let mut registers = self.machine.registers.iter();
+        let mut registers = self.channel.env.machine.registers.iter();
         let (before, register) = registers.find_map(|register| match &register.second {
             Some(second) if is(second) => Some((second, register)),
             _ => is(&register.before).then_some((&register.before, register)),
         })?;
-        let format = if self.secondary { &register.secondary } else { &register.format };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
         let number = spelled.map_or_else(|| written(value, format), str::to_owned);
         Some(format!("{before}{number}{}", register.after))
     }
 
     fn is_inch(&self) -> bool {
-        (self.machine.unit == Unit::Inch) != self.secondary
+        (self.channel.env.machine.unit == Unit::Inch) != self.channel.state.secondary
     }
 
     fn is_code_text(&self, text: &str) -> bool {
-        let mut texts = self.machine.tables.texts.iter();
+        let mut texts = self.channel.env.machine.tables.texts.iter();
         texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
     }
 
     fn knows_code(&self, letter: u8, value: f64) -> bool {
-        let tables = &self.machine.tables;
+        let tables = &self.channel.env.machine.tables;
         let register = tables.letter.get(usize::from(letter)).copied().flatten();
         register.is_some_and(|(register, _)| !tables.code(register, value).is_empty())
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
         let programmed = self.programmed();
-        let machine = self.machine_point(&self.place.position);
-        let axes = self.place.axes.iter().filter_map(|axis| self.machine.axes.get(axis.machine));
+        let machine = self.machine_point(&self.channel.state.place.position);
+        let axes =
+            self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
         axes.zip(values).map(|(axis, (work, machine))| (axis.name.clone(), *work, *machine)).collect()
     }
 
     fn length_factor(&self) -> f64 {
-        match (self.machine.unit, self.secondary) {
+        match (self.channel.env.machine.unit, self.channel.state.secondary) {
             (Unit::Mm, true) => 25.4,
             (Unit::Inch, true) => 1.0 / 25.4,
             (_, false) => 1.0,
@@ -303,11 +312,11 @@ impl Host for Kernel<'_> {
     }
 
     fn clock(&self) -> i64 {
-        self.clock
+        self.channel.at.clock
     }
 
     fn channel(&self) -> u16 {
-        self.rank
+        self.channel.at.channel
     }
 
     fn watch(&mut self, on: bool) {
@@ -316,12 +325,12 @@ impl Host for Kernel<'_> {
 
     fn axes(&self) -> Vec<AxisPlace> {
         let programmed = self.programmed();
-        let machine = self.machine_point(&self.place.position);
+        let machine = self.machine_point(&self.channel.state.place.position);
         let counted = self.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
-        let places =
-            self.place.axes.iter().enumerate().zip(values).filter_map(|((at, axis), ((work, machine), from))| {
-                let named = self.machine.axes.get(axis.machine)?;
+        let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
+            |((at, axis), ((work, machine), from))| {
+                let named = self.channel.env.machine.axes.get(axis.machine)?;
                 let factor = self.program_factor(at);
                 Some(AxisPlace {
                     name: named.name.clone(),
@@ -331,29 +340,31 @@ impl Host for Kernel<'_> {
                     from: from / factor,
                     machine: machine / factor,
                 })
-            });
+            },
+        );
         places.collect()
     }
 
     fn relative(&self) -> bool {
-        self.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
+        self.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE)
     }
 
     fn moves_straight(&self) -> bool {
-        matches!(self.modal.code(group::MOTION), Some(codes::RAPID | codes::INTERP_LINEAR))
+        matches!(self.channel.state.modal.code(group::MOTION), Some(codes::RAPID | codes::INTERP_LINEAR))
     }
 
     fn second(&self, register: &str) -> Option<String> {
-        let found = self.machine.registers.iter().find(|found| found.name.eq_ignore_ascii_case(register))?;
+        let found =
+            self.channel.env.machine.registers.iter().find(|found| found.name.eq_ignore_ascii_case(register))?;
         found.second.clone()
     }
 
     fn local_frame(&self) -> [f64; 12] {
-        let map = self.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
+        let map = self.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
         let mut rows = <[f64; 12]>::try_from(map.cells()).unwrap_or_default();
-        for (row, axis) in self.place.cartesian.iter().enumerate() {
+        for (row, axis) in self.channel.state.place.cartesian.iter().enumerate() {
             let Some(at) = axis.map(usize::from) else { continue };
-            let scale = self.place.axes.get(at).map_or(1.0, |axis| axis.scale);
+            let scale = self.channel.state.place.axes.get(at).map_or(1.0, |axis| axis.scale);
             if let Some(shift) = rows.get_mut(row * 4 + 3) {
                 *shift /= scale * self.program_factor(at);
             }
@@ -362,12 +373,12 @@ impl Host for Kernel<'_> {
     }
 
     fn work_offset(&self) -> u32 {
-        self.place.work_offset
+        self.channel.state.place.work_offset
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
         let values = self.offset_values(Table::Work, number);
-        let values = values.iter().take(self.place.axes.len()).enumerate();
+        let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
@@ -380,11 +391,11 @@ impl Host for Kernel<'_> {
     }
 
     fn tool(&self) -> u32 {
-        self.place.tool
+        self.channel.state.place.tool
     }
 
     fn modes(&self) -> Modes {
-        Modes(self.modal.saved())
+        Modes(self.channel.state.modal.saved())
     }
 
     fn restore_modes(&mut self, modes: &Modes) {

@@ -2,19 +2,20 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
+use super::Kernel;
 use super::block::odd;
 use super::state::feed_of;
 use super::state::group;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::data;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.
     #[inline(always)]
     pub(crate) fn leftovers(&mut self) -> Acted {
         // A speed word left is a data word left.
-        if self.block.has_leftovers() || self.block.has_oddities() { self.left_over() } else { Ok(()) }
+        if self.channel.block.has_leftovers() || self.channel.block.has_oddities() { self.left_over() } else { Ok(()) }
     }
 
     #[inline(never)]
@@ -22,44 +23,45 @@ impl Kernel<'_> {
         if self.has_any(self.plan.speed_registers) {
             crate::action::spindle::speed_word(self)?;
         }
-        if self.block.has_leftovers() {
-            for position in 0..self.block.words.len() {
-                let Some(word) = self.block.words.get(position).copied() else { break };
+        if self.channel.block.has_leftovers() {
+            for position in 0..self.channel.block.words.len() {
+                let Some(word) = self.channel.block.words.get(position).copied() else { break };
                 if !word.used {
                     self.leftover_word(word.register, word.value, (word.start, word.end));
                 }
             }
         }
-        if !self.block.has_oddities() {
+        if !self.channel.block.has_oddities() {
             return Ok(());
         }
         self.left_name();
-        if !self.block.unknown.is_empty() {
+        if !self.channel.block.unknown.is_empty() {
             self.unknown_text()?;
         }
-        if self.block.odd & odd::OPEN_COMMENT != 0 {
+        if self.channel.block.odd & odd::OPEN_COMMENT != 0 {
             let text = format!("a comment or message has no end in '{}'", self.block_text());
             self.diagnose(&diag::COMMENT_OPEN, text);
         }
-        if self.block.odd & odd::DIGITS != 0 {
+        if self.channel.block.odd & odd::DIGITS != 0 {
             let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
             self.diagnose(&diag::TOO_MANY_DIGITS, text);
         }
-        if self.block.odd & odd::BYTES != 0 {
-            let text = format!("control characters in line {} are passed over", self.line);
+        if self.channel.block.odd & odd::BYTES != 0 {
+            let text = format!("control characters in line {} are passed over", self.channel.at.line);
             self.diagnose(&diag::BAD_BYTES, text);
         }
         Ok(())
     }
 
     fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
-        let machine = self.machine;
-        let mut rows = self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let machine = self.channel.env.machine;
+        let mut rows =
+            self.channel.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
         if rows.any(|row| row.ignores.contains(&register)) {
             return;
         }
         let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
-        let (feed, _) = feed_of(self.modal.code(group::FEED));
+        let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
         let mut known = false;
         let mut axis = false;
         for &index in rows {
@@ -76,7 +78,7 @@ impl Kernel<'_> {
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
                 let value = (value * row.mul + row.add) * self.unit_factor(row.dimension);
-                self.modal.remember(row.id, value);
+                self.channel.state.modal.remember(row.id, value);
                 known = true;
             } else if row.modal && other_feed {
                 known = true;
@@ -90,9 +92,9 @@ impl Kernel<'_> {
         if axis && !self.channel_has(register) {
             self.diagnose(
                 &diag::AXIS_NOT_IN_CHANNEL,
-                format!("channel {} has no axis for {word} in '{block}', the word is dropped", self.rank),
+                format!("channel {} has no axis for {word} in '{block}', the word is dropped", self.channel.at.channel),
             );
-        } else if axis && self.modal.code(group::MOTION).is_none() {
+        } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
             self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
         } else {
             self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by anything in '{block}' and is dropped"));
@@ -101,14 +103,16 @@ impl Kernel<'_> {
 
     /// One of the channel's axes takes words of this register.
     fn channel_has(&self, register: u8) -> bool {
-        self.place.axes.iter().any(|axis| {
-            self.machine
+        self.channel.state.place.axes.iter().any(|axis| {
+            self.channel
+                .env
+                .machine
                 .tables
                 .rows_of_data
                 .get(usize::from(axis.data.0))
                 .into_iter()
                 .flatten()
-                .filter_map(|&row| self.machine.data.get(usize::from(row)))
+                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)))
                 .any(|row| row.register == Some(register))
         })
     }
@@ -120,11 +124,11 @@ impl Kernel<'_> {
 
     /// A program name at the begin of its block defines the program; elsewhere it is unknown text.
     pub(crate) fn left_name(&mut self) {
-        let Some((start, _)) = self.block.name() else { return };
+        let Some((start, _)) = self.channel.block.name() else { return };
         let line = self.text_bytes();
         let before = line.get(..start as usize).unwrap_or_default();
         if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
-            self.block.take_name();
+            self.channel.block.take_name();
         }
     }
 }

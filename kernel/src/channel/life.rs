@@ -1,8 +1,8 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
-use super::{Acted, Halt, Kernel};
 use crate::control::State;
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
@@ -10,6 +10,7 @@ use crate::mcd::program::Range;
 use crate::multi::order::Order;
 use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
+use counterpoint_fault::{Acted, Halt};
 
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;
@@ -18,9 +19,9 @@ impl Kernel<'_> {
     /// Runs the kernel's whole life. With `again` it goes on with another file, as if that were the first one or not.
     pub(crate) fn live(mut self, start: (u16, Range, Box<str>), again: Option<bool>) -> Lived {
         let (file, range, name) = start;
-        self.coordinator.begin(self.rank);
-        self.progress.set_state(State::Running);
-        (self.file, self.line) = (file, 0);
+        self.ports.coordinator.begin(self.channel.at.channel);
+        self.ports.progress.set_state(State::Running);
+        (self.channel.at.file, self.channel.at.line) = (file, 0);
         self.emit(0, Kind::Lifecycle(Phase::ProgramStart));
         let begun = match again {
             Some(reset) => self.begin_again(file, range, name, reset),
@@ -66,10 +67,10 @@ impl Kernel<'_> {
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
             self.emit(0, Kind::Lifecycle(phase));
-            let finish = Finish { how, file: self.file, line: self.line };
-            let (rank, tag, info) = (self.rank, self.tag(), self.info);
-            let stop_all =
-                halt == Halt::Alarm && self.machine.sync.alarm_scope == crate::machine::model::AlarmScope::All;
+            let finish = Finish { how, file: self.channel.at.file, line: self.channel.at.line };
+            let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
+            let stop_all = halt == Halt::Alarm
+                && self.channel.env.machine.sync.alarm_scope == crate::machine::model::AlarmScope::All;
             let verdict = self.shared(|order| {
                 order.waits.finish(rank, finish);
                 if stop_all {
@@ -82,11 +83,12 @@ impl Kernel<'_> {
                 self.emit_verdict(verdict);
             }
         }
-        self.progress.t_ns.store(self.clock, std::sync::atomic::Ordering::Relaxed);
-        self.progress.set_state(state);
-        self.emitter.flush(self.tag());
-        let (rank, finish) = (self.rank, Finish { how, file: self.file, line: self.line });
-        self.coordinator.done(rank, |order| {
+        self.ports.progress.t_ns.store(self.channel.at.clock, std::sync::atomic::Ordering::Relaxed);
+        self.ports.progress.set_state(state);
+        self.ports.emitter.flush(self.tag());
+        let (rank, finish) =
+            (self.channel.at.channel, Finish { how, file: self.channel.at.file, line: self.channel.at.line });
+        self.ports.coordinator.done(rank, |order| {
             if order.waits.end(rank).is_none() && halt != Halt::Blocked {
                 order.waits.finish(rank, finish);
             }
@@ -111,9 +113,9 @@ impl Kernel<'_> {
         .into_iter()
         .flatten()
         {
-            self.emitter.push(crate::log::event::Event {
-                t_ns: self.clock,
-                micro: self.micro,
+            self.ports.emitter.push(crate::log::event::Event {
+                t_ns: self.channel.at.clock,
+                micro: self.channel.at.micro,
                 dur_ns: 0,
                 channel: 0,
                 file,
@@ -126,31 +128,33 @@ impl Kernel<'_> {
     /// Limits of the job that one channel can reach.
     #[inline(always)]
     pub(crate) fn check_limits(&mut self) -> Acted {
-        let limits = &self.options.limits;
+        let limits = &self.channel.env.options.limits;
         // All at once, as a block is seldom beyond any of them.
-        let within = (self.clock <= limits.simulated_ns)
-            & (self.blocks + self.burden.blocks() <= limits.blocks)
-            & (self.emitter.count() <= limits.events)
-            & (self.idle_blocks <= limits.zero_time_blocks)
-            & (self.burden.steps <= limits.macro_steps);
-        if within && !self.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
+        let within = (self.channel.at.clock <= limits.simulated_ns)
+            & (self.channel.at.blocks + self.channel.burden.blocks() <= limits.blocks)
+            & (self.ports.emitter.count() <= limits.events)
+            & (self.channel.at.idle_blocks <= limits.zero_time_blocks)
+            & (self.channel.burden.steps <= limits.macro_steps);
+        if within && !self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY) { Ok(()) } else { self.check_each_limit() }
     }
 
     #[cold]
     #[inline(never)]
     fn check_each_limit(&mut self) -> Acted {
-        let limits = &self.options.limits;
-        let reason = if self.clock > limits.simulated_ns {
+        let limits = &self.channel.env.options.limits;
+        let reason = if self.channel.at.clock > limits.simulated_ns {
             format!("the simulated time passed {:.3} s", limits.simulated_ns as f64 / 1e9)
-        } else if self.blocks + self.burden.blocks() > limits.blocks {
+        } else if self.channel.at.blocks + self.channel.burden.blocks() > limits.blocks {
             format!("more than {} blocks", limits.blocks)
-        } else if self.emitter.count() > limits.events {
+        } else if self.ports.emitter.count() > limits.events {
             format!("more than {} events in its log", limits.events)
-        } else if self.idle_blocks > limits.zero_time_blocks {
+        } else if self.channel.at.idle_blocks > limits.zero_time_blocks {
             format!("{} blocks in a row took no time", limits.zero_time_blocks)
-        } else if self.burden.steps > limits.macro_steps {
+        } else if self.channel.burden.steps > limits.macro_steps {
             format!("more than {} steps of macros", limits.macro_steps)
-        } else if let Some(reason) = self.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten() {
+        } else if let Some(reason) =
+            self.channel.at.blocks.is_multiple_of(WEIGHED_EVERY).then(|| self.overburdened()).flatten()
+        {
             format!("the memory of the job is used up: {reason}")
         } else {
             return Ok(());
@@ -160,9 +164,9 @@ impl Kernel<'_> {
 
     /// Stops the whole job here and says who was doing what.
     pub(super) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
-        let (rank, tag, info) = (self.rank, self.tag(), self.info);
+        let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
         let own = self.what_it_did(reason);
-        let (file, line) = (self.file, self.line);
+        let (file, line) = (self.channel.at.file, self.channel.at.line);
         let verdict = self.shared(|order| {
             let mut sentences = vec![own];
             let mut members = Vec::new();
@@ -188,27 +192,31 @@ impl Kernel<'_> {
 
     fn what_it_did(&self, reason: &str) -> String {
         let pass = self.flow.pass.last();
-        let name = self.info.file_name(self.file);
+        let name = self.channel.env.info.file_name(self.channel.at.file);
         if pass.count > 1 {
             let (_, first, last) = pass.key;
             format!(
                 "channel {}: {reason}; it looped {} times over lines {first}-{last} of {name} without a wait",
-                self.rank, pass.count
+                self.channel.at.channel, pass.count
             )
         } else {
-            format!("channel {}: {reason} at {}", self.rank, verdict::place(self.info, self.file, self.line))
+            format!(
+                "channel {}: {reason} at {}",
+                self.channel.at.channel,
+                verdict::place(self.channel.env.info, self.channel.at.file, self.channel.at.line)
+            )
         }
     }
 
     /// No other channel is left to change what a polling loop reads.
     pub(crate) fn is_alone(&mut self) -> Result<bool, Halt> {
-        let rank = self.rank;
+        let rank = self.channel.at.channel;
         self.shared(|order| order.alone(rank))
     }
 
     /// A loop that only reads shared variables is hopeless once a whole pass of it has run alone.
     pub(crate) fn spinning(&mut self, line: u32) -> Halt {
-        let place = verdict::place(self.info, self.file, line);
+        let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
         let reason = format!("polls at {place} for a variable that nobody is left to change");
         self.limit(&reason, VerdictKind::PartnerSpinning)
     }

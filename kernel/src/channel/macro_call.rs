@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
+use super::Kernel;
 use super::block::odd;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;
-use super::{Acted, Halt, Kernel};
 use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
+use counterpoint_fault::{Acted, Halt};
 
 /// What the words of a call say.
 #[derive(Debug, Default)]
@@ -28,19 +29,19 @@ impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let own = self.flow.word_call.take();
-        let line = if self.macros.is_some() || self.edited.is_some() {
+        let line = if self.macros.is_some() || self.channel.text.edited.is_some() {
             let text = self.text_bytes().into_owned();
             self.compiled(&text, false)?
         } else {
-            let info = self.info;
-            self.compiled(info.source(self.file).map_or(&[][..], |source| source.line(self.line)), false)?
+            let (sources, at) = (self.channel.env.sources, &self.channel.at);
+            self.compiled(sources.get(at.file).map_or(&[][..], |source| source.line(at.line)), false)?
         };
-        line.name.into_iter().for_each(|span| self.block.set_name(span));
+        line.name.into_iter().for_each(|span| self.channel.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };
         // Arguments are no words of their registers.
-        let odd = self.block.odd & !odd::NUMBERS;
+        let odd = self.channel.block.odd & !odd::NUMBERS;
         let mut words = self.call_words(words, own.as_deref().map(|call| (call.register, call.by.value)))?;
-        self.block.odd = odd;
+        self.channel.block.odd = odd;
         let mut by = None;
         let what = match own {
             Some(call) => {
@@ -86,10 +87,10 @@ impl Kernel<'_> {
             let value = word.value.as_constant().filter(|_| word.name == Name::Letter(b'G'));
             value.is_some_and(|value| Self::way_of_call(value).is_some())
         };
-        let strict = self.machine.subprograms.strict && own.is_none() && words.iter().any(calls);
+        let strict = self.channel.env.machine.subprograms.strict && own.is_none() && words.iter().any(calls);
         for word in words {
             let Name::Letter(letter) = word.name else {
-                self.block.unknown.push((word.start, word.end));
+                self.channel.block.unknown.push((word.start, word.end));
                 continue;
             };
             let register = self.plan.scanner.register(letter);
@@ -99,7 +100,7 @@ impl Kernel<'_> {
                     Ok(value) => value,
                     Err(Left::Halt(halt)) => return Err(halt),
                     Err(Left::Text) => {
-                        self.block.unknown.push((word.start, word.end));
+                        self.channel.block.unknown.push((word.start, word.end));
                         continue;
                     }
                 },
@@ -132,7 +133,7 @@ impl Kernel<'_> {
                 }
                 letter => match argument(letter) {
                     Some(variable) => read.arguments.push((variable, value)),
-                    None => self.block.unknown.push((word.start, word.end)),
+                    None => self.channel.block.unknown.push((word.start, word.end)),
                 },
             }
         }

@@ -1,13 +1,14 @@
 //! Statements of the pre-processor: assignments, branches, loops.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
+use super::Kernel;
 use super::block::{Word, odd};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::mcd::spot::Spot;
 
 /// Why a statement has come to no end.
@@ -31,19 +32,19 @@ impl Kernel<'_> {
         if !self.plan.scanner.has_macros() {
             return self.interpreted_line(text);
         }
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
         let line = self.compiled(text, true)?;
         if let Some(number) = line.sequence {
-            self.block.sequence = Some(number);
+            self.channel.block.sequence = Some(number);
         }
-        line.name.into_iter().for_each(|span| self.block.set_name(span));
+        line.name.into_iter().for_each(|span| self.channel.block.set_name(span));
         match self.statement(&line.statement) {
             Ok(()) => Ok(()),
             Err(Left::Halt(halt)) => Err(halt),
             Err(Left::Text) => {
-                self.block.unknown.push(line.place);
+                self.channel.block.unknown.push(line.place);
                 self.act_block()
             }
         }
@@ -52,26 +53,27 @@ impl Kernel<'_> {
     /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
     /// be seen: on every pass, but once for a line that is looked at twice.
     pub(super) fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
-        let key = (self.file, self.line);
+        let key = (self.channel.at.file, self.channel.at.line);
         // A text of its own is compiled each time: the line number does not stand for it.
-        let as_read = self.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read =
+            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
         if as_read && let Some(line) = self.flow.compiled.get(key) {
             let line = Arc::clone(line);
-            self.block.clear();
+            self.channel.block.clear();
             if !line.messages.is_empty() {
-                self.block.messages.extend_from_slice(&line.messages);
+                self.channel.block.messages.extend_from_slice(&line.messages);
                 self.messages_of_line(text, shows);
             }
             return Ok(line);
         }
-        let mut stripped = std::mem::take(&mut self.stripped);
+        let mut stripped = std::mem::take(&mut self.channel.text.stripped);
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
-        scanner.strip(text, &mut stripped, &mut self.block);
-        let messages = self.block.messages.as_slice().into();
+        scanner.strip(text, &mut stripped, &mut self.channel.block);
+        let messages = self.channel.block.messages.as_slice().into();
         self.messages_of_line(text, shows);
         let result = fanuc::compile(&stripped, scanner.names());
-        self.stripped = stripped;
+        self.channel.text.stripped = stripped;
         match result {
             Ok(line) => {
                 let line = Arc::new(Line { messages, ..line });
@@ -93,7 +95,7 @@ impl Kernel<'_> {
         if shows && self.macros.is_none() {
             self.show_messages(text);
         }
-        self.block.messages.clear();
+        self.channel.block.messages.clear();
     }
 
     fn statement(&mut self, statement: &Statement) -> Result<(), Left> {
@@ -210,7 +212,7 @@ impl Kernel<'_> {
 
     /// Loop partners of the current program, found once.
     fn pairs(&mut self) -> Arc<Pairs> {
-        let info = self.info;
+        let sources = self.channel.env.sources;
         let Some((file, range)) = self.frame().map(|f| (f.file, f.range)) else { return Arc::default() };
         if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
             return Arc::clone(pairs);
@@ -218,7 +220,7 @@ impl Kernel<'_> {
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
-        let Some(source) = info.source(file) else { return Arc::default() };
+        let Some(source) = sources.get(file) else { return Arc::default() };
         let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
         let blocks = bracketing.flat_map(|line| {
             scanner.block_starts(source.line(line)).map(move |offset| Spot { line, offset: offset as u32 })
@@ -298,7 +300,7 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text, printed: false });
+                self.emit(0, Kind::Message(Message { text, printed: false }));
                 Ok(())
             }
             3001..=3004 => Ok(()),
@@ -314,14 +316,14 @@ impl Kernel<'_> {
         self.flow.pass.effects = true;
         for word in words {
             let steps = if word.written.is_some() { None } else { self.steps_of(word.name) };
-            self.variables.steps = steps.unwrap_or(1.0);
+            self.dialect.variables.steps = steps.unwrap_or(1.0);
             let value = self.eval(&word.value);
-            self.variables.steps = 1.0;
+            self.dialect.variables.steps = 1.0;
             let value = match value {
                 Ok(value) => value,
                 Err(Left::Halt(halt)) => return Err(halt.into()),
                 Err(Left::Text) => {
-                    self.block.unknown.push((word.start, word.end));
+                    self.channel.block.unknown.push((word.start, word.end));
                     continue;
                 }
             };
@@ -334,23 +336,23 @@ impl Kernel<'_> {
                 Name::Register(register, _) if self.sequence_word(register, value) => continue,
                 Name::Register(register, incremental) => Some((register, incremental)),
                 Name::Text(row) => {
-                    self.block.texts.push(row);
+                    self.channel.block.texts.push(row);
                     continue;
                 }
             };
             let value = match (register, word.written) {
                 (Some((register, _)), Some(number)) => self.read_by_register(register, number),
                 (Some((register, _)), None) => {
-                    let of = self.machine.registers.get(usize::from(register));
+                    let of = self.channel.env.machine.registers.get(usize::from(register));
                     let refused = self.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
                     let wrong = refused && value < 0.0;
-                    self.block.odd |= u8::from(wrong) * odd::SIGN;
+                    self.channel.block.odd |= u8::from(wrong) * odd::SIGN;
                     value
                 }
                 _ => value,
             };
             match register {
-                Some((register, incremental)) => self.block.push(Word {
+                Some((register, incremental)) => self.channel.block.push(Word {
                     register,
                     incremental,
                     used: false,
@@ -358,10 +360,10 @@ impl Kernel<'_> {
                     start: word.start,
                     end: word.end,
                 }),
-                None => self.block.unknown.push((word.start, word.end)),
+                None => self.channel.block.unknown.push((word.start, word.end)),
             }
         }
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_preprocessed();
             if self.macros.is_none() {
                 self.trace_words();
@@ -377,22 +379,23 @@ impl Kernel<'_> {
             Name::Register(register, _) => register,
             Name::Text(_) => return None,
         };
-        self.plan.rules.steps.get(usize::from(register))?.get(usize::from(self.secondary)).copied()
+        self.plan.rules.steps.get(usize::from(register))?.get(usize::from(self.channel.state.secondary)).copied()
     }
 
     /// A number beside an expression is read as on a line without one.
     pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
-        let reading = self.plan.scanner.reading(register, number, self.secondary);
+        let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
-        self.block.odd |= odd;
+        self.channel.block.odd |= odd;
         value
     }
 
     /// The first word of the register of sequence numbers is no word.
     fn sequence_word(&mut self, register: u8, value: f64) -> bool {
-        let is = Some(register) == self.plan.scanner.sequence() && self.block.sequence.is_none() && value >= 0.0;
+        let is =
+            Some(register) == self.plan.scanner.sequence() && self.channel.block.sequence.is_none() && value >= 0.0;
         if is {
-            self.block.sequence = Some(value as u32);
+            self.channel.block.sequence = Some(value as u32);
         }
         is
     }

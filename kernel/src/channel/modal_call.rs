@@ -55,7 +55,7 @@ impl Kernel<'_> {
     /// A G word of the block calls by the pre-processor itself.
     pub(super) fn has_own_call(&self) -> bool {
         let is_call = |word: &Word| Some(word.register) == self.plan.g && Self::way_of_call(word.value).is_some();
-        self.block.words.iter().any(is_call)
+        self.channel.block.words.iter().any(is_call)
     }
 
     /// Macro calls that are going on.
@@ -73,7 +73,7 @@ impl Kernel<'_> {
     fn is_argument_block(&self) -> bool {
         let level = self.call_level();
         self.flow.modal_call.as_deref().is_some_and(|call| call.each && call.level == level)
-            && !self.block.words.is_empty()
+            && !self.channel.block.words.is_empty()
     }
 
     /// Calls behind a block that has moved.
@@ -86,12 +86,12 @@ impl Kernel<'_> {
             self.flow.modal_call = None;
             return;
         }
-        if call.each || call.level != level || !self.block.moved {
+        if call.each || call.level != level || !self.channel.block.moved {
             return;
         }
         let (what, passes) = (call.what.clone(), call.passes);
         let (arguments, by) = (Some(call.arguments.clone()), call.by.map(Box::new));
-        self.block.moved = false;
+        self.channel.block.moved = false;
         self.flow.pending = Some(Pending::Call { what, passes, arguments, by });
     }
 }

@@ -3,8 +3,9 @@
 //! A loop is known by its jump back. Invariant: time passes in every loop that takes none, whatever loops, calls or jumps
 //! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::log::event::FileId;
+use counterpoint_fault::Acted;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
 const MOST: usize = 32;
@@ -92,20 +93,21 @@ impl Kernel<'_> {
     /// When the loop is hopeless.
     pub(super) fn end_pass(&mut self, target: u32, from: u32) -> Acted {
         self.flow.caching = true;
-        let (file, depth) = (self.flow.frames.last().map_or(self.file, |frame| frame.file), self.flow.frames.len());
+        let (file, depth) =
+            (self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file), self.flow.frames.len());
         let key = (file, target, from);
-        let known = self.flow.pass.jump(key, depth, self.clock);
+        let known = self.flow.pass.jump(key, depth, self.channel.at.clock);
         let mut next = Pass { key, depth, count: 1, ..Pass::default() };
         if let Some(mut pass) = known {
             next.count = pass.count + 1;
-            if pass.clock == self.clock {
+            if pass.clock == self.channel.at.clock {
                 pass.ticks += self.tick();
             }
             if pass.polled {
                 // A tick is not progress, unless the loop looks at what others may change.
-                self.idle_blocks = 0;
+                self.channel.at.idle_blocks = 0;
             }
-            if pass.polled && !pass.effects && pass.clock + pass.ticks == self.clock {
+            if pass.polled && !pass.effects && pass.clock + pass.ticks == self.channel.at.clock {
                 next.alone = self.is_alone()?;
                 if next.alone && pass.alone {
                     self.flow.pass.loops.push(next);
@@ -115,16 +117,16 @@ impl Kernel<'_> {
         } else if self.flow.pass.jumps > MOST {
             self.tick();
         }
-        next.clock = self.clock;
+        next.clock = self.channel.at.clock;
         self.flow.pass.loops.push(next);
         Ok(())
     }
 
     /// Lets a tick pass, which is no progress. Gives it, ns.
     fn tick(&mut self) -> i64 {
-        let (idle, tick) = (self.idle_blocks, self.machine.sync.poll_ns);
+        let (idle, tick) = (self.channel.at.idle_blocks, self.channel.env.machine.sync.poll_ns);
         self.advance(tick);
-        self.idle_blocks = idle;
+        self.channel.at.idle_blocks = idle;
         self.flow.pass.loops.iter_mut().for_each(|pass| pass.ticks += tick);
         tick
     }

@@ -11,7 +11,7 @@ use crate::dialect::fanuc::{Item, print};
 impl Kernel<'_> {
     /// Writes a line.
     pub(super) fn print(&mut self, items: &[Item], binary: bool) -> Result<(), Left> {
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let mut line = String::new();
         for item in items {
             match item {

@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
+use super::Kernel;
 use super::scan::Kind as LineKind;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
-use crate::log::event::{FileId, Kind};
+use crate::log::event::{Block, FileId, Kind};
 use crate::machine::model::RewindStop;
 use crate::mcd::program::Shape;
 use crate::mcd::source::Source;
@@ -43,7 +44,7 @@ impl Kernel<'_> {
             self.process_later(block)?;
             return self.follow();
         }
-        let info = self.info;
+        let sources = self.channel.env.sources;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
             return Err(Halt::End(None));
         };
@@ -53,14 +54,14 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.next = line + 1;
         }
-        let Some(source) = info.source(file) else { return Err(Halt::End(None)) };
+        let Some(source) = sources.get(file) else { return Err(Halt::End(None)) };
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
         }
-        (self.file, self.line) = (file, line);
+        (self.channel.at.file, self.channel.at.line) = (file, line);
         self.begin_block()?;
-        if text.len() > self.options.limits.block_length {
+        if text.len() > self.channel.env.options.limits.block_length {
             return Err(self.too_long(text.len()));
         }
         let held;
@@ -79,7 +80,7 @@ impl Kernel<'_> {
         }
         if !self.flow.opened {
             self.flow.opened = true;
-            if self.machine.format.rws_at == RewindStop::Start {
+            if self.channel.env.machine.format.rws_at == RewindStop::Start {
                 self.diagnose(
                     &diag::NO_REWIND_STOP,
                     "there is no rewind-stop before the program, it starts with its first block",
@@ -90,13 +91,13 @@ impl Kernel<'_> {
             self.custom_block(None)?;
             return self.follow();
         }
-        match self.plan.scanner.scan(text, self.secondary, &mut self.block, self.flow.watched) {
+        match self.plan.scanner.scan(text, self.channel.state.secondary, &mut self.channel.block, self.flow.watched) {
             LineKind::Words => {
-                if self.trace.is_some() {
+                if self.channel.env.trace.is_some() {
                     self.trace_deleted(text);
                     self.trace_words();
                 }
-                if !self.block.messages.is_empty() {
+                if !self.channel.block.messages.is_empty() {
                     self.show_messages(text);
                 }
                 self.act_block()?;
@@ -108,46 +109,48 @@ impl Kernel<'_> {
 
     /// Operator messages act before anything else on their block (order 100, reference control-emulator.md 5.6).
     pub(crate) fn show_messages(&mut self, line: &[u8]) {
-        for index in 0..self.block.messages.len() {
-            let Some(&(start, end)) = self.block.messages.get(index) else { break };
+        for index in 0..self.channel.block.messages.len() {
+            let Some(&(start, end)) = self.channel.block.messages.get(index) else { break };
             let text = line.get(start as usize..end as usize).unwrap_or_default();
             self.display(String::from_utf8_lossy(text).trim());
         }
-        self.block.messages.clear();
+        self.channel.block.messages.clear();
     }
 
     /// Counts the block, tells others how far this kernel has come, and checks the limits.
     #[inline(always)]
     fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
-        self.blocks += 1;
-        self.idle_blocks += 1;
-        self.progress.blocks.store(self.blocks, Relaxed);
-        self.progress.line.store(self.line, Relaxed);
-        self.progress.file.store(u32::from(self.file), Relaxed);
-        self.progress.t_ns.store(self.clock, Relaxed);
-        if !self.coordinator.publish(self.rank, self.clock) || self.control.cancelled() {
+        self.channel.at.blocks += 1;
+        self.channel.at.idle_blocks += 1;
+        self.ports.progress.blocks.store(self.channel.at.blocks, Relaxed);
+        self.ports.progress.line.store(self.channel.at.line, Relaxed);
+        self.ports.progress.file.store(u32::from(self.channel.at.file), Relaxed);
+        self.ports.progress.t_ns.store(self.channel.at.clock, Relaxed);
+        if !self.ports.coordinator.publish(self.channel.at.channel, self.channel.at.clock)
+            || self.ports.control.cancelled()
+        {
             return Err(Halt::Stopped);
         }
-        if self.blocks.is_multiple_of(256) && self.coordinator.should_yield() {
-            self.emitter.flush(self.tag());
-            self.coordinator.yield_permit(self.rank);
+        if self.channel.at.blocks.is_multiple_of(256) && self.ports.coordinator.should_yield() {
+            self.ports.emitter.flush(self.tag());
+            self.ports.coordinator.yield_permit(self.channel.at.channel);
         }
-        if self.blocks.is_multiple_of(256) && self.place.frames.is_some() {
+        if self.channel.at.blocks.is_multiple_of(256) && self.channel.state.place.frames.is_some() {
             self.settle_old()?;
         }
-        let number = self.blocks;
+        let number = self.channel.at.blocks;
         self.emit_as(0, |kind| match kind {
             // Written over what is there, a kind of another shape is dropped first.
-            Kind::Block { number: place } => *place = number,
-            other => *other = Kind::Block { number },
+            Kind::Block(Block { number: place }) => *place = number,
+            other => *other = Kind::Block(Block { number }),
         });
         self.check_limits()
     }
 
     #[inline(always)]
     fn is_rewind_stop(&self, text: &[u8]) -> bool {
-        let rws = self.machine.format.rws.as_bytes();
+        let rws = self.channel.env.machine.format.rws.as_bytes();
         text.first() == rws.first() && is_alone(text, rws)
     }
 
@@ -180,29 +183,30 @@ impl Kernel<'_> {
     }
 
     fn too_long(&mut self, length: usize) -> Halt {
-        let limit = self.options.limits.block_length;
-        let text = format!("line {} has {length} bytes, a block may have {limit}", self.line);
+        let limit = self.channel.env.options.limits.block_length;
+        let text = format!("line {} has {length} bytes, a block may have {limit}", self.channel.at.line);
         self.alarm(&diag::BLOCK_TOO_LONG, text)
     }
 
     /// Makes a file's text available.
     pub(crate) fn load(&mut self, file: FileId) -> Acted {
-        let info = self.info;
+        let info = self.channel.env.info;
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
-        if entry.source.get().is_some() {
+        if self.channel.env.sources.is_known(file) {
             return Ok(());
         }
-        let (name, shape, stop) = (entry.name.clone(), Arc::new(Shape::of(self.machine)), self.control.stop().clone());
-        let (source, failure) = match self.files.read(&name) {
+        let (name, shape, stop) =
+            (entry.name.clone(), Arc::new(Shape::of(self.channel.env.machine)), self.ports.control.stop().clone());
+        let (source, failure) = match self.channel.env.files.read(&name) {
             Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
             Err(error) => (None, Some(error)),
         };
-        if self.control.cancelled() {
+        if self.ports.control.cancelled() {
             // The lines of the text may not all be known.
             return Err(Halt::Stopped);
         }
         // Another kernel may have been faster.
-        let _ = entry.source.set(source);
+        self.channel.env.sources.put(file, source, &entry.text);
         match failure {
             None => Ok(()),
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),

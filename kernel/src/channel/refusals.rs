@@ -3,13 +3,14 @@
 //! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
 //! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
 
+use super::Kernel;
 use super::block::Firing;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::Machine;
 use crate::machine::model::CodeRow;
 use crate::machine::refusals::{Active, Refusal, WordRule, Written};
 use crate::machine::tables::form_range;
+use counterpoint_fault::Acted;
 
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]
@@ -78,13 +79,13 @@ impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
     #[inline(always)]
     pub(super) fn check_refused(&mut self) -> Acted {
-        if self.block.present & self.place.bounds.foreign != 0 {
+        if self.channel.block.present & self.channel.state.place.bounds.foreign != 0 {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
         let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
-        let rules = self.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
-        if rules != 0 || self.block.present & refusals.registers != 0 {
+        let rules = self.channel.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
+        if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             return self.refused(rules | refusals.free);
         }
         Ok(())
@@ -93,16 +94,18 @@ impl Kernel<'_> {
     /// A word of an axis that the channel does not have; a code of the block may ignore it.
     #[cold]
     fn foreign_axis(&mut self) -> Acted {
-        let machine = self.machine;
-        let rows = || self.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
-        let wrong = |register: u8| self.place.bounds.foreign & 1 << register != 0 && self.block.has(register);
+        let machine = self.channel.env.machine;
+        let rows = || self.channel.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        let wrong = |register: u8| {
+            self.channel.state.place.bounds.foreign & 1 << register != 0 && self.channel.block.has(register)
+        };
         let ignored = |register: u8| rows().any(|row| row.ignores.contains(&register));
-        let mut words = self.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
+        let mut words = self.channel.block.words.iter().filter(|word| wrong(word.register) && !ignored(word.register));
         let Some(word) = words.next() else { return Ok(()) };
         let word = self.span_text((word.start, word.end));
         let text = format!(
             "channel {} has no axis for {word} in '{}'; nothing of the block is done",
-            self.rank,
+            self.channel.at.channel,
             self.block_text()
         );
         Err(self.alarm(&diag::AXIS_NOT_IN_CHANNEL, text))
@@ -110,8 +113,8 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn refused(&mut self, rules: u64) -> Acted {
-        let machine = self.machine;
-        let words = self.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
+        let machine = self.channel.env.machine;
+        let words = self.channel.block.words.iter().fold(0_u128, |bits, word| bits | 1 << word.register);
         let Some(rule) = named(&machine.diagnostics.refusals, rules).find(|rule| self.is_refused_by(rule, words))
         else {
             return Ok(());
@@ -127,7 +130,8 @@ impl Kernel<'_> {
         if rule.word.is_some_and(|word| words & 1 << word.register == 0 || !self.is_wrong(&word)) {
             return false;
         }
-        let mut firings = self.block.firings.iter().filter(|firing| rule.implied && !firing.fragile || !firing.implied);
+        let mut firings =
+            self.channel.block.firings.iter().filter(|firing| rule.implied && !firing.fragile || !firing.implied);
         let trigger = firings.find(|firing| rule.codes.iter().any(|code| self.is_written(code, firing)));
         if trigger.is_none() && !rule.codes.is_empty() {
             return false;
@@ -140,7 +144,7 @@ impl Kernel<'_> {
     fn is_wrong(&self, rule: &WordRule) -> bool {
         let mut count = 0_usize;
         let mut wrong = false;
-        for word in self.block.words.iter().filter(|word| word.register == rule.register) {
+        for word in self.channel.block.words.iter().filter(|word| word.register == rule.register) {
             count += 1;
             let value = word.value;
             wrong |= value < rule.min || value > rule.max || rule.whole && value.fract() != 0.0;
@@ -149,7 +153,7 @@ impl Kernel<'_> {
     }
 
     fn is_written(&self, code: &Written, firing: &Firing) -> bool {
-        let row = self.machine.codes.get(usize::from(firing.row));
+        let row = self.channel.env.machine.codes.get(usize::from(firing.row));
         row.is_some_and(|row| match *code {
             Written::Id(id) => row.id == id,
             Written::Word { register, min, max } => {
@@ -164,9 +168,9 @@ impl Kernel<'_> {
 
     /// A code is active before the block, and no other one of its group on the block ends it.
     fn is_on(&self, state: &Active, trigger: Option<&Firing>) -> bool {
-        let others = self.block.firings.iter().filter(|firing| !firing.implied && Some(*firing) != trigger);
-        let mut rows = others.filter_map(|firing| self.machine.codes.get(usize::from(firing.row)));
+        let others = self.channel.block.firings.iter().filter(|firing| !firing.implied && Some(*firing) != trigger);
+        let mut rows = others.filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
         let ended = rows.any(|row| row.group == state.group && row.id != state.id);
-        !ended && self.modal.code(state.group) == Some(state.id)
+        !ended && self.channel.state.modal.code(state.group) == Some(state.id)
     }
 }

@@ -5,14 +5,15 @@
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
+use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::block::Firing;
 use super::burden::shortened;
-use super::{Acted, Kernel};
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
@@ -20,7 +21,7 @@ use crate::macros::runtime::Task;
 impl Kernel<'_> {
     /// The block has messages, or comments and messages fire codes.
     pub(super) fn may_have_remarks(&self) -> bool {
-        !self.block.messages.is_empty() || self.remarks_fire().contains(&true)
+        !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
     }
 
     /// Whether comments, messages fire codes: where no pre-processor takes them off.
@@ -32,7 +33,7 @@ impl Kernel<'_> {
     /// Comments and messages of a text, from left to right.
     pub(super) fn remarks(&mut self, text: &[u8]) -> Acted {
         let fires = self.remarks_fire();
-        self.block.messages.clear();
+        self.channel.block.messages.clear();
         for (is_message, start, end) in self.plan.scanner.remarks(text) {
             let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();
             match (is_message, fires) {
@@ -50,7 +51,7 @@ impl Kernel<'_> {
         let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.emit(0, Kind::Message { text: text.into(), printed: false });
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {

@@ -5,10 +5,11 @@
 //! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
 //! succeeded, however softly the alarm is told.
 
+use super::Kernel;
 use super::burden::{RESULT, shortened};
-use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
+use counterpoint_fault::{Acted, Halt};
 
 /// Alarms of a channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -34,7 +35,7 @@ impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
     /// nothing but alarms. A diagnostic that is an alarm of the control stops the channel before the next code acts.
     pub(crate) fn diagnose(&mut self, facts: &Facts, text: impl Into<String>) {
-        if facts.alarm && self.control.cancelled() {
+        if facts.alarm && self.ports.control.cancelled() {
             // What was looked for may not have been looked for everywhere.
             return;
         }
@@ -42,18 +43,20 @@ impl Kernel<'_> {
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
         } else if self.is_alarm(facts) {
-            self.alarms.softened = self.alarms.softened.saturating_add(1);
+            self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
     }
 
     /// Counts a diagnostic; false if it is one too many.
     pub(crate) fn has_room(&mut self, alarm: bool) -> bool {
-        let limit = self.options.limits.diagnostics;
-        self.diagnostics = self.diagnostics.saturating_add(1);
-        if self.diagnostics > limit && !alarm {
-            if self.diagnostics == limit + 1 {
-                let text =
-                    format!("more than {limit} diagnostics in channel {}; further ones are not logged", self.rank);
+        let limit = self.channel.env.options.limits.diagnostics;
+        self.channel.reports.diagnostics = self.channel.reports.diagnostics.saturating_add(1);
+        if self.channel.reports.diagnostics > limit && !alarm {
+            if self.channel.reports.diagnostics == limit + 1 {
+                let text = format!(
+                    "more than {limit} diagnostics in channel {}; further ones are not logged",
+                    self.channel.at.channel
+                );
                 self.log_diagnostic(&diag::TOO_MANY_DIAGNOSTICS, text, false);
             }
             return false;
@@ -62,34 +65,34 @@ impl Kernel<'_> {
     }
 
     fn log_diagnostic(&mut self, facts: &Facts, text: String, stops: bool) {
-        let errors = self.alarms.errors;
+        let errors = self.channel.reports.alarms.errors;
         if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
             if self.macros.is_some() {
                 self.issue((facts.number, severity), text, (None, stops));
             } else {
                 self.count_error(severity);
                 let text = shortened(&text);
-                self.burden.result(text.len() + RESULT);
+                self.channel.burden.result(text.len() + RESULT);
                 let (number, text) = (facts.number, text.into());
                 let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
                 self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
             }
         }
-        self.alarms.stopping |= stops;
-        let own = self.machine.diagnostics.stops(facts.number);
-        if self.is_alarm(facts) && own != Some(false) && self.alarms.errors == errors {
-            self.alarms.softened = self.alarms.softened.saturating_add(1);
+        self.channel.reports.alarms.stopping |= stops;
+        let own = self.channel.env.machine.diagnostics.stops(facts.number);
+        if self.is_alarm(facts) && own != Some(false) && self.channel.reports.alarms.errors == errors {
+            self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
     }
 
     /// Whether the channel stops at a diagnostic.
     fn stops_at(&self, facts: &Facts) -> bool {
-        self.machine.stops_at(facts)
+        self.channel.env.machine.stops_at(facts)
     }
 
     /// A diagnostic is an alarm of real controls, or of the control of this machine.
     pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
-        self.machine.is_alarm(facts)
+        self.channel.env.machine.is_alarm(facts)
     }
 
     /// The machine goes on from this alarm.
@@ -105,7 +108,7 @@ impl Kernel<'_> {
     /// Counts what has come into the log.
     pub(crate) fn count_error(&mut self, severity: u8) {
         if severity >= ERROR {
-            self.alarms.errors = self.alarms.errors.saturating_add(1);
+            self.channel.reports.alarms.errors = self.channel.reports.alarms.errors.saturating_add(1);
         }
     }
 
@@ -117,7 +120,7 @@ impl Kernel<'_> {
 
     /// What ends a block, unless the job is to end: then nothing is an alarm any more.
     fn halted(&self, halt: Halt) -> Halt {
-        if self.control.cancelled() { Halt::Stopped } else { halt }
+        if self.ports.control.cancelled() { Halt::Stopped } else { halt }
     }
 
     /// Logs an alarm that leaves nothing to go on with.
@@ -129,17 +132,17 @@ impl Kernel<'_> {
     /// A diagnostic of this block has stopped the channel.
     #[inline(always)]
     pub(crate) fn check_stop(&self) -> Acted {
-        if self.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
+        if self.channel.reports.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
     }
 
     /// The channel stops before the next code acts.
     pub(crate) fn stop_here(&mut self) {
-        self.alarms.stopping = true;
+        self.channel.reports.alarms.stopping = true;
     }
 
     /// Program Shutdown runs behind an alarm.
     pub(crate) fn clear_stop(&mut self) {
-        self.alarms.stopping = false;
+        self.channel.reports.alarms.stopping = false;
     }
 
     /// An alarm that the machine goes on from ends its block; what the block had asked for before still happens.
@@ -158,12 +161,12 @@ impl Kernel<'_> {
 
     /// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
     pub(crate) fn tell_softened(&mut self, halt: Halt) {
-        let Alarms { errors, softened, .. } = self.alarms;
+        let Alarms { errors, softened, .. } = self.channel.reports.alarms;
         if errors > 0 || softened == 0 && halt != Halt::Alarm {
             return;
         }
         let what = if halt == Halt::Alarm { "is stopped by an alarm" } else { "continued after an alarm" };
-        let text = format!("channel {} {what} that the machine reports as less than an error", self.rank);
+        let text = format!("channel {} {what} that the machine reports as less than an error", self.channel.at.channel);
         let (number, severity, text) = (diag::ALARM_SOFTENED.number, diag::ALARM_SOFTENED.severity, text.into());
         let diagnostic = Diagnostic { number, severity, text, ..Diagnostic::default() };
         self.emit(0, Kind::Diagnostic(Box::new(diagnostic)));
@@ -173,7 +176,7 @@ impl Kernel<'_> {
     pub(crate) fn block_text(&self) -> String {
         match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
             Some(text) => crate::log::info::cut(text, 60),
-            None => self.info.block_text(self.file, self.line, 60).into_owned(),
+            None => self.channel.env.info.block_text(self.channel.at.file, self.channel.at.line, 60).into_owned(),
         }
     }
 }

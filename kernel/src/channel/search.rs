@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) the other places and files beside the program that are named after the number.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::block::Block;
 use super::custom_calls::Callee;
 use super::scan::Kind;
-use super::{Halt, Kernel};
 use crate::log::event::FileId;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};
@@ -36,10 +37,12 @@ enum Look {
 impl Kernel<'_> {
     /// Looks a program up.
     pub(super) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
-        self.work(self.info.files.len())?;
+        self.work(self.channel.env.info.files.len())?;
         for look in self.looks(what) {
             let searched = match look {
-                Look::Definition(file) => self.info.source(file).map_or(0, |source| source.programs().len()),
+                Look::Definition(file) => {
+                    self.channel.env.sources.get(file).map_or(0, |source| source.programs().len())
+                }
                 Look::Named(_) | Look::Top(_) => 0,
             };
             self.work(searched / 16)?;
@@ -62,7 +65,7 @@ impl Kernel<'_> {
         let same = || [current, main].into_iter().flatten().map(Look::Definition);
         let stored = || self.stored(what).into_iter().map(Look::Top);
         let mut looks: Vec<Look> = Vec::new();
-        match self.machine.subprograms.placement {
+        match self.channel.env.machine.subprograms.placement {
             Placement::SameFile => {
                 looks.extend(same());
                 looks.extend(stored());
@@ -87,8 +90,8 @@ impl Kernel<'_> {
 
     /// The blocks of a range in the current file.
     pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
-        let info = self.info;
-        let source = info.source(self.file)?;
+        let sources = self.channel.env.sources;
+        let source = sources.get(self.channel.at.file)?;
         // A range is called by whole lines.
         let numbered = |number| {
             let blocks = source.sequences(number).iter();
@@ -110,14 +113,14 @@ impl Kernel<'_> {
 
     /// Labels of the current file, found once. A block with a word for a label has it, unless it calls a range.
     fn labels(&mut self) -> Arc<Labels> {
-        if let Some(labels) = self.flow.labels.get(&self.file) {
+        if let Some(labels) = self.flow.labels.get(&self.channel.at.file) {
             return Arc::clone(labels);
         }
         let mut labels = Labels::default();
         let scanner = &self.plan.scanner;
         let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
         let mut block = Block::default();
-        if let Some(source) = self.info.source(self.file).filter(|_| !sources.is_empty()) {
+        if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
                 let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
@@ -132,19 +135,19 @@ impl Kernel<'_> {
         }
         self.flow.tables += labels.len() * 64;
         let labels = Arc::new(labels);
-        self.flow.labels.insert(self.file, Arc::clone(&labels));
+        self.flow.labels.insert(self.channel.at.file, Arc::clone(&labels));
         labels
     }
 
     /// A code of the block calls a range.
     fn calls_range(&self, block: &Block) -> bool {
-        let words = block.words.iter().flat_map(|word| self.machine.tables.code(word.register, word.value));
+        let words = block.words.iter().flat_map(|word| self.channel.env.machine.tables.code(word.register, word.value));
         words.chain(&block.texts).any(|&row| self.id_of_row(row) == Some(codes::CALSUB_RANGE))
     }
 
     /// A program of a file by name; `whole` takes the file from its top whatever it defines.
     fn named(&mut self, name: &str, what: &Callee, whole: bool) -> Result<Option<(FileId, Range)>, Halt> {
-        let Some(file) = self.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
+        let Some(file) = self.channel.env.info.files.iter().position(|f| f.name.eq_ignore_ascii_case(name)) else {
             return Ok(None);
         };
         let file = file as FileId;
@@ -152,8 +155,8 @@ impl Kernel<'_> {
         if let Some(range) = self.in_file(file, what) {
             return Ok(Some((file, range)));
         }
-        let info = self.info;
-        let Some(source) = info.source(file).filter(|s| s.lines() > 0) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|s| s.lines() > 0) else { return Ok(None) };
         let plain = source.programs().first().copied().filter(|&range| source.is_plain(range));
         let all = match plain {
             // Text before definitions is a program, the one that the file is named after.
@@ -161,8 +164,8 @@ impl Kernel<'_> {
             None if !whole => return Ok(None),
             _ => Range { number: None, first: 1, last: source.lines() },
         };
-        let mut range = opening(source, all, &self.machine.format);
-        let rws = self.machine.format.rws.as_bytes();
+        let mut range = opening(source, all, &self.channel.env.machine.format);
+        let rws = self.channel.env.machine.format.rws.as_bytes();
         if !rws.is_empty() && source.line(range.first).trim_ascii() == rws {
             range.first += 1;
         }
@@ -170,7 +173,7 @@ impl Kernel<'_> {
     }
 
     fn in_file(&self, file: FileId, what: &Callee) -> Option<Range> {
-        let source = self.info.source(file)?;
+        let source = self.channel.env.sources.get(file)?;
         match what {
             Callee::Named(name) => source.named(name),
             Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),
@@ -180,7 +183,7 @@ impl Kernel<'_> {
 
     /// Folder of the main program with its slash, and its name without extension.
     fn main_program(&self) -> (String, String) {
-        let main = self.flow.frames.first().map_or("", |f| self.info.file_name(f.file));
+        let main = self.flow.frames.first().map_or("", |f| self.channel.env.info.file_name(f.file));
         let (folder, name) = main.rsplit_once('/').map_or(("", main), |(f, n)| (f, n));
         let stem = name.rsplit_once('.').map_or(name, |(s, _)| s);
         let folder = if folder.is_empty() { String::new() } else { format!("{folder}/") };
@@ -192,7 +195,7 @@ impl Kernel<'_> {
         let (folder, stem) = self.main_program();
         let extension = match self.macros.as_deref().map(|runtime| runtime.store.get(variables::names().extension)) {
             Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
-            _ => self.machine.subprograms.extension.as_str(),
+            _ => self.channel.env.machine.subprograms.extension.as_str(),
         };
         let id = match what {
             Callee::Named(name) => name.to_string(),
@@ -204,10 +207,13 @@ impl Kernel<'_> {
 
     /// The file of the machine's placement where something missing was looked for.
     pub(super) fn looked_for(&self, what: &Callee) -> String {
-        let main = || self.flow.frames.first().map_or("", |frame| self.info.file_name(frame.file)).to_owned();
+        let main =
+            || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         let (each, one) = self.subprogram_files(what);
-        match (what, self.machine.subprograms.placement) {
-            (Callee::Blocks(..) | Callee::Labels(..), _) => self.info.file_name(self.file).to_owned(),
+        match (what, self.channel.env.machine.subprograms.placement) {
+            (Callee::Blocks(..) | Callee::Labels(..), _) => {
+                self.channel.env.info.file_name(self.channel.at.file).to_owned()
+            }
             (_, Placement::SameFile) => main(),
             (_, Placement::OneFile) => one,
             (_, Placement::FileEach) => each,
@@ -217,10 +223,10 @@ impl Kernel<'_> {
     /// Files stored with the machine that are named after the program: the definition word, four digits or more, or the
     /// name.
     fn stored(&self, what: &Callee) -> Vec<String> {
-        if self.machine.storage.is_empty() {
+        if self.channel.env.machine.storage.is_empty() {
             return Vec::new();
         }
-        let definition = self.plan.definition.and_then(|r| self.machine.registers.get(usize::from(r)));
+        let definition = self.plan.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
         let mut wanted = names(what);
         if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(
@@ -232,7 +238,7 @@ impl Kernel<'_> {
         let stem = |path: &str| path.rsplit_once('.').map_or(path, |(stem, _)| stem).to_owned();
         let fits =
             |path: &str| wanted.iter().any(|w| w.eq_ignore_ascii_case(path) || w.eq_ignore_ascii_case(&stem(path)));
-        let files = self.machine.storage.iter().filter(|file| is_root(&file.path) && fits(&file.path));
+        let files = self.channel.env.machine.storage.iter().filter(|file| is_root(&file.path) && fits(&file.path));
         files.map(|file| format!("{}{}", StoredFile::ROOT, file.path)).collect()
     }
 
@@ -241,7 +247,7 @@ impl Kernel<'_> {
         let (folder, _) = self.main_program();
         let wanted = names(what);
         let mut out = Vec::new();
-        for file in &self.info.files {
+        for file in &self.channel.env.info.files {
             let Some(rest) = file.name.strip_prefix(&folder) else { continue };
             let stem = rest.rsplit_once('.').map_or(rest, |(s, _)| s);
             if wanted.iter().any(|w| w.eq_ignore_ascii_case(stem) || w.eq_ignore_ascii_case(rest)) {
@@ -254,11 +260,12 @@ impl Kernel<'_> {
     /// Where a missing program was looked for.
     pub(super) fn places(&self, what: &Callee) -> String {
         let (each, one) = self.subprogram_files(what);
-        let first = match self.machine.subprograms.placement {
+        let first = match self.channel.env.machine.subprograms.placement {
             Placement::FileEach => format!("{each}, {one}"),
             Placement::SameFile | Placement::OneFile => format!("{one}, {each}"),
         };
-        let stored = if self.machine.storage.is_empty() { "" } else { ", the files stored with the machine" };
+        let stored =
+            if self.channel.env.machine.storage.is_empty() { "" } else { ", the files stored with the machine" };
         let named = names(what).into_iter().next().unwrap_or_default();
         format!("looked in the program's file, {first}{stored} and files named {named}")
     }

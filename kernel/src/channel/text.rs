@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). Invariant: what
 //! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
+use super::Kernel;
 use super::tape::Within;
-use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
@@ -40,10 +41,10 @@ impl Kernel<'_> {
         let (block, only) = self.part(line, number);
         let mut text = (!only).then(|| Arc::from(block));
         if let Some(tape) = &self.plan.tape {
-            let (on, memory) = &mut self.tape;
-            let limit = self.options.limits.block_length;
-            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.control.stop() }, memory);
-            if self.control.cancelled() {
+            let (on, memory) = &mut self.channel.text.tape;
+            let limit = self.channel.env.options.limits.block_length;
+            let edited = tape.edit(block, &Within { on, longest: limit, stop: self.ports.control.stop() }, memory);
+            if self.ports.control.cancelled() {
                 return Err(Halt::Stopped);
             }
             // A step of a search is work on a byte, which is much less than an element.
@@ -66,7 +67,7 @@ impl Kernel<'_> {
                 self.diagnose(&diag::TAPE_RULE, text);
             }
         }
-        self.edited.clone_from(&text);
+        self.channel.text.edited.clone_from(&text);
         Ok(match text {
             Some(text) => Reshaped::Own(text),
             None => Reshaped::Line(block),
@@ -80,8 +81,8 @@ impl Kernel<'_> {
         if self.plan.tape.is_some() || self.plan.scanner.eob().is_some_and(|eob| source.has(eob)) {
             return true;
         }
-        if self.edited.is_some() {
-            self.edited = None;
+        if self.channel.text.edited.is_some() {
+            self.channel.text.edited = None;
         }
         false
     }
@@ -118,7 +119,7 @@ impl Kernel<'_> {
     /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
     pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
         let frame = self.flow.frames.last()?;
-        let source = self.info.source(frame.file)?;
+        let source = self.channel.env.sources.get(frame.file)?;
         let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
         if behind {
             let rest =
@@ -132,18 +133,21 @@ impl Kernel<'_> {
         let spot = self.spot();
         let own = self.blocks_of(source.line(spot.line)).into_iter().rfind(|(_, end)| *end <= spot.offset as usize);
         let last = |line: u32| self.blocks_of(source.line(line)).last().map(|(block, _)| text(block));
-        own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.line).rev().find_map(last))
+        own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.channel.at.line).rev().find_map(last))
     }
 
     /// Where the block being processed begins. Only a block with a text of its own can begin within its line.
     pub(super) fn spot(&self) -> Spot {
-        Spot { line: self.line, offset: if self.edited.is_some() { self.flow.offset } else { 0 } }
+        Spot {
+            line: self.channel.at.line,
+            offset: if self.channel.text.edited.is_some() { self.flow.offset } else { 0 },
+        }
     }
 
     /// Where the block after another one of the current program begins.
     pub(super) fn after(&self, spot: Spot) -> Spot {
-        let file = self.flow.frames.last().map_or(self.file, |frame| frame.file);
-        let line = self.info.source(file).map_or(&[][..], |source| source.line(spot.line));
+        let file = self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file);
+        let line = self.channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));
         let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
         next.map_or(Spot::line(spot.line + 1), |start| Spot { line: spot.line, offset: start as u32 })
     }
@@ -162,10 +166,11 @@ impl Kernel<'_> {
 
     /// Text of the block being processed.
     pub(crate) fn current_text(&self) -> &[u8] {
-        match &self.edited {
+        match &self.channel.text.edited {
             Some(text) => text,
             None => {
-                let line = self.info.source(self.file).map_or(&[][..], |source| source.line(self.line));
+                let (sources, at) = (self.channel.env.sources, &self.channel.at);
+                let line = sources.get(at.file).map_or(&[][..], |source| source.line(at.line));
                 let end = self.plan.scanner.block_end(line).unwrap_or(line.len());
                 line.get(..end).unwrap_or_default()
             }

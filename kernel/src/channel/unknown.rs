@@ -5,13 +5,14 @@
 //! Decision: `[control] unknown_code` says which of both a machine does. Invariant: where they are alarms, nothing of the
 //! block has acted, unless a macro behind the block may still know its text.
 
+use super::Kernel;
 use super::block::odd;
 use super::letter_zero::letter_for_zero;
-use super::{Acted, Kernel};
 use crate::diag::{self, Facts};
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{CodeForm, Preprocessor};
-use crate::macros::model::Hook;
+use counterpoint_fault::Acted;
 
 /// Most characters of unknown text in a message.
 const MOST: usize = 60;
@@ -20,13 +21,13 @@ impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
     pub(super) fn check_known(&mut self) -> Acted {
-        if self.block.has_oddities() { self.odd_before() } else { self.check_stop() }
+        if self.channel.block.has_oddities() { self.odd_before() } else { self.check_stop() }
     }
 
     #[cold]
     fn odd_before(&mut self) -> Acted {
         self.check_numbers()?;
-        if self.block.unknown.is_empty() { self.check_stop() } else { self.unknown_before() }
+        if self.channel.block.unknown.is_empty() { self.check_stop() } else { self.unknown_before() }
     }
 
     /// Numbers that a control refuses at their address; on other machines they are read as they are.
@@ -37,7 +38,7 @@ impl Kernel<'_> {
             (odd::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
         ];
         for (bit, facts, what) in kinds {
-            if self.block.odd & bit != 0 && self.is_alarm(facts) {
+            if self.channel.block.odd & bit != 0 && self.is_alarm(facts) {
                 let text = format!("{what} in '{}'; nothing of the block is done", self.block_text());
                 return Err(self.alarm(facts, text));
             }
@@ -49,12 +50,12 @@ impl Kernel<'_> {
     fn unknown_before(&mut self) -> Acted {
         self.check_stop()?;
         self.left_name();
-        let name = self.block.name().filter(|_| self.calls_by_name());
+        let name = self.channel.block.name().filter(|_| self.calls_by_name());
         // A macro after the block may take text, but no word.
         let later = self.hook(Hook::BlockShutdown).is_some();
         let (first, code) = {
             let line = self.text_bytes();
-            let spans = self.block.unknown.iter().copied().filter(|span| Some(*span) != name);
+            let spans = self.channel.block.unknown.iter().copied().filter(|span| Some(*span) != name);
             let text = |span: (u32, u32)| {
                 let bytes = line.get(span.0 as usize..span.1 as usize).unwrap_or_default();
                 String::from_utf8_lossy(bytes).trim().to_owned()
@@ -62,7 +63,7 @@ impl Kernel<'_> {
             let first = spans.clone().next().map(text).filter(|_| !later);
             (first, spans.map(text).find(|text| self.is_code_word(text)))
         };
-        if self.machine.habits.unknown_alarms {
+        if self.channel.env.machine.habits.unknown_alarms {
             let Some(what) = code.or(first) else { return Ok(()) };
             let (facts, why) = self.not_known(&what);
             let block = self.block_text();
@@ -78,14 +79,19 @@ impl Kernel<'_> {
 
     /// A code of the block takes a program name.
     fn calls_by_name(&self) -> bool {
-        let mut rows = self.block.firings.iter().filter_map(|firing| self.machine.codes.get(usize::from(firing.row)));
+        let mut rows = self
+            .channel
+            .block
+            .firings
+            .iter()
+            .filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
         rows.any(|row| row.id == codes::CALSUB_ID)
     }
 
     /// A word of a letter that codes are written with.
     fn is_code_word(&self, text: &str) -> bool {
         let letter = text.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
-        let codes = letter.is_some_and(|(register, _)| self.machine.tables.has_codes(register));
+        let codes = letter.is_some_and(|(register, _)| self.channel.env.machine.tables.has_codes(register));
         codes && text.get(1..).is_some_and(|rest| rest.trim_start().starts_with(|c: char| c.is_ascii_digit()))
     }
 
@@ -94,15 +100,15 @@ impl Kernel<'_> {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);
         if self.is_code_word(&text) {
-            let lacks = format!("machine {} has no {text}", self.machine.name);
-            let why = match self.machine.preprocessor {
+            let lacks = format!("machine {} has no {text}", self.channel.env.machine.name);
+            let why = match self.channel.env.machine.preprocessor {
                 Preprocessor::Fanuc if is_g => format!("PS0010 improper G-code: {lacks}"),
                 Preprocessor::Siemens if is_g => format!("12470 unknown G function: {lacks}"),
                 _ => lacks,
             };
             return (&diag::UNKNOWN_CODE, why);
         }
-        let why = match self.machine.preprocessor {
+        let why = match self.channel.env.machine.preprocessor {
             Preprocessor::Fanuc if self.is_word_like(&text) => {
                 format!("PS0009 improper address: this control has no address for {text}")
             }
@@ -136,7 +142,13 @@ impl Kernel<'_> {
     fn moves_all_the_same(&mut self, code: &str) {
         let moves = self.has_any(self.plan.motion_registers) && !self.moves_by_itself();
         let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
-        let motions = self.machine.codes.iter().filter(|row| row.id == codes::RAPID || row.id == codes::INTERP_LINEAR);
+        let motions = self
+            .channel
+            .env
+            .machine
+            .codes
+            .iter()
+            .filter(|row| row.id == codes::RAPID || row.id == codes::INTERP_LINEAR);
         let mut registers = motions.filter_map(|row| match row.form {
             CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. } => Some(register),
             _ => None,
@@ -162,7 +174,7 @@ impl Kernel<'_> {
         }
         let block = self.block_text();
         let hint = letter_for_zero(&text, &block);
-        if self.machine.habits.unknown_alarms {
+        if self.channel.env.machine.habits.unknown_alarms {
             let (facts, why) = self.not_known(&text);
             let remedy = remedy(facts, &text);
             return Err(self.alarm(facts, format!("{why} in '{block}'{hint}{remedy}")));

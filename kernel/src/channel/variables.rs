@@ -86,14 +86,15 @@ impl Variables for Kernel<'_> {
     }
 
     fn steps(&self) -> f64 {
-        self.variables.steps
+        self.dialect.variables.steps
     }
 }
 
 impl Kernel<'_> {
     /// A common variable, of all channels or of this one.
     pub(crate) fn is_common(&self, index: u32) -> bool {
-        within(&self.machine.variables.shared, index) || within(&self.machine.variables.channel, index)
+        within(&self.channel.env.machine.variables.shared, index)
+            || within(&self.channel.env.machine.variables.channel, index)
     }
 
     /// Value of a variable that the kernel itself knows.
@@ -109,14 +110,14 @@ impl Kernel<'_> {
     fn value_of(&mut self, index: u32) -> Result<f64, Fault> {
         match index {
             0 | 3100 => Ok(VACANT),
-            1..=33 => Ok(self.variables.local(index)),
-            _ if within(&self.machine.variables.shared, index) => {
+            1..=33 => Ok(self.dialect.variables.local(index)),
+            _ if within(&self.channel.env.machine.variables.shared, index) => {
                 self.flow.pass.polled = true;
                 self.shared(|order| order.shared.variables.get(&index).copied().unwrap_or(VACANT))
                     .map_err(|_| Fault::Stopped)
             }
-            _ if within(&self.machine.variables.channel, index) => {
-                Ok(self.variables.own.get(&index).copied().unwrap_or(VACANT))
+            _ if within(&self.channel.env.machine.variables.channel, index) => {
+                Ok(self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT))
             }
             _ => match self.kept_variable(index) {
                 Some(value) => Ok(value),
@@ -132,13 +133,13 @@ impl Kernel<'_> {
         match index {
             1..=33 => {
                 // A change that the next pass can see is an effect; writing the same value is none.
-                if self.variables.local(index).to_bits() != value.to_bits() {
+                if self.dialect.variables.local(index).to_bits() != value.to_bits() {
                     self.flow.pass.effects = true;
                 }
-                self.variables.set_local(index, value);
+                self.dialect.variables.set_local(index, value);
                 Ok(())
             }
-            _ if within(&self.machine.variables.shared, index) => {
+            _ if within(&self.channel.env.machine.variables.shared, index) => {
                 self.flow.pass.effects = true;
                 self.shared(|order| {
                     if is_vacant(value) {
@@ -149,9 +150,9 @@ impl Kernel<'_> {
                 })
                 .map_err(|_| Fault::Stopped)
             }
-            _ if within(&self.machine.variables.channel, index) => {
+            _ if within(&self.channel.env.machine.variables.channel, index) => {
                 self.flow.pass.effects = true;
-                self.variables.own.insert(index, value);
+                self.dialect.variables.own.insert(index, value);
                 Ok(())
             }
             _ if self.keep_variable(index, value) => {
@@ -166,28 +167,35 @@ impl Kernel<'_> {
 
     /// System variables that can be read: positions, modal codes, clock, tool.
     fn system(&self, index: u32) -> Option<f64> {
-        let axis = |base: u32| self.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
+        let axis =
+            |base: u32| self.channel.state.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
         let at = |i: usize| self.programmed().get(i).copied();
-        let machine = |i: usize| self.machine_point(&self.place.position).get(i).copied();
+        let machine = |i: usize| self.machine_point(&self.channel.state.place.position).get(i).copied();
         match index {
-            3001 => Some((self.clock / 1_000_000) as f64),
-            3002 => Some(self.clock as f64 / 3.6e12),
-            4001 => Some(match self.modal.code(group::MOTION) {
+            3001 => Some((self.channel.at.clock / 1_000_000) as f64),
+            3002 => Some(self.channel.at.clock as f64 / 3.6e12),
+            4001 => Some(match self.channel.state.modal.code(group::MOTION) {
                 Some(codes::RAPID) => 0.0,
                 Some(codes::INTERP_ARC_CLW) => 2.0,
                 Some(codes::INTERP_ARC_CCLW) => 3.0,
                 _ => 1.0,
             }),
-            4014 if self.place.work_offset > EXTENDED => Some(54.1),
-            4014 => Some(f64::from(self.place.work_offset) + 53.0),
-            4130 => Some(f64::from(self.place.work_offset.saturating_sub(EXTENDED))),
-            4109 => Some(self.modal.value(super::state::feed_of(self.modal.code(group::FEED)).0).unwrap_or(0.0)),
-            4119 => Some(self.spindle.command.rpm),
-            4120 => Some(f64::from(self.place.tool)),
+            4014 if self.channel.state.place.work_offset > EXTENDED => Some(54.1),
+            4014 => Some(f64::from(self.channel.state.place.work_offset) + 53.0),
+            4130 => Some(f64::from(self.channel.state.place.work_offset.saturating_sub(EXTENDED))),
+            4109 => Some(
+                self.channel
+                    .state
+                    .modal
+                    .value(super::state::feed_of(self.channel.state.modal.code(group::FEED)).0)
+                    .unwrap_or(0.0),
+            ),
+            4119 => Some(self.channel.state.spindle.command.rpm),
+            4120 => Some(f64::from(self.channel.state.place.tool)),
             5001..=5008 => axis(5001).and_then(at),
             5021..=5028 => axis(5021).and_then(machine),
             5041..=5048 => axis(5041).and_then(at),
-            5061..=5068 => axis(5061).and_then(|i| self.skip.end.get(i).copied()),
+            5061..=5068 => axis(5061).and_then(|i| self.channel.state.skip.end.get(i).copied()),
             _ => None,
         }
     }

@@ -7,11 +7,12 @@
 //! without the row, those of the other kind if the machine says so; behind G66.1 words are arguments only. Invariant:
 //! a machine without such words pays one test for each block.
 
+use counterpoint_fault::Acted;
 use std::sync::Arc;
 
+use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::Pending;
-use super::{Acted, Kernel};
 use crate::machine::Machine;
 use crate::machine::ident::data;
 use crate::machine::model::{CallHow, NestedCalls, WordCall};
@@ -71,7 +72,7 @@ impl Kernel<'_> {
     pub(super) fn calls_by_word(&mut self) -> bool {
         let plan = self.plan;
         let Some(calls) = plan.word_calls.as_deref() else { return false };
-        let has_any = self.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
+        let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
         if !has_any || self.has_own_call() || self.calls_each_block() {
             return false;
         }
@@ -82,8 +83,9 @@ impl Kernel<'_> {
             return true;
         }
         while let Some((at, call, program, by)) = self.calling_word(calls, false) {
-            self.block.words.remove(at);
-            let letter = self.machine.registers.get(usize::from(call.register)).map_or("", |r| r.name.as_str());
+            self.channel.block.words.remove(at);
+            let letter =
+                self.channel.env.machine.registers.get(usize::from(call.register)).map_or("", |r| r.name.as_str());
             let passes = if matches!(letter, "G" | "M") { self.repeat_word() } else { 1 };
             self.ask(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: Some(Box::new(by)) });
         }
@@ -92,7 +94,7 @@ impl Kernel<'_> {
 
     /// The first word that calls a macro, or a subprogram, and may do so here.
     fn calling_word<'c>(&self, calls: &'c WordCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
-        self.block.words.iter().enumerate().find_map(|(at, word)| {
+        self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
             let kind = if Some(word.register) == self.plan.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
@@ -103,7 +105,7 @@ impl Kernel<'_> {
     /// A word of this kind calls in the program that runs.
     fn may_call(&self, kind: WordKind) -> bool {
         let mut callers = self.flow.frames.iter().filter_map(|frame| frame.by);
-        match self.machine.subprograms.nested {
+        match self.channel.env.machine.subprograms.nested {
             NestedCalls::OtherKind => callers.all(|caller| caller != kind),
             NestedCalls::Never => callers.next().is_none(),
         }
@@ -112,9 +114,10 @@ impl Kernel<'_> {
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
         let source = self.plan.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
-        let at = source.and_then(|source| self.block.words.iter().position(|word| word.register == source.register));
+        let at =
+            source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };
-        let count = self.block.words.remove(at).value;
+        let count = self.channel.block.words.remove(at).value;
         crate::action::subprogram::passes(self, count).max(1)
     }
 
@@ -128,7 +131,7 @@ impl Kernel<'_> {
 
     /// Takes the program name off the block.
     pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
-        let (start, end) = self.block.take_name()?;
+        let (start, end) = self.channel.block.take_name()?;
         let line = self.text_bytes();
         let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
         Some(String::from_utf8_lossy(name).into())

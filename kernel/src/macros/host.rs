@@ -24,16 +24,15 @@ pub(crate) mod variables;
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Register, Registers};
-use counterpoint_lang::func::Function;
-use counterpoint_lang::host::{Command, Host, Step};
+use counterpoint_lang::host::{Command, Host, HostFn, Step};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
-use super::model::Hook;
 use super::runtime::Later;
 use crate::channel::Kernel;
 use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::model::Hook;
 use crate::multi::shared::Shared;
 
 /// Identifier of a code value, none for `CODE_NONE`.
@@ -87,8 +86,8 @@ impl Shared {
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
         match code_id(&Value::Code(code)) {
-            Some(id) if usize::from(id.0) < codes::TABLE.len() + self.machine.custom_codes.len() => {
-                self.machine.code_name(id).to_owned()
+            Some(id) if usize::from(id.0) < codes::TABLE.len() + self.channel.env.machine.custom_codes.len() => {
+                self.channel.env.machine.code_name(id).to_owned()
             }
             _ => "CODE_NONE".to_owned(),
         }
@@ -96,8 +95,8 @@ impl Registers for Kernel<'_> {
 
     fn register_name(&self, register: u32) -> String {
         match data_id(&Value::Register(register)) {
-            Some(id) if usize::from(id.0) < data::TABLE.len() + self.machine.custom_data.len() => {
-                self.machine.data_name(id).to_owned()
+            Some(id) if usize::from(id.0) < data::TABLE.len() + self.channel.env.machine.custom_data.len() => {
+                self.channel.env.machine.data_name(id).to_owned()
             }
             _ => "REG_NONE".to_owned(),
         }
@@ -173,7 +172,7 @@ impl Host for Kernel<'_> {
     }
 
     fn stopped(&self) -> bool {
-        self.control.cancelled()
+        self.ports.control.cancelled()
     }
 
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
@@ -181,13 +180,13 @@ impl Host for Kernel<'_> {
         self.macro_command(state, command)
     }
 
-    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
         self.going_on(state)?;
         self.macro_function(state, function, arguments)
     }
 
     fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
-        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) || self.control.cancelled() {
+        if self.macros.as_deref().is_some_and(|runtime| runtime.ending) || self.ports.control.cancelled() {
             return;
         }
         let number = diagnostic.number;
@@ -195,7 +194,7 @@ impl Host for Kernel<'_> {
         if number == Number::MEMORY || state.is_over_memory() {
             return;
         }
-        let stops = number == Number::TICKS || self.machine.diagnostics.stops(number.0) == Some(true);
+        let stops = number == Number::TICKS || self.channel.env.machine.diagnostics.stops(number.0) == Some(true);
         if !self.has_room(stops) {
             return;
         }
@@ -245,7 +244,7 @@ impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
     fn going_on(&mut self, state: &mut State) -> Outcome<()> {
         match self.macros.as_deref() {
-            Some(runtime) if !runtime.ending && !self.control.cancelled() => Ok(()),
+            Some(runtime) if !runtime.ending && !self.ports.control.cancelled() => Ok(()),
             _ => Err(super::runtime::unwinding(state)),
         }
     }
@@ -269,7 +268,7 @@ impl Kernel<'_> {
 
     /// The innermost running macro is the one of this hook.
     fn inside(&self, hook: Hook) -> bool {
-        let code = self.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
+        let code = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
         let running = self.macros.as_deref().and_then(|runtime| runtime.calls.last()).map(|call| call.code);
         code.is_some() && code == running
     }

@@ -3,18 +3,18 @@
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
 //! what it does to shared variables needs no order. A machine with one channel has no master.
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::Shop;
 use super::coordinator::switch::Switch;
 use super::rounds::Again;
-use crate::channel::Halt;
 use crate::channel::emit::Target;
 use crate::diag;
 use crate::log::event::{Event, FileId};
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Channel;
 use crate::macros::host::variables::names;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::layout::first_main;
 use crate::mcd::program::Range;
@@ -81,7 +81,7 @@ impl<'a> Shop<'a> {
             let start = file.and_then(|file| {
                 let file = file as FileId;
                 kernel.load(file).ok()?;
-                let source = self.job.info().source(file)?;
+                let source = self.job.sources().get(file)?;
                 let whole = Range { number: None, first: 1, last: source.lines() };
                 Some((file, first_main(source, machine).unwrap_or(whole), wanted.trim().into()))
             });
@@ -131,7 +131,7 @@ impl<'a> Shop<'a> {
         // The master starts once, so nothing is there yet.
         let _ = self.given.set(given.collect());
         let tag = kernel.tag();
-        kernel.emitter.flush(tag);
+        kernel.ports.emitter.flush(tag);
         let runtime = kernel.macros.take();
         drop(kernel);
         kept.iter().for_each(|event| {
@@ -154,7 +154,7 @@ impl<'a> Shop<'a> {
         runtime.later.clear();
         let mut kept = Vec::new();
         let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
-        (kernel.clock, kernel.micro) = (t, micro);
+        (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
         kernel.macros = Some(runtime);
         let done = kernel.plain_macro(Hook::MachineShutdown);
         if let Err(halt) = done {
@@ -165,7 +165,7 @@ impl<'a> Shop<'a> {
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
         let again = restart.and_then(|restart| kernel.spread(restart, wrong));
         let tag = kernel.tag();
-        kernel.emitter.flush(tag);
+        kernel.ports.emitter.flush(tag);
         *kept_runtime = kernel.macros.take();
         drop(kernel);
         // What the macro may have let pass does not take the log beyond its end.

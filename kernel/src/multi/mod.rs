@@ -22,23 +22,16 @@ use std::sync::OnceLock;
 
 use coordinator::Coordinator;
 use coordinator::switch::{Port, Switch};
-use counterpoint_lang::pattern::Memory;
 use feed::Feed;
 use master::{At, Master};
 use merge::{End, Feeder, Merger};
 use rounds::Round;
 
-use crate::action::sync::Known;
+use crate::channel::Kernel;
+use crate::channel::carried::{Carried, Lived};
+use crate::channel::emit::{Emitter, Target};
+use crate::channel::parts::{Environment, Ports, Setup};
 use crate::channel::plan::Plan;
-use crate::channel::{
-    Kernel,
-    block::Block,
-    carried::{Carried, Lived},
-    emit::{Emitter, Target},
-    flow::Flow,
-    state,
-    variables::ChannelVariables,
-};
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
 use crate::job::{Job, Outcome, Sink, WrittenFiles};
@@ -265,7 +258,7 @@ impl<'a> Shop<'a> {
         let Start { channel, progress, at, before, reset } = start;
         let mut kernel = self.kernel(channel, progress, target, switch);
         if let Some((now, carried)) = before {
-            (kernel.clock, kernel.micro) = now;
+            (kernel.channel.at.clock, kernel.channel.at.micro) = now;
             if let Some(carried) = carried {
                 kernel.take_over(carried);
             }
@@ -310,7 +303,7 @@ impl<'a> Shop<'a> {
 
 /// Runs a kernel; if it panics, all others are stopped and the panic goes on to whoever joins.
 fn guarded(kernel: Kernel<'_>, at: At, reset: Option<bool>, coordinator: &Coordinator) -> Lived {
-    let rank = kernel.rank;
+    let rank = kernel.channel.at.channel;
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| kernel.live(at, reset))).unwrap_or_else(|panic| {
         coordinator.abort();
         coordinator.done(rank, |_| ());
@@ -335,53 +328,17 @@ impl<'a> Shop<'a> {
     {
         let Self { job, plan, coordinator, files, control, given } = self;
         let coordinator = Port::new(coordinator, switch);
-        let machine = &*job.spec().machine;
-        let spindle = channel.spindle.and_then(|number| machine.spindles.iter().position(|s| s.number == number));
-        let shared = spindle.is_some_and(|index| crate::action::spindles::is_shared(machine, index));
-        let mut kernel = Kernel {
-            machine,
+        let env = Environment {
+            machine: &job.spec().machine,
             info: job.info(),
+            sources: job.sources(),
             options: &job.spec().options,
             files,
-            plan,
-            coordinator,
-            control,
-            progress,
-            emitter: Emitter::new(channel.number, coordinator, target),
-            rank: channel.number,
-            clock: 0,
-            micro: 0,
-            file: 0,
-            line: 0,
-            block: Block::default(),
-            as_data: None,
-            mode_changed: false,
-            modal: state::Modal::new(machine),
-            place: state::Place::new(machine, channel),
-            spindle: state::SpindleState { index: spindle, shared, ..state::SpindleState::default() },
-            flow: Flow::default(),
-            variables: ChannelVariables::default(),
-            interpreter: crate::dialect::interpreter(machine),
-            secondary: false,
-            blocks: 0,
-            idle_blocks: 0,
-            diagnostics: 0,
-            burden: Default::default(),
-            alarms: crate::channel::report::Alarms::default(),
-            meetings: Known::default(),
-            macros: None,
-            stripped: Vec::new(),
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),
-            raised: rustc_hash::FxHashMap::default(),
-            edited: None,
-            cycle: crate::action::cycle::State::new(machine),
-            arcs: crate::action::arc::State::default(),
-            threads: Box::new(crate::action::thread::State::new(machine)),
-            skip: Box::default(),
-            states: Box::new(crate::action::states::States::new(machine, channel)),
-            tape: (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default()),
-        }
-        .with_macros(job.macros());
+        };
+        let emitter = Emitter::new(channel.number, coordinator, target);
+        let ports = Ports { coordinator, control, progress, emitter };
+        let mut kernel = Kernel::new(Setup { env, ports, plan }, channel).with_macros(job.macros());
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
             kernel.tell_program(at, program, name, *channel);
         }

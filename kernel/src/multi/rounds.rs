@@ -8,8 +8,8 @@ use super::master::{At, Master};
 use super::ranks::Ranks;
 use super::shared::{Shared, Spindle};
 use super::{Shop, Start};
+use crate::channel::Kernel;
 use crate::channel::carried::{Carried, Lived};
-use crate::channel::{Halt, Kernel};
 use crate::diag;
 use crate::job::{Job, Spec};
 use crate::log::event::{Event, Kind, Phase};
@@ -18,6 +18,7 @@ use crate::mcd::layout;
 use crate::multi::merge::Message;
 use crate::multi::tag::Tag;
 use crate::multi::waits::Waits;
+use counterpoint_fault::Halt;
 
 /// How often Machine Shutdown may start the machine again.
 const MOST: u32 = 1000;
@@ -74,7 +75,7 @@ impl<'a> Shop<'a> {
         let mut starting = Vec::new();
         for (index, channel) in self.job.spec().machine.channels.iter().enumerate() {
             let progress = self.control.progress().get(index).unwrap_or(self.control.spare());
-            let carried = round.carried.iter().position(|carried| carried.rank == channel.number);
+            let carried = round.carried.iter().position(|carried| carried.channel == channel.number);
             let carried = carried.map(|at| round.carried.swap_remove(at));
             match again.programs.iter().find(|(number, _)| *number == channel.number) {
                 Some((_, at)) => {
@@ -141,7 +142,7 @@ impl Kernel<'_> {
     /// a job of this file alone. `wrong` tells why the machine cannot be started again.
     pub(super) fn spread(&mut self, restart: Restart, wrong: Option<&str>) -> Option<Again> {
         let Restart { file, line, reset } = restart;
-        let (info, machine) = (self.info, self.machine);
+        let (info, machine) = (self.channel.env.info, self.channel.env.machine);
         let name = info.file_name(file).to_owned();
         let refused = |kernel: &mut Self, reason: &str| {
             let text = format!("the machine is not started again with line {line} of {name}: {reason}");
@@ -152,7 +153,7 @@ impl Kernel<'_> {
             return refused(self, reason);
         }
         self.load(file).ok()?;
-        let ranges = info.source(file).map(|source| layout::from_line(source, line, machine));
+        let ranges = self.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
         let channels = machine.channels.iter().map(|channel| channel.number);
         let programs: Vec<(u16, At)> = channels
             .zip(ranges.unwrap_or_default())

@@ -7,15 +7,13 @@
 //! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
 //! [`edited`] for the stages of a block's text.
 
-pub mod letters;
 mod lines;
 
-pub use letters::Letters;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
 use crate::channel::burden::shortened;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
@@ -37,15 +35,17 @@ impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
     /// actions in any case.
     pub(crate) fn traces(&self, letter: char) -> bool {
-        let Some(letters) = self.trace else { return false };
+        let Some(letters) = self.channel.env.trace else { return false };
         letters.has(letter)
-            && (letter == ACTION || letters.has('Z') || !self.info.file_name(self.file).starts_with(StoredFile::ROOT))
+            && (letter == ACTION
+                || letters.has('Z')
+                || !self.channel.env.info.file_name(self.channel.at.file).starts_with(StoredFile::ROOT))
     }
 
     /// Adds a line of a letter, if it is wanted.
     #[inline(always)]
     pub(crate) fn trace(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_wanted(letter, line);
         }
     }
@@ -55,7 +55,7 @@ impl Kernel<'_> {
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if self.traces(letter) {
             let text = shortened(&line(self)).into();
-            self.emit(0, Kind::Trace { letter, text });
+            self.emit(0, Kind::Trace(Trace { letter, text }));
         }
     }
 
@@ -63,14 +63,14 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn trace_words(&mut self) {
         if self.traces('W') {
-            if let Some(number) = self.block.sequence {
+            if let Some(number) = self.channel.block.sequence {
                 self.trace('W', |_| word("N", &number.to_string()));
             }
-            for index in 0..self.block.words.len() {
+            for index in 0..self.channel.block.words.len() {
                 self.trace('W', |kernel| kernel.word_line(index));
             }
         }
-        if let Some(number) = self.block.sequence {
+        if let Some(number) = self.channel.block.sequence {
             self.trace('C', |_| sequence(number));
         }
         self.trace_head_sequence();
@@ -79,10 +79,10 @@ impl Kernel<'_> {
     /// The sequence number that the head of this channel has of its own.
     fn trace_head_sequence(&mut self) {
         let Some(register) = self.own_sequence() else { return };
-        let word = self.block.words.iter().find(|word| word.register == register).map(|word| word.value);
+        let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
         let id = if self.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
         if let Some(value) = word {
-            self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
+            self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
         }
     }
 
@@ -93,7 +93,7 @@ impl Kernel<'_> {
 
     /// The literal text of a row of the code table.
     pub(crate) fn literal_of(&self, row: u16) -> Option<&str> {
-        match &self.machine.codes.get(usize::from(row))?.form {
+        match &self.channel.env.machine.codes.get(usize::from(row))?.form {
             CodeForm::Text(text) => Some(text),
             _ => None,
         }
@@ -102,21 +102,21 @@ impl Kernel<'_> {
     /// A word as its register writes it.
     fn text_of_word(&self, index: usize) -> Option<String> {
         let (name, value) = self.written_word(index)?;
-        let word = self.block.words.get(index)?;
-        let register = self.machine.registers.get(usize::from(word.register))?;
+        let word = self.channel.block.words.get(index)?;
+        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
         let before = if word.incremental && register.second.is_some() { name } else { register.before.as_str() };
         Some(format!("{before}{value}{}", register.after))
     }
 
     /// Name and number of a word as its register writes them.
     fn written_word(&self, index: usize) -> Option<(&str, String)> {
-        let word = self.block.words.get(index)?;
-        let register = self.machine.registers.get(usize::from(word.register))?;
+        let word = self.channel.block.words.get(index)?;
+        let register = self.channel.env.machine.registers.get(usize::from(word.register))?;
         let name = match &register.second {
             Some(second) if word.incremental => second.as_str(),
             _ => register.name.as_str(),
         };
-        let format = if self.secondary { &register.secondary } else { &register.format };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
         Some((name, written(word.value, format)))
     }
 
@@ -124,9 +124,9 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn trace_preprocessed(&mut self) {
         self.trace('E', |kernel| {
-            let sequence = kernel.block.sequence.map(|number| format!("N{number}"));
-            let words = (0..kernel.block.words.len()).filter_map(|index| kernel.text_of_word(index));
-            let texts = kernel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
+            let sequence = kernel.channel.block.sequence.map(|number| format!("N{number}"));
+            let words = (0..kernel.channel.block.words.len()).filter_map(|index| kernel.text_of_word(index));
+            let texts = kernel.channel.block.texts.iter().filter_map(|&row| kernel.literal_of(row)).map(str::to_owned);
             edited(Stage::PreProcessor, &sequence.into_iter().chain(words).chain(texts).collect::<Vec<_>>().join(" "))
         });
     }
@@ -140,18 +140,18 @@ impl Kernel<'_> {
     /// A code begins to act.
     #[inline(always)]
     pub(crate) fn trace_code(&mut self, id: CodeId) {
-        self.trace('C', |kernel| code(kernel.machine.code_name(id)));
+        self.trace('C', |kernel| code(kernel.channel.env.machine.code_name(id)));
     }
 
     /// A code is swallowed.
     #[inline(always)]
     pub(crate) fn trace_ignored(&mut self, id: CodeId) {
-        self.trace('C', |kernel| ignored(kernel.machine.code_name(id)));
+        self.trace('C', |kernel| ignored(kernel.channel.env.machine.code_name(id)));
     }
 
     /// An action took a value.
     #[inline(always)]
     pub(crate) fn trace_data(&mut self, id: DataId, value: f64) {
-        self.trace('C', |kernel| data(kernel.machine.data_name(id), value));
+        self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
     }
 }

@@ -9,6 +9,10 @@
 use std::fmt::Debug;
 use std::io;
 
+#[cfg(test)]
+mod codec_tests;
+#[cfg(test)]
+mod contract_tests;
 pub(crate) mod decode;
 pub mod encode;
 pub(crate) mod filter;

@@ -5,11 +5,12 @@
 //! its block, then takes the last one.
 
 use crate::action::Action;
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::model::Heights;
+use counterpoint_fault::Acted;
 
 /// Words that tell a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -65,14 +66,15 @@ pub(crate) struct State {
 /// Direction of a circle: that of its code, of another code on the block, or the last one.
 pub(super) fn direction(kernel: &mut Kernel<'_>, form: Form) -> Option<bool> {
     let on_block = || {
-        let actions = kernel.block.firings.iter().map(|firing| kernel.plan.actions.get(usize::from(firing.row)));
+        let actions =
+            kernel.channel.block.firings.iter().map(|firing| kernel.plan.actions.get(usize::from(firing.row)));
         actions.flatten().find_map(|action| match action {
             Some(Action::ArcDirection(clockwise)) => Some(*clockwise),
             _ => None,
         })
     };
-    let clockwise = form.clockwise.or_else(on_block).or(kernel.arcs.clockwise);
-    kernel.arcs.clockwise = clockwise;
+    let clockwise = form.clockwise.or_else(on_block).or(kernel.channel.state.arcs.clockwise);
+    kernel.channel.state.arcs.clockwise = clockwise;
     clockwise
 }
 
@@ -81,18 +83,18 @@ pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Op
     let datum = kernel.take(id)?;
     let relative = datum.incremental
         || !datum.absolute
-            && match kernel.machine.arcs.center {
+            && match kernel.channel.env.machine.arcs.center {
                 Heights::Incremental => true,
                 Heights::Absolute => false,
-                Heights::Mode => kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
+                Heights::Mode => kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
             };
-    let scale = kernel.place.axes.get(axis).map_or(1.0, |a| a.scale);
+    let scale = kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
     let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
     Some(match relative {
         true => of(&kernel.programmed()) * scale + datum.value,
         false => {
             let value = datum.value * kernel.factor_across(axis);
-            let shift = if kernel.block.machine_frame { of(&kernel.place.shift) } else { 0.0 };
+            let shift = if kernel.channel.block.machine_frame { of(&kernel.channel.state.place.shift) } else { 0.0 };
             (value - shift) * scale
         }
     })
@@ -102,7 +104,7 @@ pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Op
 pub(crate) fn define_center(kernel: &mut Kernel<'_>) -> Acted {
     let mut center = [None; 3];
     for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
-        let axis = kernel.place.cartesian.get(role).copied().flatten();
+        let axis = kernel.channel.state.place.cartesian.get(role).copied().flatten();
         let value = match axis {
             Some(axis) => coordinate(kernel, id, usize::from(axis)),
             None => not_here(kernel, id),
@@ -112,16 +114,16 @@ pub(crate) fn define_center(kernel: &mut Kernel<'_>) -> Acted {
         }
     }
     if center.iter().any(Option::is_some) {
-        kernel.arcs.center = center;
-        kernel.arcs.radius = None;
+        kernel.channel.state.arcs.center = center;
+        kernel.channel.state.arcs.radius = None;
     }
-    (kernel.arcs.by, kernel.arcs.block) = (By::Center, kernel.blocks);
+    (kernel.channel.state.arcs.by, kernel.channel.state.arcs.block) = (By::Center, kernel.channel.at.blocks);
     Ok(())
 }
 
 fn not_here(kernel: &mut Kernel<'_>, id: DataId) -> Option<f64> {
     if kernel.take(id).is_some() {
-        let text = format!("channel {} has no axis for a word of '{}'", kernel.rank, kernel.block_text());
+        let text = format!("channel {} has no axis for a word of '{}'", kernel.channel.at.channel, kernel.block_text());
         kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
     }
     None
@@ -130,15 +132,15 @@ fn not_here(kernel: &mut Kernel<'_>, id: DataId) -> Option<f64> {
 /// A radius for the circles to come; without a word only the form of the block's circle.
 pub(crate) fn define_radius(kernel: &mut Kernel<'_>) -> Acted {
     if let Some(radius) = kernel.take(data::ARC_RADIUS) {
-        kernel.arcs.radius = Some(radius.value);
-        kernel.arcs.center = [None; 3];
+        kernel.channel.state.arcs.radius = Some(radius.value);
+        kernel.channel.state.arcs.center = [None; 3];
     }
-    (kernel.arcs.by, kernel.arcs.block) = (By::Radius, kernel.blocks);
+    (kernel.channel.state.arcs.by, kernel.channel.state.arcs.block) = (By::Radius, kernel.channel.at.blocks);
     Ok(())
 }
 
 /// A direction for circles whose code has none.
 pub(crate) fn define_direction(kernel: &mut Kernel<'_>, clockwise: bool) -> Acted {
-    kernel.arcs.clockwise = Some(clockwise);
+    kernel.channel.state.arcs.clockwise = Some(clockwise);
     Ok(())
 }

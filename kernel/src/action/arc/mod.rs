@@ -11,15 +11,16 @@ pub(super) mod space;
 pub(crate) use define::{By, Form, State};
 pub(super) use define::{define_center, define_direction, define_radius};
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
 use super::cutter::{Shape, Step};
 use super::time::Path;
 use super::turned;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, group, plane};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::ident::data;
@@ -70,8 +71,11 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
         for id in [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z] {
             kernel.take(id);
         }
-        let text =
-            format!("no plane with both axes in channel {} is active for '{}'", kernel.rank, kernel.block_text());
+        let text = format!(
+            "no plane with both axes in channel {} is active for '{}'",
+            kernel.channel.at.channel,
+            kernel.block_text()
+        );
         kernel.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
@@ -100,18 +104,18 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
 
 /// The active plane, if the channel has its axes.
 fn active_plane(kernel: &Kernel<'_>) -> Option<(Plane, Flat)> {
-    let plane = plane(kernel.modal.code(group::PLANE)?)?;
-    let index = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let plane = plane(kernel.channel.state.modal.code(group::PLANE)?)?;
+    let index = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
     let axes = [index(plane.first)?, index(plane.second)?];
-    let scales = axes.map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
     Some((plane, Flat { axes, scales }))
 }
 
 /// Takes radius or centre, then the angle; what the block does not say may have been defined before.
 fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (coded, implied): (u8, bool)) -> Words {
-    let here = kernel.arcs.block == kernel.blocks;
+    let here = kernel.channel.state.arcs.block == kernel.channel.at.blocks;
     let by = match form.by {
-        By::Any if here => kernel.arcs.by,
+        By::Any if here => kernel.channel.state.arcs.by,
         by => by,
     };
     let mut radius = if by == By::Center { None } else { kernel.take(data::ARC_RADIUS).map(|d| d.value) };
@@ -125,10 +129,10 @@ fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (
             *slot = define::coordinate(kernel, id, axis);
         }
         // The missing one of an absolute centre is that of the definition.
-        let known = roles.map(|role| kernel.arcs.center.get(role).copied().flatten());
+        let known = roles.map(|role| kernel.channel.state.arcs.center.get(role).copied().flatten());
         let fill = |a: Option<f64>, b: Option<f64>, or: f64| a.or(b).unwrap_or(or);
         if said.iter().any(Option::is_some) {
-            let offsets = kernel.machine.arcs.center == crate::machine::model::Heights::Incremental;
+            let offsets = kernel.channel.env.machine.arcs.center == crate::machine::model::Heights::Incremental;
             let known = if offsets { [None; 2] } else { known };
             center = Some([fill(said[0], known[0], start[0]), fill(said[1], known[1], start[1])]);
         } else if known.iter().any(Option::is_some) && radius.is_none() {
@@ -139,7 +143,7 @@ fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (
         }
     }
     if radius.is_none() && center.is_none() && coded != 0 && !kernel.block_has(data::ARC_ANGLE) {
-        radius = kernel.arcs.radius.filter(|_| by != By::Center);
+        radius = kernel.channel.state.arcs.radius.filter(|_| by != By::Center);
     }
     let angle = if radius.is_none() { kernel.take(data::ARC_ANGLE).map(|d| d.value.abs()) } else { None };
     Words { radius, center, angle }
@@ -156,9 +160,10 @@ fn cut(
 ) -> Acted {
     let from = kernel.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
-    let tolerance = kernel.machine.arcs.tolerance;
+    let tolerance = kernel.channel.env.machine.arcs.tolerance;
     // Many machines do not ask.
-    let asks = kernel.machine.arcs.helix != Helix::Any || kernel.machine.arcs.turns == Turns::Helical;
+    let asks =
+        kernel.channel.env.machine.arcs.helix != Helix::Any || kernel.channel.env.machine.arcs.turns == Turns::Helical;
     let rises = asks && rises(kernel, flat, &from, &target);
     let made = match (words.radius, words.angle, words.center) {
         (Some(radius), ..) => geometry::by_radius(start, end, radius, clockwise, tolerance).map(|arc| (arc, end)),
@@ -193,13 +198,17 @@ fn cut(
     }
     check_machine(kernel, form, &made, rises);
     let circle = Circle { made, coded, from, to: target, axes: flat.axes, turns, feed, unit };
-    if kernel.place.frames.is_some() { turned::circle(kernel, plane, &circle) } else { kernel.circle_to(&circle) }
+    if kernel.channel.state.place.frames.is_some() {
+        turned::circle(kernel, plane, &circle)
+    } else {
+        kernel.circle_to(&circle)
+    }
 }
 
 /// Reports a circle that cannot be made and whose end is reached straight. On some controls one to its own start by a
 /// radius has no length and moves nothing in its plane.
 pub(super) fn not_made(kernel: &mut Kernel<'_>, error: geometry::Error) {
-    if error == geometry::Error::SamePoint && kernel.machine.arcs.stands {
+    if error == geometry::Error::SamePoint && kernel.channel.env.machine.arcs.stands {
         return;
     }
     let done = kernel.becomes(&diag::ARC_RADIUS, STRAIGHT);
@@ -213,12 +222,12 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// A linear axis out of the plane moves too.
 fn rises(kernel: &Kernel<'_>, flat: &Flat, from: &Position, to: &Position) -> bool {
-    let axes = kernel.place.axes.iter().zip(from).zip(to).enumerate();
+    let axes = kernel.channel.state.place.axes.iter().zip(from).zip(to).enumerate();
     axes.filter(|(at, ((axis, _), _))| !flat.axes.contains(at) && !axis.rotary).any(|(_, ((_, a), b))| a != b)
 }
 
 fn check_end(kernel: &mut Kernel<'_>, off: f64) {
-    if off > kernel.machine.arcs.tolerance {
+    if off > kernel.channel.env.machine.arcs.tolerance {
         let text = format!("the end is {off:.4} off the circle in '{}'", kernel.block_text());
         kernel.diagnose(&diag::ARC_END_OFF, text);
     }
@@ -226,7 +235,7 @@ fn check_end(kernel: &mut Kernel<'_>, off: f64) {
 
 /// Full turns in addition, where the machine has them.
 fn take_turns(kernel: &mut Kernel<'_>, rises: bool) -> u16 {
-    let may = match kernel.machine.arcs.turns {
+    let may = match kernel.channel.env.machine.arcs.turns {
         Turns::Always => true,
         Turns::Helical => rises,
         Turns::Never => false,
@@ -243,7 +252,7 @@ fn take_turns(kernel: &mut Kernel<'_>, rises: bool) -> u16 {
 /// What the machine allows; the circle is made all the same.
 fn check_machine(kernel: &mut Kernel<'_>, form: Form, made: &geometry::Arc, rises: bool) {
     check_radius(kernel, made.radius);
-    let allowed = match kernel.machine.arcs.helix {
+    let allowed = match kernel.channel.env.machine.arcs.helix {
         Helix::Any => true,
         Helix::Codes => form.helix,
         Helix::Off => false,
@@ -256,7 +265,7 @@ fn check_machine(kernel: &mut Kernel<'_>, form: Form, made: &geometry::Arc, rise
 
 /// A radius above the largest of the machine.
 fn check_radius(kernel: &mut Kernel<'_>, radius: f64) {
-    let most = kernel.machine.arcs.max_radius;
+    let most = kernel.channel.env.machine.arcs.max_radius;
     if radius > most {
         let text = format!("the radius {radius:.3} is above {most}, the largest, in '{}'", kernel.block_text());
         kernel.diagnose(&diag::ARC_RADIUS, text);
@@ -294,17 +303,19 @@ impl Kernel<'_> {
         let rise = changes
             .iter()
             .enumerate()
-            .filter(|&(i, _)| i != first && i != second && self.place.axes.get(i).is_some_and(|a| !a.rotary))
+            .filter(|&(i, _)| {
+                i != first && i != second && self.channel.state.place.axes.get(i).is_some_and(|a| !a.rotary)
+            })
             .map(|(_, c)| c * c)
             .sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let x = self.place.cartesian.first().copied().flatten().map(usize::from);
+        let x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from);
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-        let scale = |axis: usize| self.place.axes.get(axis).map_or(1.0, |a| a.scale);
+        let scale = |axis: usize| self.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
-        if self.place.frames.is_some() {
+        if self.channel.state.place.frames.is_some() {
             seconds = self.at_rates(seconds, &from, &to, None);
         }
         let moving = self.moving(coded, &changes) | 1 << first | 1 << second;

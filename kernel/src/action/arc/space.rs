@@ -3,14 +3,15 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::space::Circle;
 
 use super::check_radius;
 use crate::action::time::Path;
+use crate::channel::Kernel;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::spatial;
@@ -37,9 +38,9 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     }
     let via = kernel.work_point(&via);
     crate::action::cutter::to_contour(kernel, feed, unit)?;
-    let from = kernel.place.position;
-    let info = kernel.info;
-    let axes = info.channel(kernel.rank).map_or(&[][..], |channel| channel.axes.as_slice());
+    let from = kernel.channel.state.place.position;
+    let info = kernel.channel.env.info;
+    let axes = info.channel(kernel.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
     let seen = spatial(axes);
     let [start, middle, end] = [from, via, target].map(|position| seen.point(&position));
     let circle = match Circle::through(start, middle, end) {
@@ -53,7 +54,7 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     };
     check_radius(kernel, circle.radius);
     let changes = kernel.changes(&from, &target);
-    let others = changes.iter().zip(&kernel.place.axes).enumerate();
+    let others = changes.iter().zip(&kernel.channel.state.place.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
     let (center, reach, start_angle) = circle.swing(0);
@@ -82,20 +83,21 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Takes the point on the way: bits of the coordinates that are said, and the point.
 fn way_point(kernel: &mut Kernel<'_>) -> (u8, Position) {
-    let relative = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let relative = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let (mut said, mut via) = (0, kernel.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = kernel.take(id) else { continue };
-        let Some(axis) = kernel.place.cartesian.get(role).copied().flatten().map(usize::from) else {
-            let text = format!("channel {} has no axis for a word of '{}'", kernel.rank, kernel.block_text());
+        let Some(axis) = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+            let text =
+                format!("channel {} has no axis for a word of '{}'", kernel.channel.at.channel, kernel.block_text());
             kernel.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
         };
-        let shift = kernel.place.shift.get(axis).copied().unwrap_or(0.0);
+        let shift = kernel.channel.state.place.shift.get(axis).copied().unwrap_or(0.0);
         let Some(slot) = via.get_mut(axis) else { continue };
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value
-        } else if kernel.block.machine_frame {
+        } else if kernel.channel.block.machine_frame {
             datum.value - shift
         } else {
             datum.value

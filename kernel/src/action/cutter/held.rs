@@ -15,16 +15,16 @@ impl Kernel<'_> {
             if late > 0 {
                 event.micro = 0;
             }
-            self.emitter.push(event);
+            self.ports.emitter.push(event);
         }
     }
 
     /// Goes to the time and block of a waiting move.
     pub(super) fn go_to(&mut self, waiting: &Waiting, late: i64) {
-        self.clock = waiting.clock.saturating_add(late);
-        self.micro = if late > 0 { 0 } else { waiting.micro };
-        (self.file, self.line) = (waiting.file, waiting.line);
-        self.edited.clone_from(&waiting.text);
-        self.block.exact_stop = waiting.exact;
+        self.channel.at.clock = waiting.clock.saturating_add(late);
+        self.channel.at.micro = if late > 0 { 0 } else { waiting.micro };
+        (self.channel.at.file, self.channel.at.line) = (waiting.file, waiting.line);
+        self.channel.text.edited.clone_from(&waiting.text);
+        self.channel.block.exact_stop = waiting.exact;
     }
 }

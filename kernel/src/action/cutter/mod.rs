@@ -5,22 +5,21 @@
 //! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
-mod corner;
-mod element;
 mod held;
 mod moves;
 mod state;
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::arc::Arc;
 
 use super::Action;
+use crate::channel::Kernel;
 use crate::channel::state::{group, plane};
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{CodeId, codes, data};
 
-use element::Element;
+use counterpoint_motion::contour::element::Element;
 pub(crate) use state::Cutter;
 use state::{Stage, Waiting};
 
@@ -106,7 +105,7 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
         stage: kept.unwrap_or(Stage::Start),
         waiting: Vec::new(),
         idle: 0,
-        seen: kernel.blocks,
+        seen: kernel.channel.at.blocks,
         suspended: false,
     };
     kernel.frames().cutter = Some(Box::new(new));
@@ -129,9 +128,9 @@ fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
     if let Some(polar) = kernel.polar() {
         return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
     }
-    let code = kernel.modal.code(group::PLANE)?;
+    let code = kernel.channel.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
@@ -159,7 +158,7 @@ pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
 pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
     let to = kernel.contour();
-    if !kernel.is_compensated() || to == kernel.place.position {
+    if !kernel.is_compensated() || to == kernel.channel.state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
@@ -169,7 +168,7 @@ pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedU
 
 /// What an action means for a move that waits.
 pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
-    let blocks = kernel.blocks;
+    let blocks = kernel.channel.at.blocks;
     let Some(cutter) = kernel.cutter() else { return Ok(()) };
     if cutter.seen != blocks {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
@@ -177,7 +176,9 @@ pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
     }
     let long = cutter.idle > LOOKED_THROUGH;
     match action {
-        Action::Rapid | Action::Linear | Action::LinearTimes(_) | Action::Arc(_) if !kernel.block.machine_frame => {
+        Action::Rapid | Action::Linear | Action::LinearTimes(_) | Action::Arc(_)
+            if !kernel.channel.block.machine_frame =>
+        {
             if let Some(cutter) = kernel.cutter() {
                 cutter.suspended = false;
             }
@@ -227,7 +228,7 @@ pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
 
 /// A thread goes without compensation: what follows comes to the contour again.
 pub(super) fn after_thread(kernel: &mut Kernel<'_>) {
-    let position = kernel.place.position;
+    let position = kernel.channel.state.place.position;
     if let Some(cutter) = kernel.cutter() {
         (cutter.contour, cutter.stage) = (position, Stage::Start);
     }
@@ -236,20 +237,21 @@ pub(super) fn after_thread(kernel: &mut Kernel<'_>) {
 impl Kernel<'_> {
     /// Compensation, if it is active.
     pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
-        self.place.frames.as_deref_mut()?.cutter.as_deref_mut()
+        self.channel.state.place.frames.as_deref_mut()?.cutter.as_deref_mut()
     }
 
     /// Compensation takes moves of this kernel.
     #[inline(always)]
     pub(super) fn is_compensated(&self) -> bool {
-        self.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
+        self.channel.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
     }
 
     /// Radius that paths keep from the contour.
     fn cutter_radius(&self, number: u32) -> f64 {
         use crate::channel::frames::offsets::{BASE, Radii};
         let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
-        let base = if self.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
+        let base =
+            if self.channel.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
         own + base
     }
 
@@ -258,7 +260,15 @@ impl Kernel<'_> {
         if !self.is_turning() || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
-        let tip = self.machine.tool.offsets.iter().find(|offset| offset.number == number).map_or(0, |own| own.tip);
+        let tip = self
+            .channel
+            .env
+            .machine
+            .tool
+            .offsets
+            .iter()
+            .find(|offset| offset.number == number)
+            .map_or(0, |own| own.tip);
         TIPS.get(usize::from(tip)).copied().unwrap_or_default()
     }
 
@@ -268,7 +278,7 @@ impl Kernel<'_> {
         if !matches!(step.shape, Shape::Rapid) {
             self.check_feed(step.feed)?;
         }
-        if self.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
+        if self.channel.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
         let from = self.contour();
@@ -283,7 +293,7 @@ impl Kernel<'_> {
         self.check_stop()?;
         let rapid = matches!(step.shape, Shape::Rapid);
         let round = matches!(step.shape, Shape::Circle { .. });
-        let rules = self.machine.compensation;
+        let rules = self.channel.env.machine.compensation;
         match stage {
             Stage::Ending => {
                 self.tell_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
@@ -324,17 +334,19 @@ impl Kernel<'_> {
             Shape::Circle { .. } => {
                 let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
                 self.diagnose(&diag::CUTTER_PLANE, text);
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
+                (counterpoint_motion::contour::element::distance(start, end)
+                    > counterpoint_motion::contour::element::NOISE)
+                    .then_some(Element { from: start, to: end, arc: None })
             }
-            _ => {
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
-            }
+            _ => (counterpoint_motion::contour::element::distance(start, end)
+                > counterpoint_motion::contour::element::NOISE)
+                .then_some(Element { from: start, to: end, arc: None }),
         }
     }
 
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
-        let stands = self.place.position;
+        let stands = self.channel.state.place.position;
         let Some(cutter) = self.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         if !cutter.waiting.is_empty() {
@@ -348,7 +360,7 @@ impl Kernel<'_> {
     /// The vector form: every straight move ends beside its point, in the direction of the vector.
     fn along_vector(&mut self, step: Step) -> Acted {
         let words = [data::COMP_DIAM_P, data::COMP_DIAM_Q, data::COMP_DIAM_R].map(|id| self.take(id).map(|d| d.value));
-        let vector = &mut self.place.compensation.vector;
+        let vector = &mut self.channel.state.place.compensation.vector;
         for (slot, word) in vector.iter_mut().zip(words) {
             *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
         }
@@ -360,9 +372,9 @@ impl Kernel<'_> {
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.place.cartesian.get(role).copied().flatten().map(usize::from);
+            let axis = self.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
             if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
-                *slot += part * radius / self.place.scale_of(role);
+                *slot += part * radius / self.channel.state.place.scale_of(role);
             }
         }
         if ending {
@@ -373,7 +385,7 @@ impl Kernel<'_> {
 
     /// Compensation has come to its end.
     fn forget_cutter(&mut self) {
-        if let Some(frames) = self.place.frames.as_deref_mut() {
+        if let Some(frames) = self.channel.state.place.frames.as_deref_mut() {
             frames.cutter = None;
         }
         self.frames_changed();
@@ -391,7 +403,7 @@ impl Kernel<'_> {
             self.forget_cutter();
             return settled.err().unwrap_or(halt);
         }
-        let mut events = self.emitter.release().into_iter();
+        let mut events = self.ports.emitter.release().into_iter();
         self.let_out(&mut events, usize::MAX, 0);
         self.forget_cutter();
         halt
@@ -399,7 +411,7 @@ impl Kernel<'_> {
 
     /// A macro has made another code of compensation active.
     pub(crate) fn switch_cutter(&mut self) {
-        if let Some(code) = self.modal.code(group::DIAMETER)
+        if let Some(code) = self.channel.state.modal.code(group::DIAMETER)
             && let Err(halt) = switched(self, code)
         {
             self.keep_halt(halt);
@@ -422,29 +434,35 @@ impl Kernel<'_> {
 
     /// Finishes a move that has waited too long.
     pub(crate) fn settle_old(&mut self) -> Acted {
-        let blocks = self.blocks;
+        let blocks = self.channel.at.blocks;
         let old = self.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
         if old.is_some_and(|old| old > LONGEST_WAIT) { self.settle() } else { Ok(()) }
     }
 
     /// Keeps a move back, and from here on what happens after it.
     fn wait(&mut self, step: Step, element: Option<Element>) {
-        let (file, line, block, clock, micro) = (self.file, self.line, self.blocks, self.clock, self.micro);
-        let exact = self.block.exact_stop;
-        let text = self.edited.clone();
+        let (file, line, block, clock, micro) = (
+            self.channel.at.file,
+            self.channel.at.line,
+            self.channel.at.blocks,
+            self.channel.at.clock,
+            self.channel.at.micro,
+        );
+        let exact = self.channel.block.exact_stop;
+        let text = self.channel.text.edited.clone();
         let tag = self.tag();
         let first = element.is_some();
         if first {
-            self.emitter.hold(tag);
+            self.ports.emitter.hold(tag);
         }
-        let events = self.emitter.held();
+        let events = self.ports.emitter.held();
         let Some(cutter) = self.cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;
         }
         cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
-        self.block.moved = true;
+        self.channel.block.moved = true;
         self.flow.pass.effects = true;
     }
 }

@@ -3,36 +3,37 @@
 //! Invariant: every move is an ordinary motion, made where the tool stands; `Place::position` is that of the tool's
 //! centre (on a lathe of the imaginary tip). The feed is that of this point.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
-use super::corner::{Corner, Link, Offset};
-use super::element::{Element, NOISE, Spot, angle, distance, plus};
 use super::state::{Stage, Waiting};
 use super::{Cutter, Shape, Step};
 use crate::action::arc::Circle;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
+use counterpoint_motion::contour::corner::{Corner, Link, Offset};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 
 impl Kernel<'_> {
     /// Coordinate of a position as geometry.
     pub(super) fn radial(&self, of: &Position, axis: usize) -> f64 {
-        let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
         of.get(axis).copied().unwrap_or(0.0) * scale
     }
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
     pub(super) fn plane_spot(&self, of: &Position, axes: [usize; 2]) -> Spot {
         match self.polar() {
-            Some(polar) => polar.part(&self.place, of),
+            Some(polar) => polar.part(&self.channel.state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
         }
     }
 
     /// Where the tool's centre is in the plane.
     fn spot_of(&self, cutter: &Cutter) -> Spot {
-        plus(self.plane_spot(&self.place.position, cutter.axes), cutter.tip, 1.0)
+        plus(self.plane_spot(&self.channel.state.place.position, cutter.axes), cutter.tip, 1.0)
     }
 
     /// The position that puts the tool's centre on a spot straight from where it is, the other axes where `to` has
@@ -40,11 +41,11 @@ impl Kernel<'_> {
     fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
         if let Some(polar) = self.polar() {
-            polar.reach_straight(&self.place, &mut position, spot);
+            polar.reach_straight(&self.channel.state.place, &mut position, spot);
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
-            let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = position.get_mut(axis) {
                 *slot = crate::channel::frames::clean(value / scale, *slot);
             }
@@ -56,14 +57,14 @@ impl Kernel<'_> {
     fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
         if let Some(polar) = self.polar() {
-            polar.reach(&self.place, &mut position, spot, crate::action::polar::way_round(made));
+            polar.reach(&self.channel.state.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
     }
 
     fn offset(&self, cutter: &Cutter) -> Offset {
-        let limit = libm::cos(self.machine.compensation.corner_angle.to_radians());
-        Offset { side: cutter.side, radius: cutter.radius, corner: self.place.compensation.corner, limit }
+        let limit = libm::cos(self.channel.env.machine.compensation.corner_angle.to_radians());
+        Offset { side: cutter.side, radius: cutter.radius, corner: self.channel.state.place.compensation.corner, limit }
     }
 
     /// A move that goes where it says, without compensation.
@@ -103,7 +104,7 @@ impl Kernel<'_> {
             }
             Stage::Settled { corner, along } => {
                 let start = offset.at_start(element);
-                let turn = super::element::cross(along, element.start()) * cutter.side;
+                let turn = counterpoint_motion::contour::element::cross(along, element.start()) * cutter.side;
                 if distance(self.spot_of(&cutter), start) < NOISE {
                     Vec::new()
                 } else if turn > 0.0 {
@@ -118,7 +119,7 @@ impl Kernel<'_> {
         if let Some(cutter) = self.cutter() {
             cutter.stage = Stage::On;
         }
-        self.links((step, element), &cutter, &links, self.place.position)
+        self.links((step, element), &cutter, &links, self.channel.state.place.position)
     }
 
     /// Finishes the move that waits, now that the next piece is known (or will not be).
@@ -127,27 +128,39 @@ impl Kernel<'_> {
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let begun = cutter.stage;
-        let now = (self.clock, self.micro, self.file, self.line, self.block.exact_stop);
-        let edited = self.edited.clone();
-        let mut events = self.emitter.release().into_iter();
+        let now = (
+            self.channel.at.clock,
+            self.channel.at.micro,
+            self.channel.at.file,
+            self.channel.at.line,
+            self.channel.block.exact_stop,
+        );
+        let edited = self.channel.text.edited.clone();
+        let mut events = self.ports.emitter.release().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
         let mut result = Ok(());
         for waits in &waiting {
             self.let_out(&mut events, waits.events.saturating_sub(out), late);
             out = out.max(waits.events);
             self.go_to(waits, late);
-            let before = self.clock;
+            let before = self.channel.at.clock;
             if result.is_ok() {
                 result = self.make(waits, begun, next);
             }
-            late = late.saturating_add(self.clock.saturating_sub(before));
+            late = late.saturating_add(self.channel.at.clock.saturating_sub(before));
         }
         self.let_out(&mut events, usize::MAX, late);
-        (self.clock, self.micro, self.file, self.line, self.block.exact_stop) = now;
-        self.edited = edited;
-        self.clock = self.clock.saturating_add(late);
+        (
+            self.channel.at.clock,
+            self.channel.at.micro,
+            self.channel.at.file,
+            self.channel.at.line,
+            self.channel.block.exact_stop,
+        ) = now;
+        self.channel.text.edited = edited;
+        self.channel.at.clock = self.channel.at.clock.saturating_add(late);
         if late > 0 {
-            self.micro = 0;
+            self.channel.at.micro = 0;
         }
         result
     }
@@ -157,7 +170,7 @@ impl Kernel<'_> {
         let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
         let (step, offset) = (&waits.step, self.offset(&cutter));
         let Some(element) = &waits.element else {
-            let to = cutter.lifted(&step.to, &self.place.position);
+            let to = cutter.lifted(&step.to, &self.channel.state.place.position);
             return self.straight(step, to);
         };
         let stage = match next {
@@ -189,7 +202,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::CUTTER_INTERFERENCE, text);
         }
         self.along(step, &cutter, element, corner.end)?;
-        let to = self.place.position;
+        let to = self.channel.state.place.position;
         self.links((step, element), &cutter, &corner.links, to)
     }
 
@@ -221,7 +234,7 @@ impl Kernel<'_> {
         let made = Arc { center: plus(arc.center, cutter.tip, -1.0), radius, start_angle, sweep: turn * (way + whole) };
         let to = self.position_round(cutter, &step.to, end, &made);
         let Step { coded, feed, unit, .. } = *step;
-        self.round(&Circle { made, coded, from: self.place.position, to, axes, turns, feed, unit })
+        self.round(&Circle { made, coded, from: self.channel.state.place.position, to, axes, turns, feed, unit })
     }
 
     fn round(&mut self, circle: &Circle) -> Acted {
@@ -261,7 +274,7 @@ impl Kernel<'_> {
         };
         match (round, step.shape) {
             (Some((made, axes)), Shape::Linear | Shape::Circle { .. }) => {
-                let from = self.place.position;
+                let from = self.channel.state.place.position;
                 self.round(&Circle { made, coded: 0, from, to, axes, turns: 0, feed, unit })
             }
             _ => self.straight(&Step { feed, unit, ..step.clone() }, to),

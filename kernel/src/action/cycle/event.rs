@@ -2,23 +2,24 @@
 //!
 //! Facts: reference control-emulator.md 4.3. Decision: `$P3` to `$P6` may be changed, in the frame of the motion macro.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
 use super::Hole;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
+use crate::machine::macros::model::Hook;
 use crate::macros::host::code_value;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.
     pub(super) fn cycle_event(&mut self, hole: &Hole) -> Acted {
         let Some(code) = self.hook(Hook::Cycle) else { return self.make_hole(hole) };
-        let preset = self.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
-        let reference = self.cycle.activator.then_some(self.cycle.reference);
+        let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.reference);
         let mut arguments = [
-            code_value(self.cycle.code),
+            code_value(self.channel.state.cycle.code),
             height(reference),
             height(Some(hole.clear)),
             height(Some(hole.back)),
@@ -30,7 +31,7 @@ impl Kernel<'_> {
 
     /// OUTPUT of the cycle macro: clearance, return, depth and lower clearance as they are now.
     pub(crate) fn output_cycle(&mut self, hole: Hole, heights: [Option<f64>; 4]) -> Acted {
-        let preset = self.place.preset.get(hole.axis).copied().unwrap_or(0.0);
+        let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
         let [clear, back, depth, bottom] =
             heights.map(|height| height.filter(|value| value.is_finite()).map(|value| value - preset));
         let hole = Hole {

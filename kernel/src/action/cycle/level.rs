@@ -16,15 +16,16 @@ pub(crate) struct Levels {
 impl Kernel<'_> {
     /// The levels of an active cycle, taken before frames change.
     pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
-        let (_, axis) = self.cycle.axis.filter(|_| self.cycle.running)?;
-        let [initial, reference] = [self.cycle.initial, self.cycle.reference].map(|level| {
-            let mut at = self.programmed();
-            if let Some(slot) = at.get_mut(axis) {
-                *slot = level;
-            }
-            let work = self.work_point(&at);
-            self.machine_point(&work)
-        });
+        let (_, axis) = self.channel.state.cycle.axis.filter(|_| self.channel.state.cycle.running)?;
+        let [initial, reference] =
+            [self.channel.state.cycle.initial, self.channel.state.cycle.reference].map(|level| {
+                let mut at = self.programmed();
+                if let Some(slot) = at.get_mut(axis) {
+                    *slot = level;
+                }
+                let work = self.work_point(&at);
+                self.machine_point(&work)
+            });
         Some(Levels { axis, initial, reference })
     }
 
@@ -35,7 +36,7 @@ impl Kernel<'_> {
             let work = self.point_of_machine(&machine);
             self.program_point(&work).get(axis).copied().filter(|level| level.is_finite())
         });
-        self.cycle.initial = initial.unwrap_or(self.cycle.initial);
-        self.cycle.reference = reference.unwrap_or(self.cycle.reference);
+        self.channel.state.cycle.initial = initial.unwrap_or(self.channel.state.cycle.initial);
+        self.channel.state.cycle.reference = reference.unwrap_or(self.channel.state.cycle.reference);
     }
 }

@@ -17,15 +17,16 @@ pub(crate) use kind::Kind;
 pub(crate) use state::{Height, State};
 
 use super::Action;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::burden::BLOCK;
 use crate::channel::state::group;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
 use crate::macros::runtime::Task;
+use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;
@@ -53,28 +54,29 @@ pub(crate) struct Hole {
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
 pub(super) fn cycle(kernel: &mut Kernel<'_>, kind: Kind, row: &CodeRow, firing: Firing) -> Acted {
-    if kernel.cycle.activator && firing.implied {
+    if kernel.channel.state.cycle.activator && firing.implied {
         return Ok(());
     }
     let positioned = has_position(kernel);
     let Some((role, axis)) = axis_of(kernel, row) else {
-        let text = format!("channel {} has no axis for the depth of '{}'", kernel.rank, kernel.block_text());
+        let text =
+            format!("channel {} has no axis for the depth of '{}'", kernel.channel.at.channel, kernel.block_text());
         kernel.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
-    let other = kernel.cycle.running && kernel.cycle.code != Some(row.id);
-    if other && kernel.machine.cycles.cancel_required {
+    let other = kernel.channel.state.cycle.running && kernel.channel.state.cycle.code != Some(row.id);
+    if other && kernel.channel.env.machine.cycles.cancel_required {
         not_cancelled(kernel);
     }
-    if kind.bores_back() && kernel.cycle.code != Some(row.id) {
+    if kind.bores_back() && kernel.channel.state.cycle.code != Some(row.id) {
         // Its clearance is the level where it stands unless it says so itself.
-        kernel.cycle.clear = None;
+        kernel.channel.state.cycle.clear = None;
     }
     let level = kernel.programmed().get(axis).copied().unwrap_or(0.0);
-    kernel.cycle.begin(kernel.machine, kind, row.id, ((role, axis), level));
-    kernel.cycle.block = kernel.blocks;
+    kernel.channel.state.cycle.begin(kernel.channel.env.machine, kind, row.id, ((role, axis), level));
+    kernel.channel.state.cycle.block = kernel.channel.at.blocks;
     let (kind, words) = words::take(kernel, kind);
-    if kernel.cycle.activator || !positioned {
+    if kernel.channel.state.cycle.activator || !positioned {
         return Ok(());
     }
     holes(kernel, kind, &words)
@@ -85,33 +87,35 @@ pub(super) fn on(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acte
     if firing.implied && !has_position(kernel) {
         return Ok(());
     }
-    let (Some(kind), Some((_, axis))) = (Kind::numbered(kernel.cycle.number), kernel.cycle.axis) else {
+    let (Some(kind), Some((_, axis))) =
+        (Kind::numbered(kernel.channel.state.cycle.number), kernel.channel.state.cycle.axis)
+    else {
         let text = format!("no cycle has been defined for '{}'", kernel.block_text());
         kernel.diagnose(&diag::NO_CYCLE, text);
         return Ok(());
     };
-    if !kernel.cycle.running {
-        kernel.cycle.initial = kernel.programmed().get(axis).copied().unwrap_or(0.0);
+    if !kernel.channel.state.cycle.running {
+        kernel.channel.state.cycle.initial = kernel.programmed().get(axis).copied().unwrap_or(0.0);
     }
-    kernel.cycle.block = kernel.blocks;
-    kernel.cycle.running = true;
-    kernel.cycle.code = kernel.cycle.code.or(Some(row.id));
+    kernel.channel.state.cycle.block = kernel.channel.at.blocks;
+    kernel.channel.state.cycle.running = true;
+    kernel.channel.state.cycle.code = kernel.channel.state.cycle.code.or(Some(row.id));
     let words = words::take_position(kernel);
     if words.coded & 1 << axis != 0 {
-        kernel.cycle.reference = words.target.get(axis).copied().unwrap_or(0.0);
+        kernel.channel.state.cycle.reference = words.target.get(axis).copied().unwrap_or(0.0);
     }
     holes(kernel, kind, &words)
 }
 
 /// Cancels the cycle.
 pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.cycle.end();
+    kernel.channel.state.cycle.end();
     super::mode::mode(kernel, "cycle off")
 }
 
 /// Rigid tapping on or off.
 pub(super) fn rigid(kernel: &mut Kernel<'_>, on: bool) -> Acted {
-    kernel.cycle.rigid = if on { 2.0 } else { 0.0 };
+    kernel.channel.state.cycle.rigid = if on { 2.0 } else { 0.0 };
     super::mode::mode(kernel, if on { "rigid tapping on" } else { "rigid tapping off" })
 }
 
@@ -120,16 +124,16 @@ pub(super) fn rigid(kernel: &mut Kernel<'_>, on: bool) -> Acted {
 #[cold]
 pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
     let inside = kernel.macros.as_deref().is_some_and(|runtime| !runtime.calls.is_empty());
-    if inside || kernel.cycle.block == kernel.blocks {
+    if inside || kernel.channel.state.cycle.block == kernel.channel.at.blocks {
         return Ok(());
     }
-    if kernel.machine.cycles.cancel_required {
+    if kernel.channel.env.machine.cycles.cancel_required {
         not_cancelled(kernel);
     }
-    if kernel.machine.cycles.motion_cancels {
-        kernel.cycle.end();
-        kernel.modal.activate(group::CYCLE, codes::CYCLE_OFF, kernel.cycle.off);
-        kernel.emit(0, EventKind::Mode { text: "cycle off".into() });
+    if kernel.channel.env.machine.cycles.motion_cancels {
+        kernel.channel.state.cycle.end();
+        kernel.channel.state.modal.activate(group::CYCLE, codes::CYCLE_OFF, kernel.channel.state.cycle.off);
+        kernel.emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
 }
@@ -142,17 +146,19 @@ fn not_cancelled(kernel: &mut Kernel<'_>) {
 
 /// Words of a position or a height are free on the block.
 fn has_position(kernel: &Kernel<'_>) -> bool {
-    kernel.has_any(kernel.plan.motion_registers) || !kernel.block.added.is_empty()
+    kernel.has_any(kernel.plan.motion_registers) || !kernel.channel.block.added.is_empty()
 }
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
 fn axis_of(kernel: &Kernel<'_>, row: &CodeRow) -> Option<(usize, usize)> {
-    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)));
+    let axis = |role: usize| {
+        kernel.channel.state.place.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)))
+    };
     if let Some(role) = row.axis {
         return axis(usize::from(role));
     }
-    let turning = matches!(kernel.machine.kind, MachineKind::Lathe | MachineKind::MergingLathe);
-    let role = match kernel.modal.code(group::PLANE) {
+    let turning = matches!(kernel.channel.env.machine.kind, MachineKind::Lathe | MachineKind::MergingLathe);
+    let role = match kernel.channel.state.modal.code(group::PLANE) {
         _ if turning => 2,
         Some(codes::PLANE_ZX) => 1,
         Some(codes::PLANE_YZ) => 0,
@@ -167,7 +173,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
         return Ok(());
     }
     let from = kernel.programmed();
-    kernel.check_feed(kernel.cycle.feed.0)?;
+    kernel.check_feed(kernel.channel.state.cycle.feed.0)?;
     let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {
@@ -187,7 +193,9 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
 /// Between two holes of a block: others see how far this kernel is, and the limits of the job count: a hole is
 /// as much work as a block.
 pub(super) fn further(kernel: &mut Kernel<'_>) -> Acted {
-    if !kernel.coordinator.publish(kernel.rank, kernel.clock) || kernel.control.cancelled() {
+    if !kernel.ports.coordinator.publish(kernel.channel.at.channel, kernel.channel.at.clock)
+        || kernel.ports.control.cancelled()
+    {
         return Err(Halt::Stopped);
     }
     kernel.work(BLOCK)?;
@@ -196,12 +204,13 @@ pub(super) fn further(kernel: &mut Kernel<'_>) -> Acted {
 
 /// The heights of a hole from what the cycle knows.
 fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<Hole> {
-    let state = kernel.cycle;
+    let state = kernel.channel.state.cycle;
     let (_, axis) = state.axis?;
     let base = if state.activator { state.reference } else { state.initial };
     let bottom = state.bottom.map(|height| height.from(base));
-    let distance = kernel.machine.cycles.clearance == Heights::Incremental;
-    if state.clear.is_none() && !kind.bores_back() && !distance && kernel.machine.cycles.clearance_required {
+    let distance = kernel.channel.env.machine.cycles.clearance == Heights::Incremental;
+    if state.clear.is_none() && !kind.bores_back() && !distance && kernel.channel.env.machine.cycles.clearance_required
+    {
         let text = format!("a cycle needs its clearance height, '{}' starts where it stands", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
@@ -216,7 +225,7 @@ fn heights(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Option<
         let text = format!("a cycle needs its depth in '{}', nothing is drilled", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
-    let stays = kernel.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
+    let stays = kernel.channel.state.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
     let wanted = if stays { clear } else { state.retract.map_or(state.initial, |height| height.from(base)) };
     // Never nearer to the hole than the clearance height.
     let back = match depth {
@@ -234,7 +243,7 @@ impl Kernel<'_> {
     pub(crate) fn imply_motion(&mut self) {
         let action = |row: u16| self.plan.actions.get(usize::from(row)).copied().flatten();
         let mut in_machine = false;
-        for firing in &self.block.firings {
+        for firing in &self.channel.block.firings {
             match action(firing.row) {
                 Some(Action::Cycle(_) | Action::CycleOn | Action::ThreadCycle(_)) => return,
                 Some(Action::CycleOff) => return self.queue_by_data(group::MOTION),
@@ -246,7 +255,7 @@ impl Kernel<'_> {
             return self.queue_by_data(group::MOTION);
         }
         self.queue_by_data(group::CYCLE);
-        if let Some(firing) = self.block.firings.last_mut() {
+        if let Some(firing) = self.channel.block.firings.last_mut() {
             firing.order = firing.order.max(IMPLIED_ORDER);
         }
     }
@@ -263,9 +272,9 @@ impl Kernel<'_> {
 
     /// The active code of the cycle group acts on every position.
     fn cycle_repeats(&self) -> bool {
-        let row = self.modal.row(group::CYCLE);
+        let row = self.channel.state.modal.row(group::CYCLE);
         match row.and_then(|row| self.plan.actions.get(usize::from(row)).copied().flatten()) {
-            Some(Action::Cycle(_)) => !self.cycle.activator,
+            Some(Action::Cycle(_)) => !self.channel.state.cycle.activator,
             Some(Action::CycleOn | Action::ThreadCycle(_)) => true,
             _ => false,
         }
@@ -273,8 +282,8 @@ impl Kernel<'_> {
 
     /// Follows active codes that were set without acting: no cycle code, no cycle.
     pub(crate) fn follow_cycle(&mut self) {
-        if self.cycle.running && !self.cycle_repeats() {
-            self.cycle.end();
+        if self.channel.state.cycle.running && !self.cycle_repeats() {
+            self.channel.state.cycle.end();
         }
     }
 }

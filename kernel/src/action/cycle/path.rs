@@ -6,10 +6,11 @@
 use super::kind::{Kind, Out, Steps};
 use super::{Hole, State};
 use crate::action::{dwell, spindle};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Position};
 use crate::machine::model::Approach;
+use counterpoint_fault::Acted;
 
 /// Most steps of a hole.
 const MOST_STEPS: u32 = 10_000;
@@ -26,7 +27,7 @@ pub(super) struct Drill<'h> {
 impl Kernel<'_> {
     /// Makes a hole with what the cycle knows now.
     pub(super) fn make_hole(&mut self, hole: &Hole) -> Acted {
-        let cycle = self.cycle;
+        let cycle = self.channel.state.cycle;
         let Some(kind) = Kind::numbered(cycle.number) else { return Ok(()) };
         let turning = self.current()?.direction;
         let drill = Drill { hole, kind, cycle, turning };
@@ -48,7 +49,7 @@ impl Kernel<'_> {
     fn approach(&mut self, hole: &Hole) -> Acted {
         let along = 1 << hole.axis;
         let mut target = hole.target;
-        if self.machine.cycles.approach == Approach::PositionFirst {
+        if self.channel.env.machine.cycles.approach == Approach::PositionFirst {
             if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.programmed().get(hole.axis).copied()) {
                 *slot = level;
             }
@@ -92,7 +93,7 @@ impl Kernel<'_> {
         let steps = drill.kind.steps();
         let step = drill.cycle.step.filter(|step| *step > 0.0 && step.is_finite());
         let Some(step) = step.filter(|_| steps != Steps::None) else {
-            if steps != Steps::None && self.machine.cycles.step_required {
+            if steps != Steps::None && self.channel.env.machine.cycles.step_required {
                 let text = format!("a cycle needs its step in '{}', it is drilled in one go", self.block_text());
                 self.diagnose(&diag::DATA_MISSING, text);
             }
@@ -103,7 +104,7 @@ impl Kernel<'_> {
 
     fn in_steps(&mut self, drill: &Drill<'_>, depth: f64, first: f64) -> Acted {
         let (hole, cycle) = (drill.hole, &drill.cycle);
-        let scale = self.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.channel.state.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
         let (whole, down) = ((depth - hole.clear).abs() * scale, (depth - hole.clear).signum());
         let at = |reached: f64| hole.clear + down * reached / scale;
         let (mut reached, mut step) = (0.0, first);
@@ -198,14 +199,14 @@ impl Kernel<'_> {
         let mut coded = 0_u8;
         let given = cycle.shifts.iter().any(Option::is_some);
         let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));
-        for (role, axis) in self.place.cartesian.iter().enumerate() {
+        for (role, axis) in self.channel.state.place.cartesian.iter().enumerate() {
             let part = match cycle.shifts.get(role).copied().flatten() {
                 Some(part) => part,
                 None if !given && Some(role) == first => cycle.shift,
                 None => 0.0,
             };
             let Some(axis) = axis.map(usize::from).filter(|_| part != 0.0) else { continue };
-            let scale = self.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = target.get_mut(axis) {
                 *slot += way * part / scale;
                 coded |= 1 << axis;

@@ -5,9 +5,10 @@
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
 use super::{Height, State};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{DataId, data};
+use counterpoint_fault::Acted;
 
 /// Webs behind the first one.
 pub(super) const FURTHER: usize = 3;
@@ -42,7 +43,7 @@ impl Kernel<'_> {
     /// From the depth of the first web through the others.
     pub(super) fn further_webs(&mut self, drill: &super::path::Drill<'_>, depth: f64) -> Acted {
         let hole = drill.hole;
-        let scale = self.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.channel.state.place.axes.get(hole.axis).map_or(1.0, |axis| axis.scale);
         let up = (hole.clear - depth).signum() * drill.cycle.step_back / scale;
         for [start, depth] in hole.webs.into_iter().flatten() {
             self.lift(drill, start + up)?;

@@ -29,23 +29,23 @@ pub(super) struct Words {
 /// Takes the data of a cycle code; the kind may become a rigid one.
 pub(super) fn take(kernel: &mut Kernel<'_>, kind: Kind) -> (Kind, Words) {
     take_feed(kernel);
-    let Some((role, axis)) = kernel.cycle.axis else { return (kind, position(kernel)) };
-    let scale = kernel.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
-    let rules = (kernel.machine.cycles.clearance, kernel.machine.cycles.depth);
+    let Some((role, axis)) = kernel.channel.state.cycle.axis else { return (kind, position(kernel)) };
+    let scale = kernel.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+    let rules = (kernel.channel.env.machine.cycles.clearance, kernel.channel.env.machine.cycles.depth);
     depth(kernel, (role, axis), scale, rules.1);
     if kind.bores_back()
         && let Some(bottom) = height(kernel, data::CYCLE_BOTTOM, rules.0, scale)
     {
-        kernel.cycle.bottom = Some(bottom);
+        kernel.channel.state.cycle.bottom = Some(bottom);
     }
     if let Some(clear) = height(kernel, data::CYCLE_CLEAR, rules.0, scale) {
-        kernel.cycle.clear = Some(clear);
+        kernel.channel.state.cycle.clear = Some(clear);
     }
     if kind.has_webs() {
         for (web, ids) in super::webs::DATA.into_iter().enumerate() {
             for (end, id) in ids.into_iter().enumerate() {
                 let height = height(kernel, id, rules.1, scale);
-                let slot = kernel.cycle.webs.get_mut(web).and_then(|web| web.get_mut(end));
+                let slot = kernel.channel.state.cycle.webs.get_mut(web).and_then(|web| web.get_mut(end));
                 if let (Some(slot), Some(height)) = (slot, height) {
                     *slot = Some(height);
                 }
@@ -54,7 +54,7 @@ pub(super) fn take(kernel: &mut Kernel<'_>, kind: Kind) -> (Kind, Words) {
     }
     let mut words = position(kernel);
     if let Some(retract) = height(kernel, data::CYCLE_RETRACT, rules.0, scale) {
-        kernel.cycle.retract = Some(retract);
+        kernel.channel.state.cycle.retract = Some(retract);
     }
     let kind = amounts(kernel, kind);
     words.times = times(kernel);
@@ -81,20 +81,20 @@ fn take_feed(kernel: &mut Kernel<'_>) {
             let pitch =
                 |threads: f64| if threads == 0.0 { 0.0 } else { kernel.unit_factor(Dimension::Length) / threads };
             let value = if id == data::CYCLE_TPU { pitch(datum.value) } else { datum.value };
-            kernel.cycle.feed = (Some(value), unit);
-            kernel.cycle.own_feed = true;
+            kernel.channel.state.cycle.feed = (Some(value), unit);
+            kernel.channel.state.cycle.own_feed = true;
             return;
         }
     }
-    let (id, unit) = feed_of(kernel.modal.code(group::FEED));
+    let (id, unit) = feed_of(kernel.channel.state.modal.code(group::FEED));
     if let Some(datum) = kernel.take(id) {
-        kernel.modal.remember(id, datum.value);
-        kernel.cycle.feed = (Some(datum.value), unit);
-        kernel.cycle.own_feed = false;
-    } else if !kernel.cycle.own_feed {
+        kernel.channel.state.modal.remember(id, datum.value);
+        kernel.channel.state.cycle.feed = (Some(datum.value), unit);
+        kernel.channel.state.cycle.own_feed = false;
+    } else if !kernel.channel.state.cycle.own_feed {
         // Inverse time belongs to its block alone.
-        let known = if unit == FeedUnit::InverseTime { None } else { kernel.modal.value(id) };
-        kernel.cycle.feed = (known, unit);
+        let known = if unit == FeedUnit::InverseTime { None } else { kernel.channel.state.modal.value(id) };
+        kernel.channel.state.cycle.feed = (known, unit);
     }
 }
 
@@ -103,11 +103,11 @@ fn depth(kernel: &mut Kernel<'_>, (role, axis): (usize, usize), scale: f64, rule
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(kernel, id, rule, scale));
     let depth = own.or_else(|| {
-        let id = kernel.place.axes.get(axis).map(|axis| axis.data)?;
+        let id = kernel.channel.state.place.axes.get(axis).map(|axis| axis.data)?;
         height(kernel, id, rule, 1.0)
     });
     if depth.is_some() {
-        kernel.cycle.depth = depth;
+        kernel.channel.state.cycle.depth = depth;
     }
 }
 
@@ -118,16 +118,17 @@ fn height(kernel: &mut Kernel<'_>, id: DataId, rule: Heights, scale: f64) -> Opt
     if relative {
         return Some(Height { value: datum.value / scale, relative });
     }
-    let axis = kernel.cycle.axis.map(|(_, axis)| axis);
+    let axis = kernel.channel.state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
-    let own = axis.filter(|axis| kernel.place.axes.get(*axis).is_some_and(|axis| axis.data != id));
+    let own = axis.filter(|axis| kernel.channel.state.place.axes.get(*axis).is_some_and(|axis| axis.data != id));
     let factor = own.map_or(1.0, |axis| kernel.factor_across(axis));
-    let shift = axis.filter(|_| kernel.block.machine_frame).and_then(|axis| kernel.place.shift.get(axis));
+    let shift =
+        axis.filter(|_| kernel.channel.block.machine_frame).and_then(|axis| kernel.channel.state.place.shift.get(axis));
     Some(Height { value: datum.value * factor - shift.copied().unwrap_or(0.0), relative })
 }
 
 fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {
-    let mode = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let mode = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     datum.incremental
         || !datum.absolute
             && match rule {
@@ -139,12 +140,12 @@ fn is_relative(kernel: &Kernel<'_>, rule: Heights, datum: &Datum) -> bool {
 
 /// Position axes, and which of them are distances.
 fn position(kernel: &mut Kernel<'_>) -> Words {
-    let mode = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let mode = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
-    for (index, axis) in kernel.place.axes.iter().enumerate() {
+    for (index, axis) in kernel.channel.state.place.axes.iter().enumerate() {
         let sources = kernel.plan.sources.get(usize::from(axis.data.0)).into_iter().flatten();
-        let word = sources.filter_map(|source| kernel.block.look(source.register)).next();
-        let added = || kernel.block.added.iter().any(|(id, _)| *id == axis.data);
+        let word = sources.filter_map(|source| kernel.channel.block.look(source.register)).next();
+        let added = || kernel.channel.block.added.iter().any(|(id, _)| *id == axis.data);
         if word.is_some_and(|word| word.incremental || mode) || mode && added() {
             relative |= 1 << index;
         }
@@ -157,39 +158,39 @@ fn position(kernel: &mut Kernel<'_>) -> Words {
 fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
     use super::kind::{Out, Steps};
     let mut kind = tap_type(kernel, kind);
-    if kernel.cycle.rigid == 2.0 && kind.taps() {
+    if kernel.channel.state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
         if let Some(step) = kernel.take(data::CYCLE_STEP) {
-            kernel.cycle.step = Some(step.value.abs());
+            kernel.channel.state.cycle.step = Some(step.value.abs());
         }
-        kind = kind.rigid(kernel.cycle.step.is_some_and(|step| step > 0.0));
-        kernel.cycle.number = kind.number();
+        kind = kind.rigid(kernel.channel.state.cycle.step.is_some_and(|step| step > 0.0));
+        kernel.channel.state.cycle.number = kind.number();
     } else if kind.is_rigid() {
-        kernel.cycle.rigid = 1.0;
+        kernel.channel.state.cycle.rigid = 1.0;
     }
     if kind.dwells()
         && let Some(dwell) = kernel.take_seconds(data::CYCLE_DWELL)
-        && let [bottom, ..] = &mut kernel.cycle.dwell
+        && let [bottom, ..] = &mut kernel.channel.state.cycle.dwell
     {
         *bottom = dwell;
     }
     if kind.steps() != Steps::None {
         if let Some(step) = kernel.take(data::CYCLE_STEP) {
-            kernel.cycle.step = Some(step.value.abs());
+            kernel.channel.state.cycle.step = Some(step.value.abs());
         }
         if let Some(decrement) = kernel.take(data::CYCLE_STEP_DECR) {
-            kernel.cycle.decrement = decrement.value.abs();
+            kernel.channel.state.cycle.decrement = decrement.value.abs();
         }
     }
     if (kind.steps() != Steps::None || kind.has_webs())
         && let Some(back) = kernel.take(data::CYCLE_STEP_BACK)
     {
-        kernel.cycle.step_back = back.value.abs();
+        kernel.channel.state.cycle.step_back = back.value.abs();
     }
     if kind.is_rigid()
         && let Some(orient) = kernel.take(data::CYCLE_RIGID_ORIENT)
     {
-        kernel.cycle.orient = orient.value;
+        kernel.channel.state.cycle.orient = orient.value;
     }
     if kind.out() == Out::Oriented {
         shifts(kernel);
@@ -211,28 +212,28 @@ fn tap_type(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
             );
             kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
         } else {
-            kernel.cycle.tap = Some(datum.value);
+            kernel.channel.state.cycle.tap = Some(datum.value);
         }
     }
-    let Some(typed) = kernel.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
-    kernel.cycle.number = typed.number();
-    if !typed.is_rigid() && kernel.cycle.rigid == 1.0 {
-        kernel.cycle.rigid = 0.0;
+    let Some(typed) = kernel.channel.state.cycle.tap.and_then(|wanted| kind.tap(wanted)) else { return kind };
+    kernel.channel.state.cycle.number = typed.number();
+    if !typed.is_rigid() && kernel.channel.state.cycle.rigid == 1.0 {
+        kernel.channel.state.cycle.rigid = 0.0;
     }
     typed
 }
 
 fn shifts(kernel: &mut Kernel<'_>) {
     if let Some(orient) = kernel.take(data::CYCLE_ORIENT) {
-        kernel.cycle.orient = orient.value;
+        kernel.channel.state.cycle.orient = orient.value;
     }
     if let Some(shift) = kernel.take(data::CYCLE_BORE_JOG) {
-        kernel.cycle.shift = shift.value;
+        kernel.channel.state.cycle.shift = shift.value;
     }
     for (index, id) in [data::CYCLE_BORE_JOG_X, data::CYCLE_BORE_JOG_Y, data::CYCLE_BORE_JOG_Z].into_iter().enumerate()
     {
         if let Some(datum) = kernel.take(id)
-            && let Some(slot) = kernel.cycle.shifts.get_mut(index)
+            && let Some(slot) = kernel.channel.state.cycle.shifts.get_mut(index)
         {
             *slot = Some(datum.value);
         }

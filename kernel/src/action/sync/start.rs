@@ -4,19 +4,23 @@
 //! Facts: reference channel-synchronisation.md 1.0; the reading is ours, told in docs/emulation.md, "Spindles".
 
 use super::{heads, pass, passes, stand, woken};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::log::event::{Kind, Release};
 use crate::machine::model::SyncDialect;
 use crate::multi::order::Wake;
 use crate::multi::waits::{Set, Spec, Waiting};
+use counterpoint_fault::Acted;
 
 /// Carries out the start by a head.
 pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {
     let heads = heads(kernel);
     // The code names a head by its place: the first or the second channel.
     let by = heads.iter().nth(usize::from(by).saturating_sub(1)).unwrap_or(by);
-    let gives = kernel.rank == by && kernel.machine.sync.dialect != SyncDialect::None;
-    if !heads.has(kernel.rank) || kernel.machine.channels.len() < 2 || !gives && passes(kernel) {
+    let gives = kernel.channel.at.channel == by && kernel.channel.env.machine.sync.dialect != SyncDialect::None;
+    if !heads.has(kernel.channel.at.channel)
+        || kernel.channel.env.machine.channels.len() < 2
+        || !gives && passes(kernel)
+    {
         return pass(kernel);
     }
     kernel.flow.pass.effects = true;
@@ -24,12 +28,12 @@ pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {
 }
 
 fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
-    kernel.emit(0, Kind::Mode { text: format!("sync mark={} {what}", spec.text()).into() });
+    kernel.emit(0, Kind::mode(format!("sync mark={} {what}", spec.text())));
 }
 
 /// Lets the other head go on, now or when it comes.
 fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
-    tell(kernel, &Spec::start(kernel.rank, heads), "set");
+    tell(kernel, &Spec::start(kernel.channel.at.channel, heads), "set");
     let tag = kernel.tag();
     kernel.shared(|order| {
         if let Some(released) = order.waits.start(tag, heads) {
@@ -42,8 +46,8 @@ fn give(kernel: &mut Kernel<'_>, heads: Set) -> Acted {
 /// Waits for the other head, unless it has been here before.
 fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
     let spec = Spec::start(by, heads);
-    let (since_ns, tag) = (kernel.clock, kernel.tag());
-    let (file, line, info) = (kernel.file, kernel.line, kernel.info);
+    let (since_ns, tag) = (kernel.channel.at.clock, kernel.tag());
+    let (file, line, info) = (kernel.channel.at.file, kernel.channel.at.line, kernel.channel.env.info);
     let waiting = Waiting { spec: spec.clone(), tag, file, line };
     let stands = kernel.shared(|order| {
         if order.waits.started(by) {
@@ -58,8 +62,8 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
         tell(kernel, &spec, "go");
         return Ok(());
     };
-    let wait = kernel.meetings.wait(&spec);
-    kernel.burden.result(crate::channel::burden::RESULT);
+    let wait = kernel.channel.reports.waits.wait(&spec);
+    kernel.channel.burden.result(crate::channel::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);

@@ -6,12 +6,13 @@
 
 pub(crate) mod cycle;
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::thread::Lead;
 
 use super::spindle::Turning;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::report::NOT_DONE;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::Machine;
@@ -62,13 +63,13 @@ pub(super) struct Screw {
 /// Cuts one pass.
 pub(super) fn thread(kernel: &mut Kernel<'_>, change: Change, firing: Firing) -> Acted {
     let (pitch, sides) = take_pitch(kernel);
-    let by_word = change == Change::None && kernel.machine.threads.changes;
+    let by_word = change == Change::None && kernel.channel.env.machine.threads.changes;
     let change = take_change(kernel, if by_word { Change::May } else { change }, firing.implied);
     kernel.take(data::INTERP_THREAD_ANGLE);
     let starts = take_starts(kernel);
-    kernel.threads.starts = starts;
+    kernel.channel.state.threads.starts = starts;
     let (coded, target) = kernel.targets();
-    if coded == 0 || target == kernel.place.position {
+    if coded == 0 || target == kernel.channel.state.place.position {
         return Ok(());
     }
     let (pitch, along) = if sides == [None; 2] { (pitch, None) } else { by_axis(kernel, sides, &target) };
@@ -100,8 +101,8 @@ fn take_pitch(kernel: &mut Kernel<'_>) -> (Option<f64>, [Option<f64>; 2]) {
 
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
 fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
-    let changes = kernel.changes(&kernel.place.position, target);
-    let axes = [0, 2].map(|role| kernel.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let changes = kernel.changes(&kernel.channel.state.place.position, target);
+    let axes = [0, 2].map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
     let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
     let [x, z] = axes.map(way);
     let (pitch, axis, way) = match sides {
@@ -117,7 +118,7 @@ fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (
 fn take_change(kernel: &mut Kernel<'_>, change: Change, implied: bool) -> f64 {
     let id = data::INTERP_THREAD_PITCH_VAR;
     let said = if change == Change::None { None } else { kernel.take(id).map(|datum| datum.value) };
-    let last = kernel.modal.value(id).unwrap_or(0.0);
+    let last = kernel.channel.state.modal.value(id).unwrap_or(0.0);
     let value = match (change, said) {
         (Change::None, _) => 0.0,
         (Change::May, None) if !implied => 0.0,
@@ -129,7 +130,7 @@ fn take_change(kernel: &mut Kernel<'_>, change: Change, implied: bool) -> f64 {
         let text = format!("a thread with a changing lead needs its change in '{}'", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
-    kernel.modal.remember(id, value);
+    kernel.channel.state.modal.remember(id, value);
     value
 }
 
@@ -139,7 +140,7 @@ fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
     let starts = take(kernel, data::INTERP_THREAD_STARTS);
     let current = take(kernel, data::INTERP_THREAD_START_CURRENT);
     let total = take(kernel, data::INTERP_THREAD_START_TOTAL);
-    let known = starts.or(total).or_else(|| kernel.modal.value(data::INTERP_THREAD_STARTS));
+    let known = starts.or(total).or_else(|| kernel.channel.state.modal.value(data::INTERP_THREAD_STARTS));
     let starts = known.map_or(1.0, |starts| starts.max(1.0));
     if let Some(current) = current
         && !(1.0..=starts).contains(&current)
@@ -163,16 +164,16 @@ impl Kernel<'_> {
 
     /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
     pub(super) fn remember_lead(&mut self, pitch: f64) {
-        self.modal.remember(data::INTERP_THREAD_PITCH, pitch);
+        self.channel.state.modal.remember(data::INTERP_THREAD_PITCH, pitch);
         if self.plan.rules.lead_is_feed {
-            self.modal.remember(data::FEED_UPR, pitch);
+            self.channel.state.modal.remember(data::FEED_UPR, pitch);
         }
     }
 
     /// The lead last programmed, or the feed per revolution where that is the same word.
     pub(super) fn remembered_lead(&self) -> Option<f64> {
-        let feed = if self.plan.rules.lead_is_feed { self.modal.value(data::FEED_UPR) } else { None };
-        feed.or_else(|| self.modal.value(data::INTERP_THREAD_PITCH))
+        let feed = if self.plan.rules.lead_is_feed { self.channel.state.modal.value(data::FEED_UPR) } else { None };
+        feed.or_else(|| self.channel.state.modal.value(data::INTERP_THREAD_PITCH))
     }
 
     /// One thread move to a programmed point.
@@ -183,7 +184,7 @@ impl Kernel<'_> {
 
     /// One thread move to a target in the work frame.
     pub(super) fn cut(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         if target == from {
             return Ok(());
         }
@@ -197,7 +198,7 @@ impl Kernel<'_> {
 
     /// Seconds of a thread move; falls back to the rapid time (with a diagnostic) without lead or speed.
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
-        let from = self.place.position;
+        let from = self.channel.state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
             let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
             let text = format!("thread without a lead in '{}', {done}", self.block_text());

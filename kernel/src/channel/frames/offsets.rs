@@ -70,7 +70,7 @@ impl Offsets {
 impl Kernel<'_> {
     /// Values of an offset.
     pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
-        let set = self.place.offsets.as_deref().and_then(|offsets| {
+        let set = self.channel.state.place.offsets.as_deref().and_then(|offsets| {
             let table = match table {
                 Table::Work => &offsets.work,
                 Table::Length => &offsets.length,
@@ -82,12 +82,16 @@ impl Kernel<'_> {
             return *values;
         }
         let values = match table {
-            Table::Work => (number as usize).checked_sub(1).and_then(|at| self.machine.work_offsets.get(at)),
-            Table::Length => self.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
+            Table::Work => {
+                (number as usize).checked_sub(1).and_then(|at| self.channel.env.machine.work_offsets.get(at))
+            }
+            Table::Length => {
+                self.channel.env.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values)
+            }
             Table::Wear => None,
         };
         let mut position = [0.0; MAX_AXES];
-        for (slot, axis) in position.iter_mut().zip(&self.place.axes) {
+        for (slot, axis) in position.iter_mut().zip(&self.channel.state.place.axes) {
             *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
         }
         position
@@ -98,7 +102,7 @@ impl Kernel<'_> {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;
         }
-        let offsets = self.place.offsets.get_or_insert_default();
+        let offsets = self.channel.state.place.offsets.get_or_insert_default();
         let slot = match table {
             Table::Work => &mut offsets.work,
             Table::Length => &mut offsets.length,
@@ -115,7 +119,7 @@ impl Kernel<'_> {
     /// Length and wear of an offset together.
     pub(crate) fn worn_length(&self, number: u32) -> Position {
         let mut values = self.offset_values(Table::Length, number);
-        if self.place.offsets.is_some() {
+        if self.channel.state.place.offsets.is_some() {
             for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
                 *slot += wear;
             }
@@ -129,13 +133,13 @@ impl Kernel<'_> {
     }
 
     fn radii(&self, table: Radii) -> Radii {
-        if self.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
+        if self.channel.env.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
     }
 
     /// A radius, without the base value.
     pub(crate) fn offset_radius(&self, table: Radii, number: u32) -> f64 {
         let table = self.radii(table);
-        let set = self.place.offsets.as_deref().and_then(|offsets| {
+        let set = self.channel.state.place.offsets.as_deref().and_then(|offsets| {
             let table = match table {
                 Radii::Cutter => &offsets.radius,
                 Radii::Corner => &offsets.corner,
@@ -144,7 +148,8 @@ impl Kernel<'_> {
             table.get(&number)
         });
         set.copied().unwrap_or_else(|| {
-            let own = self.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
+            let own =
+                self.channel.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
             own.map_or(0.0, |own| own.radius)
         })
     }
@@ -155,7 +160,7 @@ impl Kernel<'_> {
         if value.is_nan() || value.abs() > BOUND {
             return false;
         }
-        let offsets = self.place.offsets.get_or_insert_default();
+        let offsets = self.channel.state.place.offsets.get_or_insert_default();
         let slot = match table {
             Radii::Cutter => &mut offsets.radius,
             Radii::Corner => &mut offsets.corner,

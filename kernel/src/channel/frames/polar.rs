@@ -5,11 +5,11 @@
 //! (Cartesian), or radius and angle (polar), and moves are straight or round on the part. Facts: reference
 //! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
 
-use super::affine::turn;
 use super::{Frames, NOISE, clean};
 use crate::channel::Kernel;
 use crate::channel::state::Place;
 use crate::log::event::Position;
+use counterpoint_motion::frame::affine::turn;
 
 /// Distances from the centre below this have no direction.
 const CENTRE: f64 = 1e-9;
@@ -137,27 +137,30 @@ impl Polar {
 impl Kernel<'_> {
     /// Polar interpolation, if it is active.
     pub(crate) fn polar(&self) -> Option<Polar> {
-        self.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
+        self.channel.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
     }
 
     /// Change of each coordinate that the feed counts: under polar interpolation those of the part.
     #[inline(always)]
     pub(crate) fn feed_changes(&self, from: &Position, to: &Position) -> Position {
         let changes = self.changes(from, to);
-        if self.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
+        if self.channel.state.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
     }
 
     #[cold]
     fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
         if self.tip().is_some() {
             // The feed is that of the tip; where it stands, that of the rotary axes.
-            let linear = changes.iter().zip(&self.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
-            for (slot, _) in changes.iter_mut().zip(&self.place.axes).filter(|(_, axis)| axis.rotary && linear) {
+            let linear =
+                changes.iter().zip(&self.channel.state.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
+            for (slot, _) in
+                changes.iter_mut().zip(&self.channel.state.place.axes).filter(|(_, axis)| axis.rotary && linear)
+            {
                 *slot = 0.0;
             }
         }
         let Some(polar) = self.polar() else { return changes };
-        let [before, after] = [from, to].map(|point| polar.part(&self.place, point));
+        let [before, after] = [from, to].map(|point| polar.part(&self.channel.state.place, point));
         for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {
             if let Some(slot) = changes.get_mut(axis) {
                 *slot = b - a;

@@ -3,9 +3,9 @@
 //! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
 //! before away again; of rotations and centres the newest counts.
 
-use super::affine::Point;
-use super::local::Part;
 use crate::channel::Kernel;
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Part;
 
 /// The values of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ impl Kernel<'_> {
             mirror: [0.0; 3],
             center: [0.0; 3],
         };
-        let Some(local) = self.place.frames.as_deref().map(|frames| &frames.local) else { return told };
+        let Some(local) = self.channel.state.place.frames.as_deref().map(|frames| &frames.local) else { return told };
         for given in local.parts(Part::Translate) {
             each(&mut told.translation, given.values, |all, one| all + one);
         }
@@ -46,7 +46,7 @@ impl Kernel<'_> {
         }
         told.center = local.center().unwrap_or_default();
         for (role, (shift, center)) in told.translation.iter_mut().zip(&mut told.center).enumerate() {
-            let scale = self.place.scale_of(role);
+            let scale = self.channel.state.place.scale_of(role);
             (*shift, *center) = (*shift / scale, *center / scale);
         }
         told

@@ -16,6 +16,7 @@ mod run;
 mod store;
 mod text;
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -26,7 +27,6 @@ pub(crate) use line::is_header;
 pub(crate) use programs::{called, program_name, returns};
 
 use super::{Host, Interpreter, Setting};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;

@@ -25,9 +25,10 @@ impl Kernel<'_> {
     /// Makes a code the active one of its group, without acting; the one that was.
     pub(crate) fn activate_code(&mut self, id: CodeId) -> Option<CodeId> {
         let row = self.row_of_code(id)?;
-        let group = self.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
-        let before = self.modal.code(group);
-        self.modal.activate(group, id, row);
+        let group =
+            self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
+        let before = self.channel.state.modal.code(group);
+        self.channel.state.modal.activate(group, id, row);
         self.follow_cycle();
         self.follow_spindle();
         self.follow_clamps();
@@ -37,7 +38,7 @@ impl Kernel<'_> {
     /// `$FCEADD`
     pub(super) fn add_item(&mut self, arguments: &[Value]) -> Outcome<Value> {
         let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
-        if self.block.added.len() + self.block.firings.len() >= MOST_ADDED {
+        if self.channel.block.added.len() + self.channel.block.firings.len() >= MOST_ADDED {
             return Err(Fault::new(Number::SIZE, format!("a block has more than {MOST_ADDED} codes and data")));
         }
         let value = match arguments.get(1) {
@@ -50,44 +51,44 @@ impl Kernel<'_> {
         let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
         let known = data_id(item).filter(|id| self.knows_data(*id));
         if let Some(id) = known {
-            self.block.added.push((id, value));
+            self.channel.block.added.push((id, value));
         }
         Ok(Value::Logical(known.is_some()))
     }
 
     /// Some row of the machine has this data.
     pub(crate) fn knows_data(&self, id: DataId) -> bool {
-        !self.machine.tables.data(id).is_empty()
+        !self.channel.env.machine.tables.data(id).is_empty()
     }
 
     /// Puts a code where its order says among those that have not acted yet.
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
         let Some(row) = self.row_of_code(id) else { return false };
-        let Some(facts) = self.machine.codes.get(usize::from(row)) else { return false };
+        let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
         let firing = Firing { order: facts.order, row, value, implied: false, fragile: false };
-        let next = self.block.next.min(self.block.firings.len());
-        let rest = self.block.firings.get(next..).unwrap_or(&[]);
+        let next = self.channel.block.next.min(self.channel.block.firings.len());
+        let rest = self.channel.block.firings.get(next..).unwrap_or(&[]);
         let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
-        self.block.firings.insert(at, firing);
+        self.channel.block.firings.insert(at, firing);
         true
     }
 
     /// Position of a code that has not acted yet.
     fn waiting_code(&self, id: CodeId) -> Option<usize> {
-        let firings = self.block.firings.iter().enumerate().skip(self.block.next);
+        let firings = self.channel.block.firings.iter().enumerate().skip(self.channel.block.next);
         let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == Some(id));
         found.next().map(|(at, _)| at)
     }
 
     pub(crate) fn id_of_row(&self, row: u16) -> Option<CodeId> {
-        self.machine.codes.get(usize::from(row)).map(|row| row.id)
+        self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.id)
     }
 
     /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
     pub(crate) fn code_number(&self, firing: Firing) -> f64 {
-        match self.machine.codes.get(usize::from(firing.row)) {
+        match self.channel.env.machine.codes.get(usize::from(firing.row)) {
             Some(row) if matches!(row.form, CodeForm::Register { .. } | CodeForm::RegisterAsData { .. }) => {
                 firing.value * row.mul + row.add
             }
@@ -103,9 +104,9 @@ impl Kernel<'_> {
     /// Data are on the block.
     pub(crate) fn has_data(&self, id: DataId) -> bool {
         let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
-        self.block.present & registers != 0
-            || self.block.added.iter().any(|(other, _)| *other == id)
-            || self.as_data.is_some_and(|(other, _)| other == id)
+        self.channel.block.present & registers != 0
+            || self.channel.block.added.iter().any(|(other, _)| *other == id)
+            || self.channel.acting.as_data.is_some_and(|(other, _)| other == id)
     }
 
     /// `$FCEGET` and `$FCESEEK`
@@ -113,9 +114,9 @@ impl Kernel<'_> {
         let Some(item) = arguments.first() else { return Ok(Value::Null) };
         if let Value::Code(_) = item {
             let Some(at) = code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
-            let firing = self.block.firings.get(at).copied();
+            let firing = self.channel.block.firings.get(at).copied();
             if take {
-                self.block.firings.remove(at);
+                self.channel.block.firings.remove(at);
             }
             return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
         }
@@ -137,32 +138,40 @@ impl Kernel<'_> {
         if mode.is_empty() {
             return Ok(Value::Null);
         }
-        let rows = self.machine.tables.data(id).iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
+        let rows = self
+            .channel
+            .env
+            .machine
+            .tables
+            .data(id)
+            .iter()
+            .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let factor = rows.map(|row| self.unit_factor(row.dimension)).next().unwrap_or(1.0);
-        Ok(self.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
+        Ok(self.channel.state.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
     }
 
     /// Value of data of this block, before any change of units.
     fn data_on_block(&mut self, id: DataId, take: bool) -> Option<f64> {
-        if let Some((data, value)) = self.as_data
+        if let Some((data, value)) = self.channel.acting.as_data
             && data == id
         {
             if take {
-                self.as_data = None;
+                self.channel.acting.as_data = None;
             }
             return Some(value);
         }
         let plan = self.plan;
         for source in plan.sources.get(usize::from(id.0)).map_or(&[][..], Vec::as_slice) {
-            let word = if take { self.block.take(source.register) } else { self.block.look(source.register) };
+            let word =
+                if take { self.channel.block.take(source.register) } else { self.channel.block.look(source.register) };
             if let Some(word) = word {
                 return Some(word.value * source.mul + source.add);
             }
         }
-        let at = self.block.added.iter().position(|(other, _)| *other == id)?;
-        let value = self.block.added.get(at).map(|(_, value)| *value);
+        let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
+        let value = self.channel.block.added.get(at).map(|(_, value)| *value);
         if take {
-            self.block.added.remove(at);
+            self.channel.block.added.remove(at);
         }
         value
     }
@@ -171,8 +180,8 @@ impl Kernel<'_> {
     pub(super) fn active_code(&mut self, arguments: &[Value], set: bool) -> Value {
         let Some(id) = arguments.first().and_then(code_id) else { return Value::Code(0) };
         let Some(row) = self.row_of_code(id) else { return Value::Code(0) };
-        let group = self.machine.codes.get(usize::from(row)).map_or(0, |row| row.group);
-        let before = self.modal.code(group).filter(|_| group != 0);
+        let group = self.channel.env.machine.codes.get(usize::from(row)).map_or(0, |row| row.group);
+        let before = self.channel.state.modal.code(group).filter(|_| group != 0);
         if set {
             self.activate_code(id);
         }

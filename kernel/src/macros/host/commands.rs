@@ -15,9 +15,9 @@ use crate::channel::Kernel;
 use crate::channel::burden::shortened;
 use crate::channel::state::group;
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message, Trace};
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 
 /// Steps that processing a block costs the macro that asks for it.
@@ -37,11 +37,11 @@ pub(super) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
 impl Kernel<'_> {
     /// Makes codes active again that were saved.
     pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
-        self.modal.restore(saved);
+        self.channel.state.modal.restore(saved);
         self.follow_cycle();
         self.follow_spindle();
         self.follow_clamps();
-        self.secondary = self.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
+        self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
     }
 
     pub(super) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
@@ -61,7 +61,7 @@ impl Kernel<'_> {
             }
             Command::Search(number) => self.search_record(state, number)?,
             Command::SaveModal => {
-                let groups = self.modal.saved();
+                let groups = self.channel.state.modal.saved();
                 let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
                 if runtime.saved.len() >= MOST_SAVED {
                     let text = format!("more than {MOST_SAVED} modal states are saved");
@@ -82,7 +82,9 @@ impl Kernel<'_> {
                 self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
             }
             Command::Skip(_) => {}
-            Command::Print(text) => self.emit(0, Kind::Message { text: shortened(text).into(), printed: true }),
+            Command::Print(text) => {
+                self.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
+            }
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
@@ -90,7 +92,7 @@ impl Kernel<'_> {
 
     /// LPRINT goes along as a line of the trace that is there without a trace.
     fn control_listing(&mut self, text: Box<str>) {
-        self.emit(0, Kind::Trace { letter: crate::trace::LISTING, text });
+        self.emit(0, Kind::Trace(Trace { letter: crate::trace::LISTING, text }));
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
@@ -142,7 +144,7 @@ impl Kernel<'_> {
 
     fn exec_text(&mut self, state: &mut State, now: bool, text: &str) -> Outcome<()> {
         self.may_exec(state)?;
-        let limit = self.options.limits.block_length;
+        let limit = self.channel.env.options.limits.block_length;
         if text.len() > limit {
             return Err(fault(
                 &diag::BLOCK_TOO_LONG,
@@ -185,9 +187,9 @@ impl Kernel<'_> {
 
     /// TAPERD: the next block that is not blank.
     fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
-        let info = self.info;
+        let sources = self.channel.env.sources;
         let found = self.flow.frames.last_mut().and_then(|frame| {
-            let source = info.source(frame.file)?;
+            let source = sources.get(frame.file)?;
             let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
             frame.next = line + 1;
             Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))
@@ -218,13 +220,13 @@ impl Kernel<'_> {
             let text = format!("SEARCH for record {number}, the program has {first} to {last}");
             return Err(Fault::new(Number::OUT_OF_RANGE, text));
         };
-        if line > self.line {
+        if line > self.channel.at.line {
             if let Some(frame) = self.frame() {
                 frame.next = line;
             }
             return Ok(());
         }
-        if line == self.line {
+        if line == self.channel.at.line {
             if let Some(frame) = self.frame() {
                 frame.next = line + 1;
             }

@@ -13,7 +13,7 @@ use crate::channel::Kernel;
 use crate::channel::burden::{RESULT, shortened};
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 /// Numbers that `$DIAGLIST` keeps.
@@ -27,7 +27,7 @@ fn shipped(number: u32) -> Option<(u8, &'static str)> {
 
 /// The same for what the macro language raises.
 fn of_language(number: u32) -> Option<(u8, &'static str)> {
-    TABLE.iter().find(|(n, ..)| n.0 == number).map(|(_, severity, about)| (*severity, *about))
+    TABLE.iter().find(|row| row.number.0 == number).map(|row| (row.severity, row.about))
 }
 
 fn number(value: Option<&Value>) -> Option<u32> {
@@ -45,7 +45,7 @@ impl Kernel<'_> {
 
     /// Severity and text of a number on this machine, which may change those of the product and have numbers of its own.
     fn entry(&self, number: u32) -> Option<(u8, &str)> {
-        let rule = self.machine.diagnostics.rule(number);
+        let rule = self.channel.env.machine.diagnostics.rule(number);
         let known = shipped(number);
         let severity = rule.and_then(|rule| rule.severity).or(known.map(|(severity, _)| severity))?;
         let text = rule.and_then(|rule| rule.text.as_deref()).or(known.map(|(_, text)| text))?;
@@ -90,8 +90,8 @@ impl Kernel<'_> {
         text: String,
         (origin, stops): (Option<Box<Origin>>, bool),
     ) {
-        let enabled = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
-        let enabled = self.machine.diagnostics.is_plain() || enabled();
+        let enabled = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        let enabled = self.channel.env.machine.diagnostics.is_plain() || enabled();
         let Some(runtime) = self.macros.as_deref_mut() else {
             return self.put_diagnostic((number, severity), &text, origin);
         };
@@ -183,7 +183,7 @@ impl Kernel<'_> {
         let text: String = shortened(text).chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         let operation = self.operation_name().into();
         let kernel = self.kernel_name().into();
-        self.burden.result(text.len() + RESULT);
+        self.channel.burden.result(text.len() + RESULT);
         let text = text.into();
         self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text, operation, kernel, origin })));
     }
@@ -221,7 +221,7 @@ impl Kernel<'_> {
     fn state_of(&self, number: u32) -> Option<(u8, bool)> {
         let (severity, _) = self.entry(number)?;
         let changed = self.macros.as_deref().and_then(|runtime| runtime.severities.get(&number).copied());
-        let on = || self.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        let on = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
         Some(changed.unwrap_or_else(|| (severity, on())))
     }
 

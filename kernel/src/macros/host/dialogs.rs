@@ -14,7 +14,7 @@ use counterpoint_lang::vm::State;
 use crate::channel::Kernel;
 use crate::dialog::operator::Question;
 use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
-use crate::macros::system;
+use crate::machine::macros::system;
 
 /// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
 const DIALOG_TICKS: usize = 100;
@@ -68,7 +68,7 @@ fn typed(value: answers::Value, kind: Option<Kind>) -> Outcome<Value> {
 impl Kernel<'_> {
     /// Shows a dialog; the answer is the label of its button.
     pub(super) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
-        let (machine, options) = (self.machine, self.options);
+        let (machine, options) = (self.channel.env.machine, self.channel.env.options);
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(Value::text("")) };
         let key = dialog::find(&machine.dialogs, name).map_or_else(String::new, |dialog| dialog.name.clone());
         let shown = runtime.asked.dialogs.entry(key).or_default();
@@ -79,8 +79,9 @@ impl Kernel<'_> {
             let field = fields.iter().find(|field| field.variable == variable);
             field.is_some_and(|field| matches!(field.kind, FieldKind::Number { .. }))
         };
-        let operator = self.control.operator();
-        let (channel, file, line) = (self.rank, self.info.file_name(self.file), self.line);
+        let operator = self.ports.control.operator();
+        let (channel, file, line) =
+            (self.channel.at.channel, self.channel.env.info.file_name(self.channel.at.file), self.channel.at.line);
         let mut current = |variable: &str| {
             let value = self.bound(variable).and_then(|at| to_dialog(&self.bound_value(state, at)))?;
             // A field of numbers may be bound to a text.

@@ -2,12 +2,13 @@
 //!
 //! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, HostFn, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
-use crate::channel::{Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::files::Bytes;
 use crate::machine::model::StoredFile;
@@ -45,11 +46,12 @@ impl Kernel<'_> {
     pub(super) fn file_function(
         &mut self,
         state: &mut State,
-        name: &str,
+        function: HostFn,
         arguments: &[Value],
     ) -> Option<Outcome<Value>> {
-        let program = self.flow.frames.first().map_or("", |frame| self.info.file_name(frame.file)).to_owned();
-        self.with_files(|folder, shelf| folder.function(shelf, state, (name, arguments), &program))
+        let program =
+            self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
+        self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
     }
 
     /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel
@@ -70,7 +72,7 @@ impl Kernel<'_> {
 
     /// A file stored with the machine.
     fn stored_file(&self, path: &str) -> Option<&Bytes> {
-        StoredFile::find(&self.machine.storage, &path.replace('\\', "/"))
+        StoredFile::find(&self.channel.env.machine.storage, &path.replace('\\', "/"))
     }
 
     /// Works on the files that macros have written, in its turn.
@@ -89,7 +91,7 @@ impl Shelf for Kernel<'_> {
         }
         match self.job_files(|written| written.get(path))? {
             Some(text) => text.map(|text| (*text).to_owned()).ok_or(NOT_FOUND),
-            None => match self.files.read(path) {
+            None => match self.channel.env.files.read(path) {
                 Ok(text) => Ok(String::from_utf8_lossy(&text).into_owned()),
                 Err(crate::files::Error::Missing(_)) => Err(NOT_FOUND),
                 Err(crate::files::Error::Unreadable { .. }) => Err(FAILED),
@@ -103,7 +105,7 @@ impl Shelf for Kernel<'_> {
         }
         if self.macros.as_deref().is_some_and(|runtime| runtime.leaving) {
             let tag = self.tag();
-            self.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
+            self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
             return Ok(());
         }
         let limit = self.shares().common;
@@ -129,11 +131,11 @@ impl Shelf for Kernel<'_> {
         let (text, folder) = self.job_files(|written| (written.get(path), written.has_folder(path)))?;
         let size = match text {
             Some(text) => text.map(|text| text.len()),
-            None => self.files.read(path).ok().map(|text| text.len()),
+            None => self.channel.env.files.read(path).ok().map(|text| text.len()),
         };
         let folder = || {
             let inside = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('/'));
-            path == "." || folder || self.files.list().iter().any(inside)
+            path == "." || folder || self.channel.env.files.list().iter().any(inside)
         };
         match size {
             Some(size) => Ok(Facts::file(size, false)),
@@ -145,6 +147,6 @@ impl Shelf for Kernel<'_> {
     fn remove(&mut self, path: &str) {
         // Only temporary files are removed, and they are there until all kernels have ended.
         let tag = self.tag();
-        self.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
+        self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, None));
     }
 }

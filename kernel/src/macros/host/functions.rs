@@ -6,8 +6,7 @@
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
-use counterpoint_lang::func::Function;
-use counterpoint_lang::host::macro_states;
+use counterpoint_lang::host::{HostFn, macro_states};
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
@@ -17,90 +16,99 @@ use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
+use crate::machine::macros::without;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
-use crate::macros::without;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
 }
 
 /// What a function answers that has nothing to work on.
-fn nothing(function: &Function) -> Value {
-    function.result.map_or(Value::Null, Kind::initial)
+fn nothing(function: HostFn) -> Value {
+    function.result().map_or(Value::Null, Kind::initial)
 }
 
 impl Kernel<'_> {
     pub(super) fn macro_function(
         &mut self,
         state: &mut State,
-        function: &'static Function,
+        function: HostFn,
         arguments: &[Value],
     ) -> Outcome<Value> {
-        if let Some(answer) = self.file_function(state, function.name, arguments) {
+        if let Some(answer) = self.file_function(state, function, arguments) {
             return answer;
         }
-        Ok(match function.name {
-            "$FEOF" => Value::Logical(self.at_end()),
-            "$FGET" => self.search_program(state, arguments, true)?,
-            "$FGETR" => self.search_program(state, arguments, false)?,
-            "$FERSEV" => self.severity_of(arguments)?,
-            "$FERSTA" => self.switched(arguments),
-            "$FERTXT" => self.text_of(arguments),
-            "$FMACID" => self.macro_ids(state, arguments)?,
-            "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
-            "$FREGFMT" => Value::text(self.register_format(arguments)),
-            "$FREGPOS" => {
-                let at = self.register_at(arguments.first()).map(|at| self.machine.registers.get(at).map(|r| r.index));
+        Ok(match function {
+            HostFn::EndOfProgram => Value::Logical(self.at_end()),
+            HostFn::SearchForward => self.search_program(state, arguments, true)?,
+            HostFn::SearchBackward => self.search_program(state, arguments, false)?,
+            HostFn::DiagnosticSeverity => self.severity_of(arguments)?,
+            HostFn::DiagnosticState => self.switched(arguments),
+            HostFn::DiagnosticText => self.text_of(arguments),
+            HostFn::MacroNames => self.macro_ids(state, arguments)?,
+            HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
+            HostFn::RegisterFormat => Value::text(self.register_format(arguments)),
+            HostFn::RegisterPosition => {
+                let at = self
+                    .register_at(arguments.first())
+                    .map(|at| self.channel.env.machine.registers.get(at).map(|r| r.index));
                 at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
-            "$FCEADD" | "$FCEGET" | "$FCESEEK" if self.before_block() => return Self::not_here(function.name),
-            "$FCEADD" => self.add_item(arguments)?,
-            "$FCEGET" => self.get_item(arguments, true)?,
-            "$FCESEEK" => self.get_item(arguments, false)?,
-            "$FCEGAC" => self.active_code(arguments, false),
-            "$FCESAC" => self.active_code(arguments, true),
-            "$FCEDAC" => self.data_as_code(arguments),
-            "$FCEGNCV" => self.nc_variable(arguments)?,
-            "$FCESNCV" => self.set_nc_variable(arguments)?,
-            "$FCEPP" => self.preprocessor_setting(state, arguments),
-            "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            "$FCERST" => self.restart_with(state, arguments)?,
-            "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
-            "$FDK" => self.forward(arguments)?,
-            "$FIK" => self.backward(arguments)?,
-            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => {
+            HostFn::AddItem | HostFn::TakeItem | HostFn::SeekItem if self.before_block() => {
+                return Self::not_here(function.name());
+            }
+            HostFn::AddItem => self.add_item(arguments)?,
+            HostFn::TakeItem => self.get_item(arguments, true)?,
+            HostFn::SeekItem => self.get_item(arguments, false)?,
+            HostFn::ActiveCode => self.active_code(arguments, false),
+            HostFn::SetActiveCode => self.active_code(arguments, true),
+            HostFn::DataAsCode => self.data_as_code(arguments),
+            HostFn::NcVariable => self.nc_variable(arguments)?,
+            HostFn::SetNcVariable => self.set_nc_variable(arguments)?,
+            HostFn::PreProcessorSetting => self.preprocessor_setting(state, arguments),
+            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::Restart => self.restart_with(state, arguments)?,
+            HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
+            HostFn::ForwardKinematics => self.forward(arguments)?,
+            HostFn::InverseKinematics => self.backward(arguments)?,
+            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => {
                 only_axes(arguments)?;
-                match function.name {
-                    "$FKINCFG" => self.configure(arguments),
-                    "$FKINROT" => self.choose_rotary(arguments),
+                match function {
+                    HostFn::ConfigureKinematics => self.configure(arguments),
+                    HostFn::SelectRotaryAxes => self.choose_rotary(arguments),
                     _ => self.unwind_named(arguments),
                 }
             }
-            "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
-            "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
-            "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
-            "$FMSGFCV" => self.read_offset(Table::Work, arguments)?,
-            "$FMSSDCV" => self.write_radius(Radii::Cutter, arguments)?,
-            "$FMSSRCV" => self.write_radius(Radii::Corner, arguments)?,
-            "$FMSSLCV" => self.write_offset(Table::Length, arguments)?,
-            "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
-            "$FMSLCS" => self.give_frame(arguments)?,
-            name => match without::why(name) {
+            HostFn::CutterDiameter => self.read_radius(Radii::Cutter, arguments)?,
+            HostFn::CornerRadius => self.read_radius(Radii::Corner, arguments)?,
+            HostFn::LengthOffset => self.read_offset(Table::Length, arguments)?,
+            HostFn::WorkOffset => self.read_offset(Table::Work, arguments)?,
+            HostFn::SetCutterDiameter => self.write_radius(Radii::Cutter, arguments)?,
+            HostFn::SetCornerRadius => self.write_radius(Radii::Corner, arguments)?,
+            HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
+            HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
+            HostFn::LocalFrame => self.give_frame(arguments)?,
+            function => match without::why(function) {
                 Some(why) => self.without(state, function, why),
-                None => return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control"))),
+                None => {
+                    return Err(Fault::new(
+                        Number::NO_HOST,
+                        format!("{} is not available on this control", function.name()),
+                    ));
+                }
             },
         })
     }
 
     /// The answer of a function that has nothing to work on, which is told once for each function.
-    fn without(&mut self, state: &mut State, function: &'static Function, why: &str) -> Value {
+    fn without(&mut self, state: &mut State, function: HostFn, why: &str) -> Value {
         if let Some(runtime) = self.macros.as_deref_mut()
-            && !runtime.asked.without.contains(&function.name)
+            && !runtime.asked.without.contains(&function)
         {
-            runtime.asked.without.push(function.name);
-            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name)));
+            runtime.asked.without.push(function);
+            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name())));
         }
         nothing(function)
     }
@@ -108,12 +116,12 @@ impl Kernel<'_> {
     /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
     fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
         if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
-            return Self::not_here("$FCERST");
+            return Self::not_here(HostFn::Restart.name());
         }
         let name = text(arguments, 0).trim();
         let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);
         let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
-        let file = self.info.files.iter().position(|file| file.name == name);
+        let file = self.channel.env.info.files.iter().position(|file| file.name == name);
         let good = (1.0..=f64::from(u32::MAX)).contains(&line);
         let (Some(file), true, Some(runtime)) = (file, good, self.macros.as_deref_mut()) else {
             state
@@ -126,7 +134,7 @@ impl Kernel<'_> {
 
     /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.
     fn macro_ids(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
-        let Some(macros) = self.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
+        let Some(macros) = self.channel.env.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
         let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
         let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
         let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
@@ -158,7 +166,7 @@ impl Kernel<'_> {
 
     /// State of a macro before it was switched.
     fn switch_macro(&mut self, id: f64, on: Option<bool>) -> Option<bool> {
-        let macros = self.machine.macros.as_deref()?;
+        let macros = self.channel.env.machine.macros.as_deref()?;
         let runtime = self.macros.as_deref_mut()?;
         let is = |other: u32| f64::from(other) == id;
         let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.codes_on.get_mut(at));
@@ -179,7 +187,7 @@ impl Kernel<'_> {
 
     /// Register by its number in the list, or by the start of its descriptor.
     fn register_at(&self, value: Option<&Value>) -> Option<usize> {
-        let registers = &self.machine.registers;
+        let registers = &self.channel.env.machine.registers;
         match value? {
             Value::Real(index) => registers.iter().position(|register| f64::from(register.index) == *index),
             Value::Text(text) => {
@@ -196,8 +204,10 @@ impl Kernel<'_> {
     }
 
     fn register_format(&self, arguments: &[Value]) -> String {
-        match self.register_at(arguments.first()).and_then(|at| self.machine.registers.get(at)) {
-            Some(register) => descriptor(if self.secondary { &register.secondary } else { &register.format }),
+        match self.register_at(arguments.first()).and_then(|at| self.channel.env.machine.registers.get(at)) {
+            Some(register) => {
+                descriptor(if self.channel.state.secondary { &register.secondary } else { &register.format })
+            }
             None => String::new(),
         }
     }
@@ -208,17 +218,17 @@ impl Kernel<'_> {
             Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
             Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
         }?;
-        let register = self.machine.registers.get(at)?;
+        let register = self.channel.env.machine.registers.get(at)?;
         let value = match value {
             Some(value) => value,
             None => {
-                let rows = self.machine.tables.data_of(u8::try_from(at).ok()?);
-                let ids = rows.iter().filter_map(|&row| self.machine.data.get(usize::from(row)));
-                let mut known = ids.filter_map(|row| self.modal.value(row.id));
+                let rows = self.channel.env.machine.tables.data_of(u8::try_from(at).ok()?);
+                let ids = rows.iter().filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+                let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
                 known.next().unwrap_or(0.0)
             }
         };
-        let format = if self.secondary { &register.secondary } else { &register.format };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
         let mut out = if word { register.name.clone() } else { String::new() };
         numeric(format).write(&mut out, value);
         Some(out)
@@ -227,7 +237,7 @@ impl Kernel<'_> {
     /// `$FCEGNCV`
     fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
         use crate::dialect::fanuc::is_vacant;
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             return Ok(self.interpreted_variable(arguments));
         }
         let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
@@ -237,7 +247,7 @@ impl Kernel<'_> {
         Ok(match self.get_known(index) {
             Ok(value) if !is_vacant(value) => Value::Real(value),
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Value::Null
             }
             _ => Value::Null,
@@ -246,7 +256,7 @@ impl Kernel<'_> {
 
     /// `$FCESNCV`
     fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
-        if self.interpreter.is_some() {
+        if self.dialect.interpreter.is_some() {
             return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
         }
         let value = arguments.get(1).and_then(Value::as_real);
@@ -255,7 +265,7 @@ impl Kernel<'_> {
         };
         match self.set_variable(index, value) {
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Ok(Value::Logical(false))
             }
             done => Ok(Value::Logical(done.is_ok())),

@@ -9,9 +9,9 @@ use counterpoint_lang::value::Value;
 
 use super::rotary::{Named, is};
 use crate::channel::Kernel;
-use crate::channel::frames::affine::Point;
-use crate::channel::frames::kinematics::{Angles, Chain, Joint, unit};
 use crate::log::event::{MAX_AXES, Position};
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 
 /// Six numbers by the elements of `$AXES`, or position and direction.
 type Six = [f64; 6];
@@ -36,8 +36,10 @@ fn halves([x, y, z, i, j, k]: Six) -> (Point, Point) {
 impl Kernel<'_> {
     /// Machine positions of `$XM` where the axes stand.
     fn machine_now(&self) -> Position {
-        let mut at = self.machine_point(&self.place.position);
-        for ((slot, shift), preset) in at.iter_mut().zip(&self.place.shift).zip(&self.place.preset) {
+        let mut at = self.machine_point(&self.channel.state.place.position);
+        for ((slot, shift), preset) in
+            at.iter_mut().zip(&self.channel.state.place.shift).zip(&self.channel.state.place.preset)
+        {
             *slot += preset - shift;
         }
         at
@@ -48,7 +50,7 @@ impl Kernel<'_> {
         let tool = self.tool_shift();
         let mut fixture = [0.0; MAX_AXES];
         for (((slot, shift), preset), tool) in
-            fixture.iter_mut().zip(&self.place.shift).zip(&self.place.preset).zip(tool)
+            fixture.iter_mut().zip(&self.channel.state.place.shift).zip(&self.channel.state.place.preset).zip(tool)
         {
             *slot = shift - preset - tool;
         }
@@ -62,7 +64,7 @@ impl Kernel<'_> {
     fn programmed_units(&self, point: Point) -> Point {
         let mut point = point;
         for (role, slot) in point.iter_mut().enumerate() {
-            *slot /= self.place.scale_of(role);
+            *slot /= self.channel.state.place.scale_of(role);
         }
         point
     }
@@ -82,9 +84,9 @@ impl Kernel<'_> {
         }
         let chain = self.chain();
         let angle = |axis: usize| joints.get(axis).copied().unwrap_or(0.0);
-        let tip = chain.tip(self.place.geometry(&joints), [0.0; 3], angle);
+        let tip = chain.tip(self.channel.state.place.geometry(&joints), [0.0; 3], angle);
         let (Some(tip), Some(direction)) = (tip, chain.direction(angle)) else { return Ok(Value::Null) };
-        let base = self.place.geometry(&fixture);
+        let base = self.channel.state.place.geometry(&fixture);
         let mut point = tip;
         for (slot, base) in point.iter_mut().zip(base) {
             *slot -= base;
@@ -128,23 +130,23 @@ impl Kernel<'_> {
             *slot += fixture;
         }
         for (axis, angle) in solution {
-            let shift = self.place.shift.get(*axis).copied().unwrap_or(0.0);
+            let shift = self.channel.state.place.shift.get(*axis).copied().unwrap_or(0.0);
             if let (Some(slot), Some(angle)) = (joints.get_mut(*axis), angle) {
                 *slot = angle + shift;
             }
         }
         let angle = |axis: usize| joints.get(axis).copied().unwrap_or(0.0);
-        let base = self.place.geometry(&fixture);
+        let base = self.channel.state.place.geometry(&fixture);
         let mut part = point;
         for (role, (slot, base)) in part.iter_mut().zip(base).enumerate() {
-            *slot = *slot * self.place.scale_of(role) + base;
+            *slot = *slot * self.channel.state.place.scale_of(role) + base;
         }
         let mut linear = chain.linear(part, [0.0; 3], angle);
         for (slot, base) in linear.iter_mut().zip(base) {
             *slot -= base;
         }
         let mut out = joints;
-        for ((slot, fixture), axis) in out.iter_mut().zip(fixture).zip(&self.place.axes) {
+        for ((slot, fixture), axis) in out.iter_mut().zip(fixture).zip(&self.channel.state.place.axes) {
             *slot -= if axis.rotary { fixture } else { 0.0 };
         }
         let mut six = self.by_elements(&out);
@@ -177,18 +179,18 @@ impl Kernel<'_> {
 
     /// Takes over changed kinematics; the machine stands still. `false` if tool tip control could not go on.
     fn change_kinematics(&mut self, change: impl FnOnce(&mut crate::channel::frames::tip::Settings)) -> bool {
-        let before = self.states.tip.clone();
-        change(&mut self.states.tip);
+        let before = self.channel.state.others.tip.clone();
+        change(&mut self.channel.state.others.tip);
         if self.tip().is_none() {
             return true;
         }
         if !self.chain().is_possible() {
-            self.states.tip = before;
+            self.channel.state.others.tip = before;
             return false;
         }
-        let machine = self.machine_point(&self.place.position);
+        let machine = self.machine_point(&self.channel.state.place.position);
         self.refresh_tip();
-        self.place.position = self.point_of_machine(&machine);
+        self.channel.state.place.position = self.point_of_machine(&machine);
         self.frames_changed();
         true
     }
@@ -217,11 +219,12 @@ impl Kernel<'_> {
         let valid = rest.len() == 6 && unit(vector).is_some() && center.iter().all(|value| value.is_finite());
         Some(match named {
             Named::Tool if valid => self.change_kinematics(|settings| settings.direction = Some(vector)),
-            Named::Axis(axis) if valid && self.place.axes.get(axis).is_some_and(|axis| axis.rotary) => self
-                .change_kinematics(|settings| {
+            Named::Axis(axis) if valid && self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                self.change_kinematics(|settings| {
                     settings.changed.retain(|joint| joint.axis != axis);
                     settings.changed.push(Joint { axis, vector, center });
-                }),
+                })
+            }
             _ => false,
         })
     }
@@ -231,7 +234,9 @@ impl Kernel<'_> {
         let (mut at, mut chosen) = (0, Vec::new());
         while at < arguments.len() {
             match self.named_axis(arguments, at) {
-                Some((Named::Axis(axis), count)) if self.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                Some((Named::Axis(axis), count))
+                    if self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) =>
+                {
                     if chosen.contains(&axis) {
                         return Value::Real(0.0);
                     }

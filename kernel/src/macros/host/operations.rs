@@ -87,19 +87,20 @@ impl Kernel<'_> {
 
     /// Number of the diameter offset in force, 0 for none.
     fn diameter_number(&self) -> u32 {
-        let active = self.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
-        let number = self.modal.value(data::COMP_DIAM).filter(|_| active).unwrap_or(0.0);
+        let active = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
+        let number = self.channel.state.modal.value(data::COMP_DIAM).filter(|_| active).unwrap_or(0.0);
         number.clamp(0.0, f64::from(u32::MAX)) as u32
     }
 
     /// Notes the offsets in force while the axes of a motion move.
     pub(super) fn note_offsets(&mut self, moving: u8) {
-        let lathe = self.machine.tool.offset_digits > 0;
+        let lathe = self.channel.env.machine.tool.offset_digits > 0;
         let moves = |letter: char| self.axis_of(letter).is_some_and(|axis| moving & 1 << axis != 0);
         // A lathe's tool word shifts X, Y and Z, a mill's length offset Z.
         let compensated = moves('Z') || lathe && (moves('X') || moves('Y'));
-        let length = if lathe { self.place.tool_offset } else { self.place.length_number };
-        let numbers = [if compensated { length } else { 0 }, self.diameter_number(), self.place.work_offset];
+        let length = if lathe { self.channel.state.place.tool_offset } else { self.channel.state.place.length_number };
+        let numbers =
+            [if compensated { length } else { 0 }, self.diameter_number(), self.channel.state.place.work_offset];
         let Some(runtime) = self.macros.as_deref_mut().filter(|runtime| !runtime.operations.full) else { return };
         let Some(row) = runtime.operations.rows.last_mut() else { return };
         for (list, number) in row.offsets.iter_mut().zip(numbers) {
@@ -127,12 +128,12 @@ impl Kernel<'_> {
     }
 
     fn begin_operation(&mut self, name: String) {
-        let (clock, sequence) = (self.clock, self.block.sequence);
+        let (clock, sequence) = (self.channel.at.clock, self.channel.block.sequence);
         let now = clock as f64 / 1e9;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let tool = runtime.store.get(names().tool_row).clone();
         let last = runtime.last_sequence;
-        let head = match self.modal.code(group::HEAD) {
+        let head = match self.channel.state.modal.code(group::HEAD) {
             Some(codes::HEAD_MAIN) => Some(1),
             Some(codes::HEAD_SIDE) => Some(2),
             _ => None,
@@ -166,7 +167,7 @@ impl Kernel<'_> {
             2 => Value::Real(f64::from(row.head?)),
             5 => Value::text(row.name.as_str()),
             6 => Value::Real(row.times.0),
-            7 => Value::Real(row.times.1.unwrap_or(self.clock as f64 / 1e9)),
+            7 => Value::Real(row.times.1.unwrap_or(self.channel.at.clock as f64 / 1e9)),
             8 => Value::Real(f64::from(row.blocks.0)),
             9 => Value::Real(f64::from(if ended { row.blocks.1 } else { runtime.last_sequence })),
             10 => Value::Real(f64::from(row.severity)),

@@ -57,7 +57,7 @@ impl Kernel<'_> {
             Some(second) => (format!("{first},{second}"), 2),
             None => (first, 1),
         };
-        if let Some(interpreter) = self.interpreter.as_deref_mut() {
+        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             let common = matches!(name.as_str(), "PROCESS,COMMENTS" | "PROCESS,MESSAGES");
             let made = interpreter.setting(&name, arguments.get(at..).unwrap_or_default());
             match made {

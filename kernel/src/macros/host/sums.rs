@@ -103,7 +103,7 @@ impl Kernel<'_> {
     /// Notes a motion for the tables.
     pub(crate) fn sum_motion(&mut self, rapid: bool, seconds: f64, length: f64) {
         use crate::log::event::Direction;
-        let command = &self.spindle.command;
+        let command = &self.channel.state.spindle.command;
         let turning = matches!(command.direction, Direction::Clockwise | Direction::CounterClockwise);
         let speed = if turning && !command.css { command.rpm } else { 0.0 };
         if let Some(runtime) = self.macros.as_deref_mut() {
@@ -117,6 +117,6 @@ impl Kernel<'_> {
         let (column, row) = (at.first().copied().unwrap_or(0), at.get(1).copied().unwrap_or(0));
         let row = if of_tools { self.kept_tool_row(row) } else { row };
         let sums = self.macros.as_deref().map(|r| if of_tools { &r.tool_sums } else { &r.operation_sums });
-        Value::Real(sums.map_or(0.0, |sums| sums.value(column, row, self.clock)))
+        Value::Real(sums.map_or(0.0, |sums| sums.value(column, row, self.channel.at.clock)))
     }
 }

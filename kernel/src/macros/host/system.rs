@@ -12,7 +12,7 @@ use counterpoint_lang::vm::State;
 use crate::channel::Kernel;
 use crate::channel::burden::shortened;
 use crate::files::Bytes;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::system::{Answer, Call};
 
 /// Steps that a command costs.
@@ -22,7 +22,7 @@ const MOST_LINES: usize = 100;
 
 impl Kernel<'_> {
     pub(super) fn system_command(&mut self, state: &mut State, command: &str) -> Outcome<i32> {
-        let control = self.control;
+        let control = self.ports.control;
         let Some(system) = control.system() else {
             return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
         };
@@ -31,8 +31,8 @@ impl Kernel<'_> {
             Ok(written) => written,
             Err(status) => return Ok(status),
         };
-        let read = |path: String| Some((path.clone(), self.files.read(&path).ok()?));
-        let mut files: BTreeMap<String, Bytes> = self.files.list().into_iter().filter_map(read).collect();
+        let read = |path: String| Some((path.clone(), self.channel.env.files.read(&path).ok()?));
+        let mut files: BTreeMap<String, Bytes> = self.channel.env.files.list().into_iter().filter_map(read).collect();
         for (path, text) in written {
             match text {
                 Some(text) => files.insert(path, Bytes::copy_from_slice(text.as_bytes())),
@@ -40,7 +40,8 @@ impl Kernel<'_> {
             };
         }
         let folder = self.macros.as_deref().map(|runtime| runtime.folder.path().to_owned()).unwrap_or_default();
-        let storage = self.machine.storage.iter().map(|file| (file.path.clone(), file.content.clone())).collect();
+        let storage =
+            self.channel.env.machine.storage.iter().map(|file| (file.path.clone(), file.content.clone())).collect();
         let call = Call { command, folder: &folder, files: files.into_iter().collect(), storage };
         let answer = system.run(&call, &|| control.cancelled());
         self.take_answer(answer)
@@ -55,7 +56,7 @@ impl Kernel<'_> {
             self.diagnose(&crate::diag::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.emit(0, Kind::Message { text: shortened(line).into(), printed: false });
+            self.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
         }
         Ok(status)
     }

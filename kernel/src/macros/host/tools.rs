@@ -62,7 +62,7 @@ impl Kernel<'_> {
 
     /// Fills the new row of a loaded tool with what the machine knows; what macros have written there stays.
     pub(crate) fn fill_tool_row(&mut self, tool: u32, row: i64) {
-        let facts = self.machine.tool.facts(tool);
+        let facts = self.channel.env.machine.tool.facts(tool);
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         for (column, value) in known(tool, facts) {
             let Some(value) = value else { continue };

@@ -8,8 +8,8 @@ use counterpoint_lang::host::Step;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::macros::condition::Item;
-use crate::macros::model::{Hook, SELECT_TOOL};
+use crate::machine::macros::condition::Item;
+use crate::machine::macros::model::{Hook, SELECT_TOOL};
 use crate::trace;
 
 impl Kernel<'_> {
@@ -38,16 +38,16 @@ impl Kernel<'_> {
                 self.trace(letter, |_| trace::statement(text));
             }
             Step::Entering(code) if code.is_function => {
-                self.trace('H', |_| trace::entering(&code.name, ""));
+                self.trace('H', |_| trace::entering(code.name, ""));
                 if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
-                    call.functions.push(code.name.clone());
+                    call.functions.push(code.name.to_owned());
                 }
             }
             Step::Leaving(code, _) if code.is_function => {
                 if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
                     call.functions.pop();
                 }
-                self.trace('H', |kernel| trace::leaving(&code.name, "", kernel.running_name()));
+                self.trace('H', |kernel| trace::leaving(code.name, "", kernel.running_name()));
             }
             // Whoever runs a macro of the machine shows it with the name that the machine gave it.
             Step::Entering(_) | Step::Leaving(..) => {}
@@ -89,13 +89,13 @@ impl Kernel<'_> {
     }
 
     fn macro_letter(&self, code: u16) -> char {
-        let named = self.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
+        let named = self.channel.env.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
         if named { 'M' } else { 'H' }
     }
 
     /// Name of a macro; the one of tools has two, by what happens to the tool.
     fn macro_name(&self, code: u16, selects: bool) -> &str {
-        let macros = self.machine.macros.as_deref();
+        let macros = self.channel.env.machine.macros.as_deref();
         match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {
             Some(tool) if tool == code => SELECT_TOOL,
             _ => macros.and_then(|macros| macros.name_of(code)).unwrap_or("embedded code"),
@@ -104,9 +104,9 @@ impl Kernel<'_> {
 
     /// The list of identifiers that a code macro matches, empty for all others.
     fn matching_list(&self, code: u16) -> String {
-        let named = self.machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
+        let named = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
         let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
-            Item::Code(id) => Some(self.machine.code_name(*id)),
+            Item::Code(id) => Some(self.channel.env.machine.code_name(*id)),
             Item::Data(_) => None,
         });
         list.collect::<Vec<_>>().join(", ")

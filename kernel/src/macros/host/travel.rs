@@ -98,9 +98,9 @@ impl Kernel<'_> {
     /// Notes where a motion leads.
     pub(crate) fn note_travel(&mut self, motion: &Motion) {
         self.note_offsets(motion.moving);
-        let preset = self.place.preset;
-        let info = self.info;
-        let axes = info.channel(self.rank).map_or(&[][..], |channel| channel.axes.as_slice());
+        let preset = self.channel.state.place.preset;
+        let info = self.channel.env.info;
+        let axes = info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
         let round = Round::of(motion, axes);
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         let rows = [runtime.tool_sums.row_number(), runtime.operation_sums.row_number()];

@@ -25,8 +25,8 @@ use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::macros::model::{HOOKS, Hook};
-use crate::macros::system::{self, Access, Variable};
+use crate::machine::macros::model::{HOOKS, Hook};
+use crate::machine::macros::system::{self, Access, Variable};
 
 /// Elements of indexed variables that a kernel keeps.
 const MOST_ELEMENTS: usize = 200_000;
@@ -290,7 +290,7 @@ impl Kernel<'_> {
         let Some(row) = rows().get(index as usize) else { return Ok(()) };
         let value = checked(row.variable, value)?;
         check_indices(row.variable, indices)?;
-        let machine = self.machine;
+        let machine = self.channel.env.machine;
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         if row.variable.access == Access::Start && !runtime.store.starting {
             let text = format!("{} has no effect after Machine Startup", row.variable.name);

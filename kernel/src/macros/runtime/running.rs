@@ -3,6 +3,7 @@
 //! Invariant: the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
 //! does; macros nest as deep as the stack of their thread holds.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::compile::Program;
@@ -11,10 +12,10 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use super::{Call, MOST_NESTED, Runtime, Task, limits, unwinding};
-use crate::channel::{Halt, Kernel};
+use crate::channel::Kernel;
 use crate::log::info::Info;
+use crate::machine::macros::model::{Hook, Macros};
 use crate::macros::host::variables::names;
-use crate::macros::model::{Hook, Macros};
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {
@@ -32,17 +33,17 @@ impl Kernel<'_> {
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         let none = Macros::default();
         // A machine without macros has a program all the same if its programs have embedded code.
-        let macros = self.machine.macros.as_deref().unwrap_or(&none);
+        let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
         let memory = self.shares().macros;
         self.macros = program.map(|program| {
             let mut runtime =
-                Runtime::new(macros, program, self.kernel_number(), (self.machine.channels.len(), memory));
+                Runtime::new(macros, program, self.kernel_number(), (self.channel.env.machine.channels.len(), memory));
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
-            let extension = self.machine.subprograms.extension.as_str();
+            let extension = self.channel.env.machine.subprograms.extension.as_str();
             runtime.store.set(names().extension, Value::text(extension));
-            runtime.store.set(names().parameters, Value::text(self.info.parameters.as_str()));
-            runtime.store.set(names().command_line, Value::text(command_line(self.info)));
+            runtime.store.set(names().parameters, Value::text(self.channel.env.info.parameters.as_str()));
+            runtime.store.set(names().command_line, Value::text(command_line(self.channel.env.info)));
             Box::new(runtime)
         });
         self
@@ -63,7 +64,7 @@ impl Kernel<'_> {
         let Some(mut state) = runtime.state.take() else { return Ok(0) };
         let program = Arc::clone(&runtime.program);
         let selects = task.selects();
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_entering(code, selects);
         }
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
@@ -74,7 +75,7 @@ impl Kernel<'_> {
         let (end, _) = vm::run(&program, &mut state, self, code, arguments);
         state.limits.depth = limit;
         let outputs = self.macro_ended(state, code, matching, end);
-        if self.trace.is_some() {
+        if self.channel.env.trace.is_some() {
             self.trace_leaving(code, selects);
         }
         outputs
@@ -110,7 +111,7 @@ impl Kernel<'_> {
     fn macro_ended(&mut self, mut state: Box<State>, code: u16, matching: bool, end: End) -> Result<u32, Halt> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(0) };
         if state.depth == 0 {
-            self.burden.steps += state.limits.ticks - state.ticks;
+            self.channel.burden.steps += state.limits.ticks - state.ticks;
         }
         let over = state.over_memory();
         runtime.state = Some(state);
@@ -130,7 +131,7 @@ impl Kernel<'_> {
             // Reported with its place; a control whose macros run for ever stands still.
             let halt = match over {
                 Some(largest) => self.macros_out_of_memory(&largest),
-                None if self.control.cancelled() => Halt::Stopped,
+                None if self.ports.control.cancelled() => Halt::Stopped,
                 None => Halt::Alarm,
             };
             if let Some(runtime) = self.macros.as_deref_mut() {
@@ -170,7 +171,7 @@ impl Kernel<'_> {
     pub(crate) fn meanwhile(
         &mut self,
         state: &mut State,
-        work: impl FnOnce(&mut Self) -> crate::channel::Acted,
+        work: impl FnOnce(&mut Self) -> counterpoint_fault::Acted,
     ) -> Result<(), Fault> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));

@@ -12,9 +12,10 @@ mod words;
 pub(crate) use state::State;
 
 use super::Screw;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{CodeId, codes, data};
+use counterpoint_fault::Acted;
 use passes::Plan;
 
 /// A kind of threading cycle.
@@ -92,18 +93,18 @@ struct Thread {
 
 /// A setting acts.
 pub(crate) fn set(kernel: &mut Kernel<'_>, setting: Setting) -> Acted {
-    let mode = kernel.threads.cycle.mode;
+    let mode = kernel.channel.state.threads.cycle.mode;
     let zigzag = |mode: u8| matches!(mode, 2 | 4);
     match setting {
         Setting::Chamfer(on) => {
-            kernel.threads.cycle.chamfer = on;
+            kernel.channel.state.threads.cycle.chamfer = on;
             if on {
                 words::chamfer(kernel);
             }
         }
-        Setting::Zigzag(on) => kernel.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
-        Setting::Depth(true) => kernel.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
-        Setting::Depth(false) if mode >= 3 => kernel.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
+        Setting::Zigzag(on) => kernel.channel.state.threads.cycle.mode = if mode >= 3 { 3 } else { 1 } + u8::from(on),
+        Setting::Depth(true) => kernel.channel.state.threads.cycle.mode = 3 + u8::from(zigzag(mode)),
+        Setting::Depth(false) if mode >= 3 => kernel.channel.state.threads.cycle.mode = 1 + u8::from(zigzag(mode)),
         Setting::Depth(false) => {}
     }
     Ok(())
@@ -111,14 +112,16 @@ pub(crate) fn set(kernel: &mut Kernel<'_>, setting: Setting) -> Acted {
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
 pub(crate) fn cycle(kernel: &mut Kernel<'_>, kind: Kind) -> Acted {
-    let axis = |role: usize| kernel.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
-        let text = format!("channel {} has no X and Z for the thread of '{}'", kernel.rank, kernel.block_text());
+        let text =
+            format!("channel {} has no X and Z for the thread of '{}'", kernel.channel.at.channel, kernel.block_text());
         kernel.diagnose(&diag::CYCLE_AXIS, text);
         return Ok(());
     };
     let axes = if kind.face { [x, z] } else { [z, x] };
-    (kernel.threads.cycle.kind, kernel.threads.cycle.block) = (Some(kind), kernel.blocks);
+    (kernel.channel.state.threads.cycle.kind, kernel.channel.state.threads.cycle.block) =
+        (Some(kind), kernel.channel.at.blocks);
     if kind.multi {
         multi(kernel, kind, axes)?
     } else {
@@ -130,8 +133,8 @@ pub(crate) fn cycle(kernel: &mut Kernel<'_>, kind: Kind) -> Acted {
 
 /// One pass and back.
 fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
-    if kernel.mode_changed {
-        (kernel.threads.cycle.end, kernel.threads.cycle.taper) = ([None; 2], 0.0);
+    if kernel.channel.acting.mode_changed {
+        (kernel.channel.state.threads.cycle.end, kernel.channel.state.threads.cycle.taper) = ([None; 2], 0.0);
     }
     let start = words::points(kernel, [data::THREAD_SINGLE_START_X, data::THREAD_SINGLE_START_Z], false);
     let said = words::points(kernel, [data::THREAD_SINGLE_END_X, data::THREAD_SINGLE_END_Z], true);
@@ -140,7 +143,7 @@ fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
     let taper = kernel.take(across).map(|datum| datum.value);
     let screw = words::screw(kernel, data::THREAD_SINGLE_PITCH, data::THREAD_SINGLE_PITCH_VAR, axes[0], None);
     words::chamfer(kernel);
-    let cycle = &mut kernel.threads.cycle;
+    let cycle = &mut kernel.channel.state.threads.cycle;
     cycle.taper = taper.unwrap_or(cycle.taper);
     for (slot, said) in cycle.end.iter_mut().zip(said) {
         *slot = said.or(*slot);
@@ -160,11 +163,11 @@ fn single(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
 
 /// All passes of a thread.
 fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
-    if kernel.machine.threads.two_lines && !words::positioned(kernel) {
+    if kernel.channel.env.machine.threads.two_lines && !words::positioned(kernel) {
         words::settings(kernel, kind);
         return Ok(());
     }
-    kernel.threads.cycle.begin();
+    kernel.channel.state.threads.cycle.begin();
     let start = words::points(kernel, [data::THREAD_MULTI_START_X, data::THREAD_MULTI_START_Z], false);
     let end = words::points(kernel, [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z], true);
     let offset = words::values(kernel, [data::THREAD_MULTI_OFFSET_X, data::THREAD_MULTI_OFFSET_Z]);
@@ -173,7 +176,7 @@ fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
     words::amounts(kernel, kind);
     let starts = Some(data::THREAD_MULTI_STARTS);
     let screw = words::screw(kernel, data::THREAD_MULTI_PITCH, data::THREAD_MULTI_PITCH_VAR, axes[0], starts);
-    if !kernel.machine.threads.two_lines {
+    if !kernel.channel.env.machine.threads.two_lines {
         words::packed(kernel);
     }
     words::chamfer(kernel);
@@ -187,11 +190,11 @@ fn multi(kernel: &mut Kernel<'_>, kind: Kind, axes: [usize; 2]) -> Acted {
 
 /// The passes that the settings make of a depth.
 fn plan(kernel: &mut Kernel<'_>) -> Plan {
-    if kernel.threads.cycle.depth.is_none() {
+    if kernel.channel.state.threads.cycle.depth.is_none() {
         let text = format!("a thread needs its depth in '{}', it is cut in one pass", kernel.block_text());
         kernel.diagnose(&diag::DATA_MISSING, text);
     }
-    let cycle = &kernel.threads.cycle;
+    let cycle = &kernel.channel.state.threads.cycle;
     let whole = |value: f64| value.clamp(0.0, passes::MOST_PASSES as f64) as u32;
     let plan = Plan {
         mode: cycle.mode,

@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 6.5: rapid to the depth, thread, chamfer (a thread between 30 and 60 degrees,
 //! straight feed otherwise), clear, rapid back. Invariant: every pass begins and ends where the cycle was called.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::thread::Lead;
 
 use super::{Thread, plan};
 use crate::action::cycle::further;
 use crate::action::thread::Screw;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 
@@ -38,14 +39,14 @@ impl Kernel<'_> {
     pub(super) fn all_passes(&mut self, thread: &Thread) -> Acted {
         let plan = plan(self);
         let (passes, cut_short) = plan.passes();
-        self.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
+        self.channel.state.threads.cycle.made = (passes.len() as u32).saturating_sub(plan.finish_cuts);
         if cut_short {
             let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
         let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
         let outward = thread.outward(level);
-        let flank = libm::tan(self.threads.cycle.nose.to_radians() / 2.0);
+        let flank = libm::tan(self.channel.state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
         for pass in passes {
             let aside = match plan.mode {
@@ -55,7 +56,7 @@ impl Kernel<'_> {
             };
             let shift = if aside { flank * pass.depth } else { 0.0 };
             let root = thread.root + outward * (plan.depth - pass.depth);
-            for _ in 0..self.threads.starts as u32 {
+            for _ in 0..self.channel.state.threads.starts as u32 {
                 if !std::mem::take(&mut first) {
                     further(self)?;
                 }
@@ -115,7 +116,7 @@ impl Kernel<'_> {
 
     /// The chamfer of a pass, if there is one: no higher than where the tool stands.
     fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
-        let cycle = &mut self.threads.cycle;
+        let cycle = &mut self.channel.state.threads.cycle;
         if !cycle.chamfer {
             return None;
         }
@@ -123,8 +124,8 @@ impl Kernel<'_> {
         if let Some(leads) = cycle.chamfer_leads {
             cycle.chamfer_length = leads * thread.screw.lead;
         }
-        let starts = self.threads.starts;
-        let cycle = &self.threads.cycle;
+        let starts = self.channel.state.threads.starts;
+        let cycle = &self.channel.state.threads.cycle;
         let length = if cycle.chamfer_length > 0.0 {
             cycle.chamfer_length
         } else {

@@ -22,25 +22,27 @@ pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f6
 /// A position of a thread is on the block.
 pub(super) fn positioned(kernel: &Kernel<'_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
-    let axes = AXES.into_iter().filter_map(|role| kernel.place.cartesian.get(role).copied().flatten());
-    let axes = axes.filter_map(|axis| kernel.place.axes.get(usize::from(axis)).map(|axis| axis.data));
+    let axes = AXES.into_iter().filter_map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten());
+    let axes = axes.filter_map(|axis| kernel.channel.state.place.axes.get(usize::from(axis)).map(|axis| axis.data));
     own.into_iter().chain(axes).any(|id| kernel.block_has(id))
 }
 
 /// Positions along X and Z as programmed in the work frame; with `axes` the words of the axes stand in.
 pub(super) fn points(kernel: &mut Kernel<'_>, ids: [DataId; 2], axes: bool) -> [Option<f64>; 2] {
-    let relative = kernel.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
+    let relative = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
-        let Some(axis) = kernel.place.cartesian.get(role).copied().flatten().map(usize::from) else { continue };
-        let word = kernel.place.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
+        let Some(axis) = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+            continue;
+        };
+        let word = kernel.channel.state.place.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
         let datum = kernel.take(id).or_else(|| word.and_then(|word| kernel.take(word)));
         let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
                 of(&kernel.programmed()) + datum.value
-            } else if kernel.block.machine_frame {
-                datum.value - of(&kernel.place.shift)
+            } else if kernel.channel.block.machine_frame {
+                datum.value - of(&kernel.channel.state.place.shift)
             } else {
                 datum.value
             }
@@ -59,7 +61,7 @@ fn take_within(kernel: &mut Kernel<'_>, id: DataId, least: f64, most: f64) -> Op
     if (least..=most).contains(&value) {
         return Some(value);
     }
-    let name = kernel.machine.data_name(id).to_owned();
+    let name = kernel.channel.env.machine.data_name(id).to_owned();
     let text = format!("{name} {value} is not in {least} to {most} in '{}'", kernel.block_text());
     kernel.diagnose(&diag::DATA_OUT_OF_RANGE, text);
     None
@@ -69,13 +71,13 @@ fn take_within(kernel: &mut Kernel<'_>, id: DataId, least: f64, most: f64) -> Op
 pub(super) fn settings(kernel: &mut Kernel<'_>, kind: Kind) {
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if let Some(finish) = kernel.take(finish) {
-        kernel.threads.cycle.finish = finish.value.abs();
+        kernel.channel.state.threads.cycle.finish = finish.value.abs();
     }
     if let Some(least) = kernel.take(data::THREAD_MULTI_STEP_MIN) {
-        kernel.threads.cycle.least = least.value.abs();
+        kernel.channel.state.threads.cycle.least = least.value.abs();
     }
     if let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        kernel.threads.cycle.finish_cuts = cuts.trunc();
+        kernel.channel.state.threads.cycle.finish_cuts = cuts.trunc();
     }
     packed(kernel);
     angles(kernel);
@@ -85,38 +87,38 @@ pub(super) fn settings(kernel: &mut Kernel<'_>, kind: Kind) {
 /// Nose angle and in-feed.
 fn angles(kernel: &mut Kernel<'_>) {
     if let Some(angle) = take_within(kernel, data::THREAD_MULTI_ANGLE, 0.0, 170.0) {
-        kernel.threads.cycle.nose = angle;
+        kernel.channel.state.threads.cycle.nose = angle;
     }
     if let Some(mode) = take_within(kernel, data::THREAD_MULTI_INFEED, 0.0, 4.0) {
-        kernel.threads.cycle.mode = mode as u8;
+        kernel.channel.state.threads.cycle.mode = mode as u8;
     }
 }
 
 /// Depth, steps and passes.
 pub(super) fn amounts(kernel: &mut Kernel<'_>, kind: Kind) {
-    let one_line = !kernel.machine.threads.two_lines;
+    let one_line = !kernel.channel.env.machine.threads.two_lines;
     let finish = if kind.face { data::THREAD_MULTI_FINISH_Z } else { data::THREAD_MULTI_FINISH_X };
     if one_line && let Some(finish) = kernel.take(finish) {
-        kernel.threads.cycle.finish = finish.value.abs();
+        kernel.channel.state.threads.cycle.finish = finish.value.abs();
     }
     let (height, step) = match kind.face {
         true => (data::THREAD_MULTI_HEIGHT_Z, data::THREAD_MULTI_STEP_Z),
         false => (data::THREAD_MULTI_HEIGHT_X, data::THREAD_MULTI_STEP_X),
     };
     if let Some(height) = kernel.take(height) {
-        kernel.threads.cycle.depth = Some(height.value.abs());
+        kernel.channel.state.threads.cycle.depth = Some(height.value.abs());
     }
     if let Some(step) = kernel.take(step) {
-        kernel.threads.cycle.step = Some(step.value.abs());
+        kernel.channel.state.threads.cycle.step = Some(step.value.abs());
     }
     if one_line && let Some(least) = kernel.take(data::THREAD_MULTI_STEP_MIN) {
-        kernel.threads.cycle.least = least.value.abs();
+        kernel.channel.state.threads.cycle.least = least.value.abs();
     }
     if let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS, 1.0, 999.0) {
-        kernel.threads.cycle.cuts = Some(cuts.trunc());
+        kernel.channel.state.threads.cycle.cuts = Some(cuts.trunc());
     }
     if one_line && let Some(cuts) = take_within(kernel, data::THREAD_MULTI_CUTS_FINISH, 0.0, 99.0) {
-        kernel.threads.cycle.finish_cuts = cuts.trunc();
+        kernel.channel.state.threads.cycle.finish_cuts = cuts.trunc();
     }
     angles(kernel);
 }
@@ -125,7 +127,7 @@ pub(super) fn amounts(kernel: &mut Kernel<'_>, kind: Kind) {
 pub(super) fn packed(kernel: &mut Kernel<'_>) {
     let Some(word) = take_within(kernel, data::THREAD_MULTI_PWORD, 0.0, 999_999.0) else { return };
     let word = word as u32;
-    let cycle = &mut kernel.threads.cycle;
+    let cycle = &mut kernel.channel.state.threads.cycle;
     cycle.finish_cuts = f64::from(word / 10_000);
     let tenths = word / 100 % 100;
     cycle.chamfer = tenths > 0;
@@ -136,13 +138,13 @@ pub(super) fn packed(kernel: &mut Kernel<'_>) {
 /// Length and angle of the chamfer; a length of nothing is none.
 pub(super) fn chamfer(kernel: &mut Kernel<'_>) {
     if let Some(length) = kernel.take(data::THREAD_CHAMFER_LENGTH) {
-        let cycle = &mut kernel.threads.cycle;
+        let cycle = &mut kernel.channel.state.threads.cycle;
         cycle.chamfer_length = length.value.abs();
         cycle.chamfer_leads = None;
         cycle.chamfer = cycle.chamfer_length > 0.0;
     }
     if let Some(angle) = take_within(kernel, data::THREAD_CHAMFER_ANGLE, 10.0, 80.0) {
-        kernel.threads.cycle.chamfer_angle = angle;
+        kernel.channel.state.threads.cycle.chamfer_angle = angle;
     }
 }
 
@@ -160,12 +162,12 @@ pub(super) fn screw(
     }
     let pitch = kernel.remembered_lead().unwrap_or(0.0);
     let change = kernel.take(change).map_or(0.0, |datum| datum.value);
-    kernel.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
+    kernel.channel.state.modal.remember(data::INTERP_THREAD_PITCH_VAR, change);
     kernel.take(data::INTERP_THREAD_ANGLE);
     let said = starts.and_then(|id| take_within(kernel, id, 1.0, MOST_STARTS));
-    let starts = said.or_else(|| kernel.modal.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
+    let starts = said.or_else(|| kernel.channel.state.modal.value(data::INTERP_THREAD_STARTS)).unwrap_or(1.0);
     let starts = starts.clamp(1.0, MOST_STARTS).trunc();
-    kernel.threads.starts = starts;
+    kernel.channel.state.threads.starts = starts;
     Screw { lead: pitch * starts, change: change * starts, along: Some(along) }
 }
 
@@ -179,7 +181,7 @@ pub(super) fn thread(
 ) -> Option<Thread> {
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
-    let scales = axes.map(|axis| kernel.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
     let place = kernel.programmed();
     let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
     if end.iter().any(Option::is_none) {

@@ -27,13 +27,13 @@ fn real(value: &Value) -> f64 {
 
 /// The head in work: the side one has coolant of its own once a code has switched it.
 fn outlet(kernel: &Kernel<'_>) -> Outlet {
-    let side = kernel.modal.code(group::HEAD) == Some(codes::HEAD_SIDE);
-    if side && kernel.modal.code(group::COOLANT_SIDE).is_some() { Outlet::Side } else { Outlet::Main }
+    let side = kernel.channel.state.modal.code(group::HEAD) == Some(codes::HEAD_SIDE);
+    if side && kernel.channel.state.modal.code(group::COOLANT_SIDE).is_some() { Outlet::Side } else { Outlet::Main }
 }
 
 fn fluid(kernel: &Kernel<'_>) -> u8 {
     let group = if outlet(kernel) == Outlet::Side { group::COOLANT_SIDE } else { group::COOLANT };
-    kernel.states.coolant.fluid(kernel.modal.code(group))
+    kernel.channel.state.others.coolant.fluid(kernel.channel.state.modal.code(group))
 }
 
 fn set_fluid(kernel: &mut Kernel<'_>, fluid: u8) -> Outcome<()> {
@@ -77,7 +77,7 @@ fn device(at: &[i64], on: bool) -> Option<CodeId> {
 
 fn device_state(kernel: &Kernel<'_>, at: &[i64]) -> Value {
     let group = at.first().and_then(|at| u16::try_from(*at).ok()).map_or(0, |at| DEVICES + at);
-    let active = kernel.modal.code(group);
+    let active = kernel.channel.state.modal.code(group);
     number(match active {
         Some(code) if Some(code) == device(at, true) => 1.0,
         Some(code) if Some(code) == device(at, false) => 0.0,
@@ -107,29 +107,29 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$COOLTYP" => (|k, _| number(fluid(k)), Some(|k, _, value| set_fluid(k, real(value) as u8))),
         "$COOLDEV" => (device_state, Some(set_device)),
         "$HPCOOL" => (
-            |k, _| k.states.coolant.pump.map_or(number(-1), |on| number(u8::from(on))),
+            |k, _| k.channel.state.others.coolant.pump.map_or(number(-1), |on| number(u8::from(on))),
             Some(|k, _, value| {
                 let state = real(value);
-                k.states.coolant.pump = (state >= 0.0).then_some(state > 0.0);
+                k.channel.state.others.coolant.pump = (state >= 0.0).then_some(state > 0.0);
                 Ok(())
             }),
         ),
         "$PRSSUR" => (
-            |k, _| number(k.states.coolant.pressure),
+            |k, _| number(k.channel.state.others.coolant.pressure),
             Some(|k, _, value| {
-                let largest = k.states.coolant.largest(&k.machine.pump);
+                let largest = k.channel.state.others.coolant.largest(&k.channel.env.machine.pump);
                 let wanted = real(value);
                 if wanted < 0.0 || largest > 0.0 && wanted > largest {
                     return Err(Fault::new(Number::BAD_VALUE, "this coolant pressure is not possible"));
                 }
-                k.states.coolant.pressure = wanted;
+                k.channel.state.others.coolant.pressure = wanted;
                 Ok(())
             }),
         ),
         "$MAXPRSSUR" => (
-            |k, _| number(k.states.coolant.largest(&k.machine.pump)),
+            |k, _| number(k.channel.state.others.coolant.largest(&k.channel.env.machine.pump)),
             Some(|k, _, value| {
-                k.states.coolant.limit = real(value).max(0.0);
+                k.channel.state.others.coolant.limit = real(value).max(0.0);
                 Ok(())
             }),
         ),

@@ -24,9 +24,9 @@ fn height(value: Option<Height>) -> Value {
 
 /// Sets something of the cycle that runs, or of the one that begins next.
 fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
-    let machine = kernel.machine;
-    kernel.cycle.prepare(machine);
-    change(&mut kernel.cycle);
+    let machine = kernel.channel.env.machine;
+    kernel.channel.state.cycle.prepare(machine);
+    change(&mut kernel.channel.state.cycle);
     Ok(())
 }
 
@@ -47,7 +47,7 @@ fn changed(old: Option<Height>, value: &Value) -> Option<Height> {
 
 fn shift<const AT: usize>() -> (Read, Option<Write>) {
     (
-        |k, _| optional(k.cycle.shifts.get(AT).copied().flatten()),
+        |k, _| optional(k.channel.state.cycle.shifts.get(AT).copied().flatten()),
         Some(|k, _, value| {
             set(k, |cycle| {
                 if let Some(slot) = cycle.shifts.get_mut(AT) {
@@ -60,7 +60,7 @@ fn shift<const AT: usize>() -> (Read, Option<Write>) {
 
 fn dwell<const AT: usize>() -> (Read, Option<Write>) {
     (
-        |k, _| Value::Real(k.cycle.dwell.get(AT).copied().unwrap_or(0.0)),
+        |k, _| Value::Real(k.channel.state.cycle.dwell.get(AT).copied().unwrap_or(0.0)),
         Some(|k, _, value| {
             set(k, |cycle| {
                 if let Some(slot) = cycle.dwell.get_mut(AT) {
@@ -73,8 +73,8 @@ fn dwell<const AT: usize>() -> (Read, Option<Write>) {
 
 /// `$CYFEDT`: 1 and 2 inches per minute and revolution, 3 and 4 millimetres.
 fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let per_revolution = kernel.cycle.feed.1 == FeedUnit::PerRevolution;
-    let inch = kernel.machine.unit == Unit::Inch;
+    let per_revolution = kernel.channel.state.cycle.feed.1 == FeedUnit::PerRevolution;
+    let inch = kernel.channel.env.machine.unit == Unit::Inch;
     Value::Real(match (inch, per_revolution) {
         (true, false) => 1.0,
         (true, true) => 2.0,
@@ -92,7 +92,7 @@ fn set_feed_kind(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<(
 }
 
 fn retract_mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    Value::Real(match kernel.modal.code(group::RETRACT) {
+    Value::Real(match kernel.channel.state.modal.code(group::RETRACT) {
         Some(codes::CYCLE_RETRACT_INITIAL) => 0.0,
         Some(codes::CYCLE_RETRACT_R) => 1.0,
         _ => -1.0,
@@ -108,44 +108,47 @@ fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcom
 /// How a variable is read and written.
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$CYTYPE" => {
-            (|k, _| Value::Real(k.cycle.number), Some(|k, _, value| set(k, |cycle| cycle.number = number(value))))
-        }
+        "$CYTYPE" => (
+            |k, _| Value::Real(k.channel.state.cycle.number),
+            Some(|k, _, value| set(k, |cycle| cycle.number = number(value))),
+        ),
         "$CYMCH" => (
-            |k, _| Value::Logical(k.cycle.running),
+            |k, _| Value::Logical(k.channel.state.cycle.running),
             Some(|k, _, value| {
-                k.cycle.running = value.as_logical() == Some(true);
+                k.channel.state.cycle.running = value.as_logical() == Some(true);
                 Ok(())
             }),
         ),
         "$CRMODE" => (retract_mode, Some(set_retract_mode)),
         "$CYCLRP" => (
-            |k, _| height(k.cycle.clear),
+            |k, _| height(k.channel.state.cycle.clear),
             Some(|k, _, value| set(k, |cycle| cycle.clear = changed(cycle.clear, value))),
         ),
         "$CYDPTH" => (
-            |k, _| height(k.cycle.depth),
+            |k, _| height(k.channel.state.cycle.depth),
             Some(|k, _, value| set(k, |cycle| cycle.depth = changed(cycle.depth, value))),
         ),
         "$CYRETN" => (
-            |k, _| optional(k.cycle.retract.map(|height| height.value)),
+            |k, _| optional(k.channel.state.cycle.retract.map(|height| height.value)),
             Some(|k, _, value| set(k, |cycle| cycle.retract = changed(cycle.retract, value))),
         ),
-        "$CYCLRO" => {
-            (|k, _| Value::Real(k.cycle.shift), Some(|k, _, value| set(k, |cycle| cycle.shift = number(value))))
-        }
+        "$CYCLRO" => (
+            |k, _| Value::Real(k.channel.state.cycle.shift),
+            Some(|k, _, value| set(k, |cycle| cycle.shift = number(value))),
+        ),
         "$CYCLRX" => shift::<0>(),
         "$CYCLRY" => shift::<1>(),
         "$CYCLRZ" => shift::<2>(),
-        "$CYINCR" => {
-            (|k, _| optional(k.cycle.step), Some(|k, _, value| set(k, |cycle| cycle.step = real(value).map(f64::abs))))
-        }
+        "$CYINCR" => (
+            |k, _| optional(k.channel.state.cycle.step),
+            Some(|k, _, value| set(k, |cycle| cycle.step = real(value).map(f64::abs))),
+        ),
         "$CYDECR" => (
-            |k, _| Value::Real(k.cycle.decrement),
+            |k, _| Value::Real(k.channel.state.cycle.decrement),
             Some(|k, _, value| set(k, |cycle| cycle.decrement = number(value).abs())),
         ),
         "$CYMIN" => (
-            |k, _| Value::Real(k.cycle.least),
+            |k, _| Value::Real(k.channel.state.cycle.least),
             Some(|k, _, value| set(k, |cycle| cycle.least = number(value).max(0.0))),
         ),
         "$CYDWEL" => dwell::<0>(),
@@ -153,20 +156,22 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$CYDWLT" => dwell::<2>(),
         "$CYFEDT" => (feed_kind, Some(set_feed_kind)),
         "$CYFEDV" => (
-            |k, _| Value::Real(k.cycle.feed.0.unwrap_or(0.0)),
+            |k, _| Value::Real(k.channel.state.cycle.feed.0.unwrap_or(0.0)),
             Some(|k, _, value| set(k, |cycle| (cycle.feed.0, cycle.own_feed) = (real(value), true))),
         ),
-        "$CYORNT" => {
-            (|k, _| Value::Real(k.cycle.orient), Some(|k, _, value| set(k, |cycle| cycle.orient = number(value))))
-        }
+        "$CYORNT" => (
+            |k, _| Value::Real(k.channel.state.cycle.orient),
+            Some(|k, _, value| set(k, |cycle| cycle.orient = number(value))),
+        ),
         "$CYRATIO" => (
-            |k, _| Value::Real(k.cycle.ratio),
+            |k, _| Value::Real(k.channel.state.cycle.ratio),
             Some(|k, _, value| set(k, |cycle| cycle.ratio = real(value).filter(|n| *n > 0.0).unwrap_or(1.0))),
         ),
-        "$CYRIGID" => {
-            (|k, _| Value::Real(k.cycle.rigid), Some(|k, _, value| set(k, |cycle| cycle.rigid = number(value))))
-        }
-        "$CYDIR" => (|k, _| Value::Real(k.cycle.direction), None),
+        "$CYRIGID" => (
+            |k, _| Value::Real(k.channel.state.cycle.rigid),
+            Some(|k, _, value| set(k, |cycle| cycle.rigid = number(value))),
+        ),
+        "$CYDIR" => (|k, _| Value::Real(k.channel.state.cycle.direction), None),
         _ => return None,
     };
     Some(row)

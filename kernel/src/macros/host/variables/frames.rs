@@ -10,11 +10,11 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::channel::frames::Frames;
-use crate::channel::frames::affine::Affine;
-use crate::channel::frames::local::Refused;
+use counterpoint_motion::frame::affine::Affine;
+use counterpoint_motion::frame::local::Refused;
 
 fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
-    kernel.place.frames.as_deref().map(of)
+    kernel.channel.state.place.frames.as_deref().map(of)
 }
 
 /// How a variable is read and written.
@@ -24,8 +24,9 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| Value::Logical(local(k, |frames| frames.local.is_on()).unwrap_or(false)),
             Some(|k, _, value| {
                 let on = value.as_logical().unwrap_or(true);
-                let has = k.place.has_axes();
-                let switched = k.place.frames.as_deref_mut().map_or(Ok(()), |frames| frames.local.switch(on, has));
+                let has = k.channel.state.place.has_axes();
+                let switched =
+                    k.channel.state.place.frames.as_deref_mut().map_or(Ok(()), |frames| frames.local.switch(on, has));
                 changed(k, switched)
             }),
         ),
@@ -91,7 +92,7 @@ impl Kernel<'_> {
             }
             Some(value) => return Err(Fault::kind("a sequence", value)),
         };
-        let has = self.place.has_axes();
+        let has = self.channel.state.place.has_axes();
         let made = self.frames().local.give(given, has);
         changed(self, made)?;
         Ok(Value::Real(1.0))

@@ -24,7 +24,7 @@ fn index(at: &[i64]) -> i64 {
 
 /// Input file with an index, blank without one.
 fn file<'k>(kernel: &Kernel<'k>, at: i64) -> &'k str {
-    let info = kernel.info;
+    let info = kernel.channel.env.info;
     let mut given = info.channels.iter().filter(|channel| !channel.program.is_empty());
     let place = usize::try_from(at).ok().and_then(|at| at.checked_sub(1));
     place.and_then(|place| given.nth(place)).map_or("", |channel| info.file_name(channel.file))
@@ -37,12 +37,14 @@ fn program(kernel: &Kernel<'_>, at: i64) -> String {
         return text.trim().to_owned();
     }
     let place = usize::try_from(at).ok().and_then(|at| at.checked_sub(1));
-    let own = place.and_then(|place| kernel.info.channels.get(place)).filter(|channel| !channel.program.is_empty());
-    own.map_or(String::new(), |channel| kernel.info.file_name(channel.file).to_owned())
+    let own = place
+        .and_then(|place| kernel.channel.env.info.channels.get(place))
+        .filter(|channel| !channel.program.is_empty());
+    own.map_or(String::new(), |channel| kernel.channel.env.info.file_name(channel.file).to_owned())
 }
 
 fn kernels(kernel: &Kernel<'_>) -> i64 {
-    kernel.machine.channels.len() as i64
+    kernel.channel.env.machine.channels.len() as i64
 }
 
 /// Kernel that has an input file, 0 for none.
@@ -129,8 +131,9 @@ impl Kernel<'_> {
         let at = (i64::from(self.kernel_number()), 0);
         let set = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_name, at));
         let set = set.and_then(Value::as_text).unwrap_or("").trim();
-        let own = self.info.channel(self.rank).map_or("MASTER", |channel| channel.name.as_str());
-        if set == own || self.machine.channels.len() < 2 {
+        let own =
+            self.channel.env.info.channel(self.channel.at.channel).map_or("MASTER", |channel| channel.name.as_str());
+        if set == own || self.channel.env.machine.channels.len() < 2 {
             return String::new();
         }
         set.chars().take(MOST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
@@ -158,7 +161,11 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             |k, _| {
                 let set = k.macros.as_deref().and_then(|r| r.store.element(names().model_channel, (0, 0)));
                 set.cloned().unwrap_or_else(|| {
-                    if k.rank == 0 { number(0) } else { Value::Real(channel_of(k, k.kernel_number().into())) }
+                    if k.channel.at.channel == 0 {
+                        number(0)
+                    } else {
+                        Value::Real(channel_of(k, k.kernel_number().into()))
+                    }
                 })
             },
             Some(|k, _, value| {

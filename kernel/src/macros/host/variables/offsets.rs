@@ -27,7 +27,7 @@ fn real(value: impl Into<f64>) -> Value {
 }
 
 fn has(kernel: &Kernel<'_>, codes: &[CodeId]) -> bool {
-    kernel.machine.codes.iter().any(|row| codes.contains(&row.id))
+    kernel.channel.env.machine.codes.iter().any(|row| codes.contains(&row.id))
 }
 
 /// A number of an offset.
@@ -56,17 +56,23 @@ const LENGTHS: [CodeId; 5] = [
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$TCD" => (
-            |k, _| real(if k.is_turning() { k.place.tool_offset } else { k.place.compensation.diameter }),
+            |k, _| {
+                real(if k.is_turning() {
+                    k.channel.state.place.tool_offset
+                } else {
+                    k.channel.state.place.compensation.diameter
+                })
+            },
             Some(|k, _, value| {
                 only_with(k, &DIAMETERS)?;
-                k.place.compensation.diameter = whole(value);
+                k.channel.state.place.compensation.diameter = whole(value);
                 Ok(())
             }),
         ),
         "$TCDM" => (|k, _| k.diameter_in_force().map_or(real(-1), real), None),
         "$DCOMPM" => (
             |k, _| {
-                real(match k.modal.code(group::DIAMETER) {
+                real(match k.channel.state.modal.code(group::DIAMETER) {
                     Some(codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT) => 1,
                     Some(codes::COMP_3D_LEFT | codes::COMP_3D_RIGHT) => 3,
                     Some(codes::COMP_3D_VECTOR) => 4,
@@ -76,37 +82,48 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             None,
         ),
         "$DCORNER" => (
-            |k, _| real(k.place.compensation.corner),
+            |k, _| real(k.channel.state.place.compensation.corner),
             Some(|k, _, value| {
-                k.place.compensation.corner = whole(value).min(2) as u8;
+                k.channel.state.place.compensation.corner = whole(value).min(2) as u8;
                 Ok(())
             }),
         ),
         "$DYNFIX" => (
-            |k, _| Value::Logical(k.place.compensation.dynamic),
+            |k, _| Value::Logical(k.channel.state.place.compensation.dynamic),
             Some(|k, _, value| {
-                k.place.compensation.dynamic = value.as_logical().unwrap_or(false);
+                k.channel.state.place.compensation.dynamic = value.as_logical().unwrap_or(false);
                 Ok(())
             }),
         ),
         "$TCF" => (
-            |k, _| real(k.place.work_offset),
+            |k, _| real(k.channel.state.place.work_offset),
             Some(|k, _, value| {
                 only_with(k, &FIXTURES)?;
-                k.place.work_offset = whole(value);
+                k.channel.state.place.work_offset = whole(value);
                 k.reframe();
                 Ok(())
             }),
         ),
-        "$TCFM" => (|k, _| if k.place.work_offset == 0 { real(-1) } else { real(k.place.work_offset) }, None),
+        "$TCFM" => (
+            |k, _| {
+                if k.channel.state.place.work_offset == 0 { real(-1) } else { real(k.channel.state.place.work_offset) }
+            },
+            None,
+        ),
         "$TCL" => (
-            |k, _| real(if k.is_turning() { k.place.tool_offset } else { k.place.length_number }),
+            |k, _| {
+                real(if k.is_turning() {
+                    k.channel.state.place.tool_offset
+                } else {
+                    k.channel.state.place.length_number
+                })
+            },
             Some(|k, _, value| {
                 if k.is_turning() {
-                    k.place.tool_offset = whole(value);
+                    k.channel.state.place.tool_offset = whole(value);
                 } else {
                     only_with(k, &LENGTHS)?;
-                    k.place.length_number = whole(value);
+                    k.channel.state.place.length_number = whole(value);
                 }
                 k.reframe();
                 Ok(())
@@ -114,27 +131,31 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$TCLM" => (
             |k, _| {
-                let on = if k.is_turning() { k.place.tool_offset > 0 } else { k.place.length_sign != 0.0 };
+                let on = if k.is_turning() {
+                    k.channel.state.place.tool_offset > 0
+                } else {
+                    k.channel.state.place.length_sign != 0.0
+                };
                 match (on, k.is_turning()) {
                     (false, _) => real(-1),
-                    (true, true) => real(k.place.tool_offset),
-                    (true, false) => real(k.place.length_number),
+                    (true, true) => real(k.channel.state.place.tool_offset),
+                    (true, false) => real(k.channel.state.place.length_number),
                 }
             },
             None,
         ),
         "$TCLDIR" => (
-            |k, _| real(k.place.compensation.direction),
+            |k, _| real(k.channel.state.place.compensation.direction),
             Some(|k, _, value| {
-                k.place.compensation.direction = whole(value).min(6) as u8;
+                k.channel.state.place.compensation.direction = whole(value).min(6) as u8;
                 k.reframe();
                 Ok(())
             }),
         ),
         "$TCLSET" => (
-            |k, _| real(k.place.compensation.set),
+            |k, _| real(k.channel.state.place.compensation.set),
             Some(|k, _, value| {
-                k.place.compensation.set = whole(value).clamp(1, 4) as u8;
+                k.channel.state.place.compensation.set = whole(value).clamp(1, 4) as u8;
                 Ok(())
             }),
         ),
@@ -174,13 +195,19 @@ fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
 impl Kernel<'_> {
     /// Number of the diameter offset in force.
     pub(crate) fn diameter_in_force(&self) -> Option<u32> {
-        let active = self.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
-        active.map(|_| if self.is_turning() { self.place.tool_offset } else { self.place.compensation.diameter })
+        let active = self.channel.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
+        active.map(|_| {
+            if self.is_turning() {
+                self.channel.state.place.tool_offset
+            } else {
+                self.channel.state.place.compensation.diameter
+            }
+        })
     }
 
     /// The tool word carries the offset number.
     pub(crate) fn is_turning(&self) -> bool {
-        self.machine.tool.offset_digits > 0
+        self.channel.env.machine.tool.offset_digits > 0
     }
 
     fn which(&self, argument: Option<&Value>) -> Outcome<Which> {
@@ -244,10 +271,10 @@ impl Kernel<'_> {
             }
             _ => match (given(2), given(3), given(4)) {
                 (Some(x), Some(y), Some(z)) if table == Table::Length => {
-                    (self.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![x, y, z])
+                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![x, y, z])
                 }
                 (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
-                    (self.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![0.0, 0.0, z])
+                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![0.0, 0.0, z])
                 }
                 (Some(value), ..) if arguments.len() > 3 => (self.axes_of(&self.which(arguments.get(3))?), vec![value]),
                 _ => {
@@ -284,16 +311,16 @@ impl Kernel<'_> {
 
     /// Length compensation along one direction: what the offset has along Z goes there.
     pub(crate) fn directed(&self, values: Position) -> Position {
-        let direction = self.place.compensation.direction;
+        let direction = self.channel.state.place.compensation.direction;
         if direction == 0 {
             return values;
         }
-        let axis = |role: usize| self.place.cartesian.get(role).copied().flatten().map(usize::from);
+        let axis = |role: usize| self.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
         let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
         let mut turned = [0.0; crate::log::event::MAX_AXES];
         let role = usize::from((direction - 1) % 3);
         if let Some(slot) = axis(role).and_then(|axis| turned.get_mut(axis)) {
-            *slot = if direction > 3 { -amount } else { amount } / self.place.scale_of(role);
+            *slot = if direction > 3 { -amount } else { amount } / self.channel.state.place.scale_of(role);
         }
         turned
     }

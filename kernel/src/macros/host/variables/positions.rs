@@ -41,10 +41,10 @@ pub(super) fn place(name: &str) -> Option<Place> {
 impl Kernel<'_> {
     /// Channel axis with this letter.
     pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
-        let role = "XYZ".find(letter).and_then(|at| self.place.cartesian.get(at).copied().flatten());
+        let role = "XYZ".find(letter).and_then(|at| self.channel.state.place.cartesian.get(at).copied().flatten());
         role.map(usize::from).or_else(|| {
-            self.place.axes.iter().position(|axis| {
-                let own = self.machine.axes.get(axis.machine);
+            self.channel.state.place.axes.iter().position(|axis| {
+                let own = self.channel.env.machine.axes.get(axis.machine);
                 own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
             })
         })
@@ -76,14 +76,15 @@ impl Kernel<'_> {
         }
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
-            _ => &self.place.position,
+            _ => &self.channel.state.place.position,
         };
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
             'M' if self.tip().is_some() => {
-                value(&self.machine_point(at)) - value(&self.place.shift) + value(&self.place.preset)
+                value(&self.machine_point(at)) - value(&self.channel.state.place.shift)
+                    + value(&self.channel.state.place.preset)
             }
-            'M' => value(at) + value(&self.place.preset),
+            'M' => value(at) + value(&self.channel.state.place.preset),
             'J' => value(&self.machine_point(at)),
             _ => value(&self.program_point(at)),
         }
@@ -91,19 +92,22 @@ impl Kernel<'_> {
 
     /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
     pub(crate) fn six_axes(&self) -> [Option<usize>; 6] {
-        let mut rotary = self.place.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
-        let cartesian = self.place.cartesian.map(|at| at.map(usize::from));
+        let mut rotary =
+            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
+        let cartesian = self.channel.state.place.cartesian.map(|at| at.map(usize::from));
         let [x, y, z] = cartesian;
         let (fourth, fifth) = (rotary.next(), rotary.next());
-        let mut others = self.place.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
+        let mut others =
+            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
         let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
         [x, y, z, fourth, fifth, sixth]
     }
 
     /// Letter of a channel axis in `$AXES`.
     pub(super) fn axis_letter(&self, axis: Option<usize>) -> char {
-        let axis = axis.and_then(|at| self.place.axes.get(at));
-        let name = axis.map_or("", |axis| self.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
+        let axis = axis.and_then(|at| self.channel.state.place.axes.get(at));
+        let name =
+            axis.map_or("", |axis| self.channel.env.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
         let letter = name.chars().next().unwrap_or('*');
         // Small letters: tables, and the second attachable axis.
         if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }

@@ -48,7 +48,7 @@ fn neighbour(kernel: &Kernel<'_>, behind: bool) -> Value {
 
 /// What the machine is: its type, positioning modes and units.
 fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let machine = kernel.machine;
+    let machine = kernel.channel.env.machine;
     let kind = match machine.kind {
         MachineKind::Mill => "MILL",
         MachineKind::Lathe => "LATHE",
@@ -68,7 +68,7 @@ fn machine_text(kernel: &Kernel<'_>, _: &[i64]) -> Value {
 }
 
 fn unit(kernel: &Kernel<'_>, secondary: bool) -> Value {
-    let inch = (kernel.machine.unit == Unit::Inch) != secondary;
+    let inch = (kernel.channel.env.machine.unit == Unit::Inch) != secondary;
     Value::Real(if inch { 1.0 } else { 25.4 })
 }
 
@@ -83,13 +83,13 @@ fn stored_name(machine: &Machine) -> String {
 
 /// Secondary units in a primary one.
 fn per_primary(kernel: &Kernel<'_>) -> f64 {
-    if kernel.machine.unit == Unit::Inch { 25.4 } else { 1.0 / 25.4 }
+    if kernel.channel.env.machine.unit == Unit::Inch { 25.4 } else { 1.0 / 25.4 }
 }
 
 /// Words are read in the other unit from now on.
 fn switch_unit(kernel: &mut Kernel<'_>, secondary: bool) -> Outcome<()> {
     kernel.activate_code(if secondary { codes::UNITS_SECONDARY } else { codes::UNITS_PRIMARY });
-    kernel.secondary = secondary;
+    kernel.channel.state.secondary = secondary;
     Ok(())
 }
 
@@ -99,7 +99,7 @@ fn set_unit(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
         Some(25.4) => false,
         _ => return Err(Fault::new(Number::BAD_VALUE, "$UNIMCH is 1 for inch or 25.4 for millimetre")),
     };
-    switch_unit(kernel, inch != (kernel.machine.unit == Unit::Inch))
+    switch_unit(kernel, inch != (kernel.channel.env.machine.unit == Unit::Inch))
 }
 
 fn levels(kernel: &Kernel<'_>) -> u16 {
@@ -113,16 +113,21 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$MCD" => (|k, _| Value::text(String::from_utf8_lossy(&k.text_bytes())), None),
         "$LMCD" => (|k, _| neighbour(k, false), None),
         "$NMCD" => (|k, _| neighbour(k, true), None),
-        "$MCDNO" => (|k, _| number(kept(k, |store| store.number).filter(|number| *number > 0).unwrap_or(k.line)), None),
+        "$MCDNO" => (
+            |k, _| number(kept(k, |store| store.number).filter(|number| *number > 0).unwrap_or(k.channel.at.line)),
+            None,
+        ),
         "$SEQNO" => (
-            |k, _| number(k.block.sequence.unwrap_or(0)),
+            |k, _| number(k.channel.block.sequence.unwrap_or(0)),
             Some(|k, _, value| {
                 let number = value.as_real().filter(|n| (0.0..=f64::from(u32::MAX)).contains(n));
-                k.block.sequence = number.map(|n| n as u32);
+                k.channel.block.sequence = number.map(|n| n as u32);
                 Ok(())
             }),
         ),
-        "$TAPEN" => (|k, _| Value::text(k.flow.frames.first().map_or("", |f| k.info.file_name(f.file))), None),
+        "$TAPEN" => {
+            (|k, _| Value::text(k.flow.frames.first().map_or("", |f| k.channel.env.info.file_name(f.file))), None)
+        }
         "$XMCD" => (
             |k, _| Value::text(k.left_text()),
             Some(|k, _, value| {
@@ -179,17 +184,17 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$WRN04" => (count::<1>, Some(set_count::<1>)),
         "$ERR08" => (count::<2>, Some(set_count::<2>)),
         "$FTL16" => (count::<3>, Some(set_count::<3>)),
-        "$AUTHOR" => (|k, _| Value::text(k.machine.author.as_str()), None),
-        "$MACHIN" => (|k, _| Value::text(k.machine.name.as_str()), None),
-        "$MCHNUM" => (|k, _| number(k.machine.number), None),
+        "$AUTHOR" => (|k, _| Value::text(k.channel.env.machine.author.as_str()), None),
+        "$MACHIN" => (|k, _| Value::text(k.channel.env.machine.name.as_str()), None),
+        "$MCHNUM" => (|k, _| number(k.channel.env.machine.number), None),
         "$MCHDSC" => (machine_text, None),
-        "$CEDATE" => (|k, _| Value::text(k.machine.created.as_str()), None),
-        "$DBFILE" => (|k, _| Value::text(k.machine.file.as_str()), None),
+        "$CEDATE" => (|k, _| Value::text(k.channel.env.machine.created.as_str()), None),
+        "$DBFILE" => (|k, _| Value::text(k.channel.env.machine.file.as_str()), None),
         // A job knows no clock.
         "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
         "$PREPROC" => (
             |k, _| {
-                Value::text(match k.machine.preprocessor {
+                Value::text(match k.channel.env.machine.preprocessor {
                     Preprocessor::None => "",
                     Preprocessor::Fanuc => "FANUC",
                     Preprocessor::Okuma => "OKUMA",
@@ -199,25 +204,30 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$BACK" => (|k, _| Value::Logical(k.options.answers.is_empty() && !k.options.attended), None),
-        "$TUDQ" => {
-            (|k, at| answer(&k.machine.habits.texts, at, |text| Value::text(text.as_str()), Value::text("")), None)
+        "$BACK" => {
+            (|k, _| Value::Logical(k.channel.env.options.answers.is_empty() && !k.channel.env.options.attended), None)
         }
-        "$IUDQ" => {
-            (|k, at| answer(&k.machine.habits.integers, at, |number| Value::Real(*number), Value::Real(0.0)), None)
-        }
-        "$WUDQ" => {
-            (|k, at| answer(&k.machine.habits.numbers, at, |number| Value::Real(*number), Value::Real(0.0)), None)
-        }
+        "$TUDQ" => (
+            |k, at| answer(&k.channel.env.machine.habits.texts, at, |text| Value::text(text.as_str()), Value::text("")),
+            None,
+        ),
+        "$IUDQ" => (
+            |k, at| answer(&k.channel.env.machine.habits.integers, at, |number| Value::Real(*number), Value::Real(0.0)),
+            None,
+        ),
+        "$WUDQ" => (
+            |k, at| answer(&k.channel.env.machine.habits.numbers, at, |number| Value::Real(*number), Value::Real(0.0)),
+            None,
+        ),
         "$UNIPRI" => (|k, _| unit(k, false), None),
         "$UNISEC" => (|k, _| unit(k, true), None),
-        "$CEFILE" => (|k, _| Value::text(stored_name(k.machine)), None),
+        "$CEFILE" => (|k, _| Value::text(stored_name(k.channel.env.machine)), None),
         "$PVER" => (|_, _| number(VERSION.0), None),
         "$PLEV" => (|_, _| number(VERSION.1), None),
-        "$UNITS" => (|k, _| unit(k, k.secondary), None),
-        "$UNIMCH" => (|k, _| unit(k, k.secondary), Some(set_unit)),
+        "$UNITS" => (|k, _| unit(k, k.channel.state.secondary), None),
+        "$UNIMCH" => (|k, _| unit(k, k.channel.state.secondary), Some(set_unit)),
         "$PCONFC" => (
-            |k, _| number(if k.secondary { per_primary(k) } else { 1.0 }),
+            |k, _| number(if k.channel.state.secondary { per_primary(k) } else { 1.0 }),
             Some(|k, _, value| {
                 let secondary = value.as_real() != Some(1.0);
                 if secondary && value.as_real() != Some(per_primary(k)) {
@@ -242,8 +252,10 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             },
             None,
         ),
-        "$MCECNT" => (|k, _| number(k.machine.channels.len() as u32), None),
-        "$MFICNT" => (|k, _| number(k.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None),
+        "$MCECNT" => (|k, _| number(k.channel.env.machine.channels.len() as u32), None),
+        "$MFICNT" => {
+            (|k, _| number(k.channel.env.info.channels.iter().filter(|c| !c.program.is_empty()).count() as u32), None)
+        }
         _ => return None,
     };
     Some(row)

@@ -38,7 +38,7 @@ fn set(kernel: &mut Kernel<'_>, change: impl Fn(&mut Command)) -> Outcome<()> {
 }
 
 fn speed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let command = &kernel.spindle.command;
+    let command = &kernel.channel.state.spindle.command;
     number(match (turns(command), command.css) {
         (false, _) => 0.0,
         (true, false) => command.rpm,
@@ -52,8 +52,8 @@ fn set_speed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 }
 
 fn mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let command = &kernel.spindle.command;
-    number(match (turns(command), command.css, kernel.machine.unit) {
+    let command = &kernel.channel.state.spindle.command;
+    number(match (turns(command), command.css, kernel.channel.env.machine.unit) {
         (false, ..) => 0.0,
         (true, false, _) => 2.0,
         (true, true, Unit::Inch) => 1.0,
@@ -69,7 +69,7 @@ fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
         return set(kernel, |command| command.direction = Direction::Off);
     }
     let css = mode != 2.0;
-    let driver = kernel.states.spindles.driver.unwrap_or(kernel.rank);
+    let driver = kernel.channel.state.others.spindles.driver.unwrap_or(kernel.channel.at.channel);
     kernel.activate_code(if css { codes::SPINDLE_CSS } else { codes::SPINDLE_RPM });
     set(kernel, |command| {
         if css && !command.css {
@@ -80,7 +80,7 @@ fn set_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 }
 
 fn direction(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    number(match kernel.spindle.command.direction {
+    number(match kernel.channel.state.spindle.command.direction {
         Direction::Clockwise => 1.0,
         Direction::CounterClockwise => 2.0,
         _ => 0.0,
@@ -99,12 +99,18 @@ fn set_direction(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<(
 }
 
 fn limit(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let machine = kernel.spindle.index.and_then(|at| kernel.machine.spindles.get(at)).map_or(0.0, |s| s.max);
-    number(kernel.spindle.command.limit.min(machine))
+    let machine = kernel
+        .channel
+        .state
+        .spindle
+        .index
+        .and_then(|at| kernel.channel.env.machine.spindles.get(at))
+        .map_or(0.0, |s| s.max);
+    number(kernel.channel.state.spindle.command.limit.min(machine))
 }
 
 fn spindle_in_work(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let rear = kernel.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR);
+    let rear = kernel.channel.state.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR);
     let word = counterpoint_lang::ident::minor_code(if rear { "REAR" } else { "FRONT" });
     word.map_or(Value::Null, Value::Keyword)
 }
@@ -128,14 +134,14 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$S" => (speed, Some(set_speed)),
         "$SR" => (
-            |k, _| number(k.spindle.command.rpm),
+            |k, _| number(k.channel.state.spindle.command.rpm),
             Some(|k, _, value| {
                 let speed = real(value).max(0.0);
                 set(k, |command| command.rpm = speed)
             }),
         ),
         "$SS" => (
-            |k, _| number(k.spindle.command.surface),
+            |k, _| number(k.channel.state.spindle.command.surface),
             Some(|k, _, value| {
                 let speed = real(value).max(0.0);
                 set(k, |command| command.surface = speed)
@@ -151,14 +157,14 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$SHEAD" => (
-            |k, _| number(k.spindle.command.driver),
+            |k, _| number(k.channel.state.spindle.command.driver),
             Some(|k, _, value| {
                 let head = real(value).clamp(0.0, f64::from(u16::MAX)) as u16;
-                k.states.spindles.driver = (head > 0).then_some(head);
+                k.channel.state.others.spindles.driver = (head > 0).then_some(head);
                 set(k, |command| command.driver = head)
             }),
         ),
-        "$LTHMOD" => (|k, _| number(u8::from(k.states.spindles.milling)), None),
+        "$LTHMOD" => (|k, _| number(u8::from(k.channel.state.others.spindles.milling)), None),
         "$STID" => (|k, _| number(k.turning_code()), None),
         "$SMID" => (|k, _| number(k.milling_code()), None),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),

@@ -17,7 +17,7 @@ fn number(value: impl Into<f64>) -> Value {
 
 /// Number of the active code of a group in a list; `none` without one.
 fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) -> Value {
-    let active = kernel.modal.code(group);
+    let active = kernel.channel.state.modal.code(group);
     let found = list.iter().find(|(code, _)| Some(*code) == active);
     Value::Real(found.map_or(none, |(_, number)| *number))
 }
@@ -26,7 +26,7 @@ const DIAMETER: [(CodeId, f64); 3] =
     [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
 /// `$HEAD`: the active code of heads, or the head that its word has named.
 fn head(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let word = match (kernel.modal.code(group::HEAD), kernel.states.head) {
+    let word = match (kernel.channel.state.modal.code(group::HEAD), kernel.channel.state.others.head) {
         (Some(codes::HEAD_MAIN), _) => "MAIN",
         (Some(codes::HEAD_SIDE), _) | (_, 2) => "SIDE",
         (_, 3) => "RIGHT",
@@ -59,10 +59,10 @@ fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
 
 /// `$XDIAM`: X is programmed as a diameter.
 fn reads_diameters(kernel: &Kernel<'_>) -> bool {
-    match kernel.modal.code(group::ACROSS) {
+    match kernel.channel.state.modal.code(group::ACROSS) {
         Some(codes::XAXIS_DIAMETER) => true,
         Some(codes::XAXIS_RADIUS) => false,
-        _ => kernel.place.scale_of(0) < 1.0,
+        _ => kernel.channel.state.place.scale_of(0) < 1.0,
     }
 }
 
@@ -78,13 +78,13 @@ fn switch_across(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<(
 }
 
 fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
-    let (id, _) = feed_of(kernel.modal.code(group::FEED));
-    number(kernel.modal.value(id).unwrap_or(0.0))
+    let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
+    number(kernel.channel.state.modal.value(id).unwrap_or(0.0))
 }
 
 fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
-    let (id, _) = feed_of(kernel.modal.code(group::FEED));
-    kernel.modal.remember(id, value.as_real().unwrap_or(0.0));
+    let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
+    kernel.channel.state.modal.remember(id, value.as_real().unwrap_or(0.0));
     Ok(())
 }
 
@@ -104,7 +104,7 @@ fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) 
 fn misc(kernel: &Kernel<'_>) -> f64 {
     kernel.macros.as_deref().map_or(0.0, |runtime| {
         let store = &runtime.store;
-        (kernel.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
+        (kernel.channel.at.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
     })
 }
 
@@ -122,7 +122,7 @@ fn add_time<const AT: usize>(kernel: &mut Kernel<'_>, seconds: f64) -> Outcome<(
 /// State of a rule of the tape editor, counted from 1.
 fn rule(kernel: &Kernel<'_>, at: &[i64]) -> Option<usize> {
     let at = at.first().and_then(|at| usize::try_from(*at).ok())?.checked_sub(1)?;
-    (at < kernel.machine.tape_editor.len()).then_some(at)
+    (at < kernel.channel.env.machine.tape_editor.len()).then_some(at)
 }
 
 fn whole(value: &Value) -> u32 {
@@ -154,7 +154,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$F" => (feed, Some(set_feed)),
         "$FMODE" => (
             |k, _| {
-                let mode = k.modal.code(group::FEED);
+                let mode = k.channel.state.modal.code(group::FEED);
                 number(match (mode, feed_of(mode).1) {
                     (None, _) => -1.0,
                     (_, FeedUnit::PerRevolution) => 1.0,
@@ -171,21 +171,22 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$HEAD" => (head, None),
         "$AXES" => (|k, _| Value::text(k.axes_text()), None),
         "$RAPID" => (
-            |k, _| Value::Logical(k.modal.code(group::MOTION) == Some(codes::RAPID)),
+            |k, _| Value::Logical(k.channel.state.modal.code(group::MOTION) == Some(codes::RAPID)),
             Some(|k, _, value| {
                 let rapid = value.as_logical() == Some(true);
                 k.activate_code(if rapid { codes::RAPID } else { codes::INTERP_LINEAR });
                 Ok(())
             }),
         ),
-        "$SKIPERR" => (|k, _| number(k.skip.result), None),
+        "$SKIPERR" => (|k, _| number(k.channel.state.skip.result), None),
         "$SKIPCOD" => (
             |k, _| {
-                let active = k.modal.code(group::MOTION) == Some(codes::INTERP_SKIP) || k.skip.acts(k.blocks);
+                let active = k.channel.state.modal.code(group::MOTION) == Some(codes::INTERP_SKIP)
+                    || k.channel.state.skip.acts(k.channel.at.blocks);
                 number(u8::from(active))
             },
             Some(|k, _, value| {
-                let probing = k.modal.code(group::MOTION) == Some(codes::INTERP_SKIP);
+                let probing = k.channel.state.modal.code(group::MOTION) == Some(codes::INTERP_SKIP);
                 match (value.as_real() == Some(1.0), probing) {
                     (true, false) => k.activate_code(codes::INTERP_SKIP),
                     (false, true) => k.activate_code(codes::INTERP_LINEAR),
@@ -200,17 +201,17 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set_group(k, &POSITIONING, value)),
         ),
         "$T" => (
-            |k, _| number(k.place.tool),
+            |k, _| number(k.channel.state.place.tool),
             Some(|k, _, value| {
-                k.place.tool = whole(value);
+                k.channel.state.place.tool = whole(value);
                 Ok(())
             }),
         ),
-        "$TP" => (|k, _| number(k.place.tool), None),
+        "$TP" => (|k, _| number(k.channel.state.place.tool), None),
         "$NT" | "$TS" => (
-            |k, _| number(k.place.selected),
+            |k, _| number(k.channel.state.place.selected),
             Some(|k, _, value| {
-                k.place.selected = whole(value);
+                k.channel.state.place.selected = whole(value);
                 Ok(())
             }),
         ),
@@ -230,16 +231,16 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 add_time::<1>(k, wanted)
             }),
         ),
-        "$EDTMAX" => (|k, _| number(k.machine.tape_editor.len() as u32), None),
+        "$EDTMAX" => (|k, _| number(k.channel.env.machine.tape_editor.len() as u32), None),
         "$EDTSTA" => (
-            |k, at| Value::Logical(rule(k, at).is_some_and(|at| k.tape.0.has(at))),
+            |k, at| Value::Logical(rule(k, at).is_some_and(|at| k.channel.text.tape.0.has(at))),
             Some(|k, at, value| {
                 let Some(at) = rule(k, at) else {
-                    let most = k.machine.tape_editor.len();
+                    let most = k.channel.env.machine.tape_editor.len();
                     let text = format!("the index of $EDTSTA is not in 1 to {most}, the rules of the tape editor");
                     return Err(Fault::new(Number::OUT_OF_RANGE, text));
                 };
-                k.tape.0.set(at, value.as_logical().unwrap_or(true));
+                k.channel.text.tape.0.set(at, value.as_logical().unwrap_or(true));
                 Ok(())
             }),
         ),
@@ -278,7 +279,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$TLSUM" => (|k, at| k.sum_value(true, at), None),
         "$OPSUM" => (|k, at| k.sum_value(false, at), None),
-        "$VMTIME" => (|k, _| Value::Real(k.clock as f64 / 1e9), None),
+        "$VMTIME" => (|k, _| Value::Real(k.channel.at.clock as f64 / 1e9), None),
         _ => return None,
     };
     Some(row)

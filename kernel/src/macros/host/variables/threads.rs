@@ -17,11 +17,11 @@ fn real(value: &Value) -> f64 {
 }
 
 fn known(kernel: &Kernel<'_>, id: DataId) -> f64 {
-    kernel.modal.value(id).unwrap_or(0.0)
+    kernel.channel.state.modal.value(id).unwrap_or(0.0)
 }
 
 fn remember(kernel: &mut Kernel<'_>, id: DataId, value: f64) -> Outcome<()> {
-    kernel.modal.remember(id, value);
+    kernel.channel.state.modal.remember(id, value);
     Ok(())
 }
 
@@ -34,20 +34,20 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$PITCH" => (|k, _| Value::Real(known(k, PITCH)), Some(|k, _, value| remember(k, PITCH, real(value)))),
         "$PITCHV" => (|k, _| Value::Real(known(k, CHANGE)), Some(|k, _, value| remember(k, CHANGE, real(value)))),
         "$MULTRD" => (
-            |k, _| Value::Real(k.threads.starts),
+            |k, _| Value::Real(k.channel.state.threads.starts),
             Some(|k, _, value| {
                 let starts = real(value).max(1.0);
-                k.threads.starts = starts;
+                k.channel.state.threads.starts = starts;
                 remember(k, data::INTERP_THREAD_STARTS, starts)
             }),
         ),
         "$E" => (
-            |k, _| Value::Real(known(k, PITCH) * k.threads.starts),
-            Some(|k, _, value| remember(k, PITCH, real(value) / k.threads.starts)),
+            |k, _| Value::Real(known(k, PITCH) * k.channel.state.threads.starts),
+            Some(|k, _, value| remember(k, PITCH, real(value) / k.channel.state.threads.starts)),
         ),
         "$EV" => (
-            |k, _| Value::Real(known(k, CHANGE) * k.threads.starts),
-            Some(|k, _, value| remember(k, CHANGE, real(value) / k.threads.starts)),
+            |k, _| Value::Real(known(k, CHANGE) * k.channel.state.threads.starts),
+            Some(|k, _, value| remember(k, CHANGE, real(value) / k.channel.state.threads.starts)),
         ),
         _ => return cycle(name),
     };
@@ -60,21 +60,21 @@ const CYCLES: [CodeId; 4] =
 
 /// `$THTYPE`: the cycle whose code is active, else the one that acted on this block.
 fn kind(kernel: &Kernel<'_>) -> f64 {
-    let active = [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.modal.code(group));
+    let active = [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.channel.state.modal.code(group));
     let active = active.filter(|code| CYCLES.contains(code)).find_map(Kind::of);
-    active.or_else(|| kernel.threads.cycle.acting(kernel.blocks)).map_or(0.0, Kind::number)
+    active.or_else(|| kernel.channel.state.threads.cycle.acting(kernel.channel.at.blocks)).map_or(0.0, Kind::number)
 }
 
 /// Sets something that lasts.
 fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
-    change(&mut kernel.threads.cycle);
+    change(&mut kernel.channel.state.threads.cycle);
     Ok(())
 }
 
 /// Sets something of the cycle to come.
 fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
-    kernel.threads.cycle.prepare();
-    change(&mut kernel.threads.cycle);
+    kernel.channel.state.threads.cycle.prepare();
+    change(&mut kernel.channel.state.threads.cycle);
     Ok(())
 }
 
@@ -88,47 +88,47 @@ fn cycle(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$THTYPE" => (|k, _| Value::Real(kind(k)), None),
         "$THMODE" => (
-            |k, _| Value::Real(f64::from(k.threads.cycle.mode)),
+            |k, _| Value::Real(f64::from(k.channel.state.threads.cycle.mode)),
             Some(|k, _, value| set(k, |cycle| cycle.mode = real(value).clamp(0.0, 4.0) as u8)),
         ),
         "$THDPTH" => (
-            |k, _| Value::Real(k.threads.cycle.depth.unwrap_or(0.0)),
+            |k, _| Value::Real(k.channel.state.threads.cycle.depth.unwrap_or(0.0)),
             Some(|k, _, value| next(k, |cycle| cycle.depth = told(value))),
         ),
         "$THSTEP" => (
-            |k, _| Value::Real(k.threads.cycle.step.unwrap_or(0.0)),
+            |k, _| Value::Real(k.channel.state.threads.cycle.step.unwrap_or(0.0)),
             Some(|k, _, value| next(k, |cycle| cycle.step = told(value))),
         ),
         "$THCUTS" => (
-            |k, _| Value::Real(k.threads.cycle.passes()),
+            |k, _| Value::Real(k.channel.state.threads.cycle.passes()),
             Some(|k, _, value| next(k, |cycle| cycle.cuts = told(value).map(f64::trunc))),
         ),
         "$THMIN" => (
-            |k, _| Value::Real(k.threads.cycle.least),
+            |k, _| Value::Real(k.channel.state.threads.cycle.least),
             Some(|k, _, value| set(k, |cycle| cycle.least = real(value).abs())),
         ),
         "$THFINC" => (
-            |k, _| Value::Real(k.threads.cycle.finish_cuts),
+            |k, _| Value::Real(k.channel.state.threads.cycle.finish_cuts),
             Some(|k, _, value| set(k, |cycle| cycle.finish_cuts = real(value).clamp(0.0, 99.0).trunc())),
         ),
         "$THFINA" => (
-            |k, _| Value::Real(k.threads.cycle.finish),
+            |k, _| Value::Real(k.channel.state.threads.cycle.finish),
             Some(|k, _, value| set(k, |cycle| cycle.finish = real(value).abs())),
         ),
         "$THNOSE" => (
-            |k, _| Value::Real(k.threads.cycle.nose),
+            |k, _| Value::Real(k.channel.state.threads.cycle.nose),
             Some(|k, _, value| set(k, |cycle| cycle.nose = real(value).clamp(0.0, 170.0))),
         ),
         "$THCHFT" => (
-            |k, _| Value::Real(f64::from(u8::from(k.threads.cycle.chamfer))),
+            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.chamfer))),
             Some(|k, _, value| set(k, |cycle| cycle.chamfer = real(value) != 0.0)),
         ),
         "$THCHFL" => (
-            |k, _| Value::Real(k.threads.cycle.chamfer_length),
+            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_length),
             Some(|k, _, value| set(k, |cycle| cycle.set_chamfer(real(value).abs()))),
         ),
         "$THCHFA" => (
-            |k, _| Value::Real(k.threads.cycle.chamfer_angle),
+            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_angle),
             Some(|k, _, value| set(k, |cycle| cycle.chamfer_angle = real(value).clamp(10.0, 80.0))),
         ),
         _ => return None,

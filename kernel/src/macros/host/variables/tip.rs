@@ -26,7 +26,7 @@ fn switch(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
 fn axis<const PART: usize, const BEFORE: bool>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
     let at = match kernel.macros.as_deref() {
         Some(runtime) if BEFORE => runtime.before,
-        _ => kernel.place.position,
+        _ => kernel.channel.state.place.position,
     };
     let direction = kernel.local_direction(&at);
     Value::Real(direction.get(PART).copied().unwrap_or(0.0))
@@ -37,16 +37,16 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$TCP" => (|k, _| Value::Logical(k.tip().is_some()), Some(switch)),
         "$TCPFMT" => (
-            |k, _| Value::Real(f64::from(k.states.tip.format)),
+            |k, _| Value::Real(f64::from(k.channel.state.others.tip.format)),
             Some(|k, _, value| {
-                k.states.tip.format = number(value);
+                k.channel.state.others.tip.format = number(value);
                 Ok(())
             }),
         ),
         "$TCPSET" => (
-            |k, _| Value::Real(f64::from(k.states.tip.method)),
+            |k, _| Value::Real(f64::from(k.channel.state.others.tip.method)),
             Some(|k, _, value| {
-                k.states.tip.method = number(value);
+                k.channel.state.others.tip.method = number(value);
                 Ok(())
             }),
         ),

@@ -1,0 +1,203 @@
+//! What happens between two pieces of a contour: the offsets cut each other inside, and are joined outside.
+//!
+//! Facts: reference control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius". Invariant: every way is
+//! finite; where the tool does not fit, the way goes beside the contour's points and says so.
+
+use super::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
+
+/// The offset of a contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offset {
+    /// +1 left of the way, −1 right.
+    pub side: f64,
+    /// Radius of the tool, length units.
+    pub radius: f64,
+    /// 0 by the angle, 1 sharp, 2 arc.
+    pub corner: u8,
+    /// Cosine of the largest turn that 0 makes sharp.
+    pub limit: f64,
+}
+
+/// A move between the offsets of two pieces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Link {
+    /// A straight line to a point.
+    Line(Spot),
+    /// Around a corner of the contour.
+    Round {
+        /// End.
+        to: Spot,
+        /// Centre.
+        center: Spot,
+        /// Clockwise in the plane.
+        clockwise: bool,
+    },
+}
+
+/// The end of one piece and the way to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corner {
+    /// Where the offset of the first piece ends.
+    pub end: Spot,
+    /// Moves to the start of the offset of the next piece.
+    pub links: Vec<Link>,
+    /// The tool does not fit in.
+    pub hurts: bool,
+}
+
+impl Offset {
+    /// Beside the end of a piece.
+    pub fn at_end(&self, element: &Element) -> Spot {
+        beside(element.to, element.end(), self.side, self.radius)
+    }
+
+    /// Beside the start of a piece.
+    pub fn at_start(&self, element: &Element) -> Spot {
+        beside(element.from, element.start(), self.side, self.radius)
+    }
+
+    /// Between two pieces; `here` is where the tool is before the first one.
+    pub fn between(&self, first: &Element, second: &Element, here: Spot) -> Corner {
+        let small = first.is_too_small(self.side, self.radius);
+        let (end, start) = (self.at_end(first), self.at_start(second));
+        if distance(end, start) < NOISE {
+            return Corner { end, links: Vec::new(), hurts: small };
+        }
+        let turn = cross(first.end(), second.start()) * self.side;
+        if turn > 0.0 && distance(first.end(), second.start()) < 2.0 - NOISE {
+            return self.inside(first, second, here, small);
+        }
+        let mut links = self.outside(first.to, first.end(), second);
+        // A straight piece goes on to where its offset is left.
+        let mut end = end;
+        if let (None, Some(Link::Line(to))) = (&first.arc, links.first()) {
+            end = *to;
+            links.remove(0);
+        }
+        Corner { end, links, hurts: small }
+    }
+
+    fn inside(&self, first: &Element, second: &Element, here: Spot, small: bool) -> Corner {
+        let (end, start) = (self.at_end(first), self.at_start(second));
+        let fits = |spot: &Spot| first.share(*spot) >= first.share(here) - 1e-6 && second.share(*spot) <= 1.0 + 1e-6;
+        let near = |a: &Spot, b: &Spot| distance(*a, first.to).total_cmp(&distance(*b, first.to));
+        let crossings = self.crossings(first, second);
+        let cut = crossings.into_iter().flatten().filter(|spot| spot.iter().all(|part| part.is_finite()));
+        match cut.filter(fits).min_by(near) {
+            Some(cut) if !small => Corner { end: cut, links: Vec::new(), hurts: false },
+            _ => Corner { end, links: vec![Link::Line(start)], hurts: true },
+        }
+    }
+
+    /// Where the offsets of two pieces meet.
+    fn crossings(&self, first: &Element, second: &Element) -> [Option<Spot>; 2] {
+        let round = |element: &Element| {
+            let arc = element.arc.as_ref()?;
+            Some((arc.center, element.offset_radius(self.side, self.radius)?))
+        };
+        match (first.arc.is_some(), second.arc.is_some()) {
+            (false, false) => [lines((self.at_end(first), first.end()), (self.at_start(second), second.start())), None],
+            (false, true) => round(second).map_or([None; 2], |c| line_circle(self.at_end(first), first.end(), c)),
+            (true, false) => round(first).map_or([None; 2], |c| line_circle(self.at_start(second), second.start(), c)),
+            (true, true) => round(first).zip(round(second)).map_or([None; 2], |(a, b)| circles(a, b)),
+        }
+    }
+
+    /// From beside the end of a piece around its corner to the next piece.
+    pub fn outside(&self, corner: Spot, before: Spot, next: &Element) -> Vec<Link> {
+        let after = next.start();
+        let end = beside(corner, before, self.side, self.radius);
+        let start = self.at_start(next);
+        let cosine = dot(before, after);
+        let sharp = self.corner == 1 || self.corner == 0 && cosine >= self.limit - 1e-9;
+        if !sharp {
+            return vec![Link::Round { to: start, center: corner, clockwise: self.side > 0.0 }];
+        }
+        let mut links = if cosine >= -1e-9 {
+            // Both offsets go on to where they meet.
+            let [a, b] = [end, start].map(|spot| plus(spot, corner, -1.0));
+            vec![Link::Line(plus(corner, plus(a, b, 1.0), 1.0 / (1.0 + cosine)))]
+        } else {
+            // A sharp corner is cut off: both go on by the radius.
+            vec![Link::Line(plus(end, before, self.radius)), Link::Line(plus(start, after, -self.radius))]
+        };
+        if next.arc.is_some() {
+            links.push(Link::Line(start));
+        }
+        links
+    }
+}
+
+/// Where two lines meet.
+fn lines((a, along): (Spot, Spot), (b, other): (Spot, Spot)) -> Option<Spot> {
+    let by = cross(along, other);
+    (by.abs() > 1e-12).then(|| plus(a, along, cross(plus(b, a, -1.0), other) / by))
+}
+
+/// Where a line meets a circle.
+fn line_circle(a: Spot, along: Spot, (center, radius): (Spot, f64)) -> [Option<Spot>; 2] {
+    let foot = dot(plus(center, a, -1.0), along);
+    let nearest = plus(a, along, foot);
+    let off = distance(nearest, center);
+    let half = radius * radius - off * off;
+    if half < -NOISE {
+        return [None; 2];
+    }
+    let half = half.max(0.0).sqrt();
+    [Some(plus(nearest, along, half)), Some(plus(nearest, along, -half))]
+}
+
+/// Where two circles meet.
+fn circles((a, one): (Spot, f64), (b, other): (Spot, f64)) -> [Option<Spot>; 2] {
+    let apart = distance(a, b);
+    if apart < NOISE {
+        return [None; 2];
+    }
+    let along = plus(b, a, -1.0).map(|part| part / apart);
+    let foot = (one * one - other * other + apart * apart) / (2.0 * apart);
+    let half = one * one - foot * foot;
+    if half < -NOISE {
+        return [None; 2];
+    }
+    let half = half.max(0.0).sqrt();
+    let middle = plus(a, along, foot);
+    let aside = [-along[1], along[0]];
+    [Some(plus(middle, aside, half)), Some(plus(middle, aside, -half))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(from: Spot, to: Spot) -> Element {
+        Element { from, to, arc: None }
+    }
+
+    fn left(corner: u8) -> Offset {
+        Offset { side: 1.0, radius: 2.0, corner, limit: 0.0 }
+    }
+
+    #[test]
+    fn inside_the_offsets_cut_each_other() {
+        let corner = left(0).between(&line([0.0, 0.0], [10.0, 0.0]), &line([10.0, 0.0], [10.0, 10.0]), [0.0, 2.0]);
+        assert_eq!(corner, Corner { end: [8.0, 2.0], links: Vec::new(), hurts: false });
+    }
+
+    #[test]
+    fn outside_they_are_joined_sharp_or_round() {
+        let (first, second) = (line([0.0, 0.0], [10.0, 0.0]), line([10.0, 0.0], [10.0, -10.0]));
+        let sharp = left(1).between(&first, &second, [0.0, 2.0]);
+        assert_eq!(sharp, Corner { end: [12.0, 2.0], links: Vec::new(), hurts: false });
+        let round = left(2).between(&first, &second, [0.0, 2.0]);
+        let link = Link::Round { to: [12.0, 0.0], center: [10.0, 0.0], clockwise: true };
+        assert_eq!(round, Corner { end: [10.0, 2.0], links: vec![link], hurts: false });
+    }
+
+    #[test]
+    fn a_pocket_smaller_than_the_tool_is_told() {
+        let corner = left(0).between(&line([0.0, 0.0], [10.0, 0.0]), &line([10.0, 0.0], [10.0, 1.0]), [0.0, 2.0]);
+        assert!(corner.hurts);
+        let back = left(0).between(&line([0.0, 0.0], [10.0, 0.0]), &line([10.0, 0.0], [0.0, 0.0]), [0.0, 2.0]);
+        assert!(!back.hurts && back.links.len() == 1);
+    }
+}

@@ -1,0 +1,120 @@
+//! A piece of the contour in its plane, and what its offset is.
+//!
+//! Coordinates are those of the plane, as geometry (radii). The side is +1 for a tool left of the way, −1 right.
+//! Invariant: an element has a length.
+
+use std::f64::consts::TAU;
+
+use crate::arc::Arc;
+
+/// Two coordinates of the plane.
+pub type Spot = [f64; 2];
+
+/// Differences below this are none.
+pub const NOISE: f64 = 1e-7;
+
+/// `a + c * times`, coordinate by coordinate.
+pub fn plus([a, b]: Spot, [c, d]: Spot, times: f64) -> Spot {
+    [a + c * times, b + d * times]
+}
+
+/// Scalar product.
+pub fn dot([a, b]: Spot, [c, d]: Spot) -> f64 {
+    a * c + b * d
+}
+
+/// The component of the vector product that is normal to the plane.
+pub fn cross([a, b]: Spot, [c, d]: Spot) -> f64 {
+    a * d - b * c
+}
+
+/// Distance of two points.
+pub fn distance(a: Spot, b: Spot) -> f64 {
+    let by = plus(b, a, -1.0);
+    dot(by, by).sqrt()
+}
+
+/// A line or an arc of the contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
+    /// Start.
+    pub from: Spot,
+    /// End.
+    pub to: Spot,
+    /// The arc between them; none for a line.
+    pub arc: Option<Arc>,
+}
+
+impl Element {
+    /// Direction at its start, of length one.
+    pub fn start(&self) -> Spot {
+        match &self.arc {
+            Some(arc) => along(arc, self.from),
+            None => self.straight(),
+        }
+    }
+
+    /// Direction at its end.
+    pub fn end(&self) -> Spot {
+        match &self.arc {
+            Some(arc) => along(arc, self.to),
+            None => self.straight(),
+        }
+    }
+
+    fn straight(&self) -> Spot {
+        let by = plus(self.to, self.from, -1.0);
+        let length = dot(by, by).sqrt();
+        by.map(|part| part / length)
+    }
+
+    /// Length of the way along it.
+    pub fn length(&self) -> f64 {
+        self.arc.as_ref().map_or_else(|| distance(self.from, self.to), Arc::length)
+    }
+
+    /// Radius of the offset of an arc; none if the tool does not fit in.
+    pub fn offset_radius(&self, side: f64, radius: f64) -> Option<f64> {
+        let arc = self.arc.as_ref()?;
+        let left = arc.radius - side * arc.sweep.signum() * radius;
+        (left > NOISE).then_some(left)
+    }
+
+    /// The tool does not fit into the arc.
+    pub fn is_too_small(&self, side: f64, radius: f64) -> bool {
+        self.arc.is_some() && self.offset_radius(side, radius).is_none()
+    }
+
+    /// Share of the element that is done at a spot of its offset.
+    pub fn share(&self, spot: Spot) -> f64 {
+        let Some(arc) = &self.arc else {
+            let by = plus(self.to, self.from, -1.0);
+            return dot(plus(spot, self.from, -1.0), by) / dot(by, by);
+        };
+        let turned = angle(arc.center, spot) - arc.start_angle;
+        let way = (turned * arc.sweep.signum()).rem_euclid(TAU);
+        let whole = arc.sweep.abs();
+        // Just before the start is less than nothing, not almost a whole turn.
+        let way = if way > whole && way - whole > TAU - way { way - TAU } else { way };
+        way / whole
+    }
+}
+
+/// Direction of an arc at one of its spots.
+fn along(arc: &Arc, spot: Spot) -> Spot {
+    let [x, y] = plus(spot, arc.center, -1.0);
+    let length = (x * x + y * y).sqrt().max(f64::MIN_POSITIVE);
+    let turn = arc.sweep.signum();
+    [-y / length * turn, x / length * turn]
+}
+
+/// Where the tool is beside a spot of the contour.
+pub fn beside(spot: Spot, [x, y]: Spot, side: f64, radius: f64) -> Spot {
+    plus(spot, [-y, x], side * radius)
+}
+
+/// Direction from a centre to a spot.
+pub fn angle(center: Spot, spot: Spot) -> f64 {
+    let [x, y] = plus(spot, center, -1.0);
+    libm::atan2(y, x)
+}

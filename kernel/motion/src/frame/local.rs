@@ -1,0 +1,247 @@
+//! The local frame: scale, mirror, rotation and translation of the program.
+//!
+//! Each kind has a part of its own; from the program to the work frame they act in the order scale, mirror, rotation,
+//! translation. Additive parts act before all of them, the newest first: each is given in the frame that was active
+//! when it came. Invariant: the map has a way back and moves no axis that the channel does not have. Facts: reference
+//! control-emulator.md 6.7.
+
+use super::affine::{Affine, Point};
+
+/// Most additive parts.
+const MOST: usize = 200;
+
+/// Largest number of a frame and of its way back.
+const BOUND: f64 = 1e12;
+
+/// A kind of parts, from the program outwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Scale factors.
+    Scale,
+    /// Mirrored axes.
+    Mirror,
+    /// Rotation.
+    Rotate,
+    /// Translation.
+    Translate,
+}
+
+impl Part {
+    const ALL: [Self; 4] = [Self::Scale, Self::Mirror, Self::Rotate, Self::Translate];
+}
+
+/// A part as it was programmed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Given {
+    /// The map of the part.
+    pub map: Affine,
+    /// Distances, direction or angles, factors, or 1 for a mirrored axis.
+    pub values: Point,
+    /// Centre of a rotation or scale.
+    pub center: Option<Point>,
+    /// What the values of a rotation are.
+    pub order: &'static str,
+    /// Angle about a direction, degrees.
+    pub angle: f64,
+}
+
+impl Given {
+    /// A part without a centre or a rotation.
+    pub fn new(map: Affine, values: Point) -> Self {
+        Self { map, values, center: None, order: "", angle: 0.0 }
+    }
+}
+
+/// Why a frame cannot be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// Points would lie on each other, or out of all bounds.
+    NoWayBack,
+    /// An axis would have to move that the channel does not have.
+    MissingAxis,
+    /// Too many additive parts.
+    TooMany,
+}
+
+/// The local frame of a channel.
+#[derive(Debug, Clone)]
+pub struct Local {
+    /// The part of each kind.
+    parts: [Option<Given>; 4],
+    /// Additive parts, oldest first.
+    added: Vec<(Part, Given)>,
+    /// A frame that a macro has given, outside of all.
+    given: Option<Affine>,
+    /// Switched off by a macro: the parts are kept.
+    off: bool,
+    /// From the program to the work frame.
+    map: Affine,
+    /// The way back.
+    back: Affine,
+}
+
+impl Default for Local {
+    fn default() -> Self {
+        let (map, back) = (Affine::SAME, Affine::SAME);
+        Self { parts: [None; 4], added: Vec::new(), given: None, off: false, map, back }
+    }
+}
+
+impl Local {
+    /// Nothing is programmed.
+    pub fn is_empty(&self) -> bool {
+        !self.is_programmed() && self.given.is_none()
+    }
+
+    /// The program has given a part.
+    pub fn is_programmed(&self) -> bool {
+        self.parts.iter().any(Option::is_some) || !self.added.is_empty()
+    }
+
+    /// Programmed and not switched off.
+    pub fn is_on(&self) -> bool {
+        self.is_programmed() && !self.off
+    }
+
+    /// From the program to the work frame.
+    pub fn map(&self) -> &Affine {
+        &self.map
+    }
+
+    /// A programmed point in the work frame.
+    pub fn to_work(&self, point: Point) -> Point {
+        self.map.point(point)
+    }
+
+    /// A point of the work frame as programmed.
+    pub fn to_program(&self, point: Point) -> Point {
+        self.back.point(point)
+    }
+
+    /// The part of a kind.
+    pub fn part(&self, part: Part) -> Option<&Given> {
+        self.parts.get(part as usize)?.as_ref()
+    }
+
+    /// All parts of a kind, oldest first.
+    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Given> {
+        let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, given)| given);
+        self.part(part).into_iter().chain(added)
+    }
+
+    /// The newest part of all that has a centre.
+    pub fn center(&self) -> Option<Point> {
+        let added = self.added.iter().rev().filter(|(part, _)| *part != Part::Mirror).map(|(_, given)| given);
+        let own = [Part::Rotate, Part::Scale].into_iter().filter_map(|part| self.part(part));
+        added.chain(own).find_map(|given| given.center)
+    }
+
+    /// A point of the work frame as the part of a kind sees it: what lies outside of that part is taken off.
+    pub fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
+        let outer = self.composed(part as usize + 1);
+        outer.inverse().map(|back| back.point(point))
+    }
+
+    /// What a macro has given and the parts from a kind outwards.
+    fn composed(&self, from: usize) -> Affine {
+        let mut map = self.given.unwrap_or(Affine::SAME);
+        for part in Part::ALL.into_iter().rev().take_while(|part| *part as usize >= from) {
+            if let Some(given) = self.part(part).filter(|_| !self.off) {
+                map = map.after(&given.map);
+            }
+        }
+        map
+    }
+
+    /// Sets the part of a kind; additive ones of that kind end.
+    pub fn set(&mut self, part: Part, given: Option<Given>, has: [bool; 3]) -> Result<(), Refused> {
+        let given = given.filter(|given| given.map != Affine::SAME);
+        self.change(has, |local| {
+            local.added.retain(|(of, _)| *of != part);
+            if let Some(slot) = local.parts.get_mut(part as usize) {
+                *slot = given;
+            }
+            local.off = false;
+        })
+    }
+
+    /// Adds a part.
+    pub fn add(&mut self, part: Part, given: Given, has: [bool; 3]) -> Result<(), Refused> {
+        if self.added.len() >= MOST {
+            return Err(Refused::TooMany);
+        }
+        self.change(has, |local| {
+            local.added.push((part, given));
+            local.off = false;
+        })
+    }
+
+    /// The frame of a macro, or none.
+    pub fn give(&mut self, given: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
+        self.change(has, |local| local.given = given.filter(|map| *map != Affine::SAME))
+    }
+
+    /// Switches the programmed parts off, or on again.
+    pub fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
+        self.change(has, |local| local.off = !on)
+    }
+
+    /// Takes a change over if the frame has a way back afterwards. `has`: the channel has an X, Y, Z axis.
+    fn change(&mut self, has: [bool; 3], with: impl FnOnce(&mut Self)) -> Result<(), Refused> {
+        let mut changed = self.clone();
+        with(&mut changed);
+        let mut map = changed.composed(0);
+        for (_, given) in changed.added.iter().filter(|_| !changed.off) {
+            map = map.after(&given.map);
+        }
+        let back = map.inverse().ok_or(Refused::NoWayBack)?;
+        if [map, back].iter().any(|map| map.cells().iter().any(|cell| cell.abs() > BOUND)) {
+            return Err(Refused::NoWayBack);
+        }
+        if [map, back].iter().any(|map| map.leaves(has)) {
+            return Err(Refused::MissingAxis);
+        }
+        (changed.map, changed.back) = (map, back);
+        *self = changed;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [bool; 3] = [true; 3];
+
+    fn turned(degrees: f64) -> Given {
+        Given::new(Affine::rotation([0.0, 0.0, 1.0], degrees).unwrap(), [0.0, 0.0, 1.0])
+    }
+
+    fn shifted(x: f64) -> Given {
+        Given::new(Affine::translation([x, 0.0, 0.0]), [x, 0.0, 0.0])
+    }
+
+    #[test]
+    fn additive_parts_count_in_the_frame_they_came_in() {
+        let mut local = Local::default();
+        local.set(Part::Rotate, Some(turned(90.0)), ALL).unwrap();
+        local.set(Part::Translate, Some(shifted(10.0)), ALL).unwrap();
+        local.add(Part::Translate, shifted(5.0), ALL).unwrap();
+        assert_eq!(local.to_work([1.0, 0.0, 0.0]), [10.0, 6.0, 0.0]);
+        assert_eq!(local.to_program([10.0, 6.0, 0.0]), [1.0, 0.0, 0.0]);
+        local.set(Part::Translate, None, ALL).unwrap();
+        assert_eq!(local.to_work([1.0, 0.0, 0.0]), [0.0, 1.0, 0.0]);
+        local.switch(false, ALL).unwrap();
+        assert_eq!(local.to_work([1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
+        assert!(local.is_programmed() && !local.is_on());
+    }
+
+    #[test]
+    fn a_frame_without_a_way_back_changes_nothing() {
+        let mut local = Local::default();
+        let flat = Given::new(Affine::scale([0.0, 1.0, 1.0]), [0.0, 1.0, 1.0]);
+        assert_eq!(local.set(Part::Scale, Some(flat), ALL), Err(Refused::NoWayBack));
+        assert_eq!(local.set(Part::Rotate, Some(turned(30.0)), [true, false, true]), Err(Refused::MissingAxis));
+        assert!(local.is_empty());
+    }
+}
