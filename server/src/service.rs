@@ -21,6 +21,7 @@ use tonic_health::server::HealthReporter;
 use crate::jobs::Core;
 use crate::local;
 use crate::local::disk::Disk;
+use crate::metrics::Metrics;
 use crate::net::{self, Gate};
 use crate::options::Options;
 use crate::reason::Refusal;
@@ -51,6 +52,9 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// The address for monitoring is not one.
+    #[error("'{0}' is not an address for metrics: expected ADDRESS:PORT, for example 127.0.0.1:9464")]
+    Metrics(String),
     /// Calls cannot be guarded as asked.
     #[error("{0}")]
     Guard(String),
@@ -64,6 +68,8 @@ pub enum Error {
 pub struct Service {
     core: Arc<Core>,
     gate: Arc<Gate>,
+    /// Where monitoring asks.
+    monitor: Option<TcpListener>,
     listener: TcpListener,
     address: SocketAddr,
     stop: tokio::sync::watch::Sender<Stop>,
@@ -81,6 +87,7 @@ enum Stop {
 #[derive(Debug, Clone)]
 pub struct Handle {
     address: SocketAddr,
+    metrics: Option<SocketAddr>,
     gate: Arc<Gate>,
     stop: tokio::sync::watch::Sender<Stop>,
 }
@@ -90,6 +97,12 @@ impl Handle {
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// The bound address for monitoring, if there is one.
+    #[must_use]
+    pub fn metrics(&self) -> Option<SocketAddr> {
+        self.metrics
     }
 
     /// The address as clients are to be given it.
@@ -130,27 +143,38 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
 /// # Errors
 /// When the address or the data folder cannot be used.
 pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
-    let gate = Arc::new(Gate::open(&options).map_err(Error::Guard)?);
+    let metrics = Arc::new(Metrics::new());
+    let gate = Arc::new(Gate::open(&options, metrics.clone()).map_err(Error::Guard)?);
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
+    let monitor = match options.connections.metrics.as_str() {
+        "" => None,
+        text => {
+            let address = text.parse().map_err(|_| Error::Metrics(text.to_owned()))?;
+            let listen = |error| Error::Listen { address, error };
+            Some(TcpListener::bind(address).await.map_err(listen)?)
+        }
+    };
     let folder = options.data.display().to_string();
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
-        let core = Core::new(options.clone(), Box::new(runner), local::open(&options, disk)?);
+        let seams = local::open(&options, disk, &metrics)?;
+        let core = Core::new(options, Box::new(runner), seams, metrics);
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
     let core = opened.await.map_err(|e| data(e.to_string()))?.map_err(|e| data(e.to_string()))?;
-    Ok(Service { core, gate, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
+    Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
 }
 
 impl Service {
     /// A handle on it.
     #[must_use]
     pub fn handle(&self) -> Handle {
-        Handle { address: self.address, gate: self.gate.clone(), stop: self.stop.clone() }
+        let metrics = self.monitor.as_ref().and_then(|listener| listener.local_addr().ok());
+        Handle { address: self.address, metrics, gate: self.gate.clone(), stop: self.stop.clone() }
     }
 
     /// Serves until `shutdown` resolves or [`Handle::stop`] is called, then drains: health NOT_SERVING, no new jobs,
@@ -159,9 +183,14 @@ impl Service {
     /// # Errors
     /// When the descriptor set is unreadable.
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> Result<(), Error> {
-        let Self { core, gate, listener, stop, .. } = self;
+        let Self { core, gate, monitor, listener, stop, .. } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
         let reporter = tokio::spawn(report(health.clone(), core.clone()));
+        // Ends with the server.
+        let mut monitoring = tokio::task::JoinSet::new();
+        if let Some(listener) = monitor {
+            monitoring.spawn(net::monitor(listener, core.clone()));
+        }
         let mut routes = Routes::builder();
         routes
             .add_service(health_service)

@@ -42,6 +42,12 @@ pub(crate) const CALLS: &[(&str, &str, Role)] = &[
     ("counterpoint.v1.Operator", "Attend", Role::Operate),
 ];
 
+/// Name of the call of a path for metrics: one of few.
+pub(crate) fn name(path: &str) -> &'static str {
+    let Some((service, call)) = path.strip_prefix('/').and_then(|path| path.split_once('/')) else { return "other" };
+    CALLS.iter().find(|(of, name, _)| *of == service && *name == call).map_or("other", |(_, name, _)| name)
+}
+
 /// What the call of a path (`/service/call`) needs.
 pub(crate) fn needs(path: &str) -> Needs {
     let Some((service, call)) = path.strip_prefix('/').and_then(|path| path.split_once('/')) else {

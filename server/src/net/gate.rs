@@ -3,6 +3,8 @@
 //! Invariant: a call reaches its service only after [`Access`] has let it pass.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
 
 use http::{Request, Response};
 use hyper::body::Incoming;
@@ -11,7 +13,8 @@ use tonic::{Code, Status};
 
 use super::tls::Tls;
 use crate::access::audit::Audit;
-use crate::access::{Access, Caller, CertificateNames};
+use crate::access::{Access, Caller, CertificateNames, calls};
+use crate::metrics::Metrics;
 use crate::options::Options;
 
 /// The gate of a server.
@@ -19,12 +22,13 @@ use crate::options::Options;
 pub(crate) struct Gate {
     access: Access,
     audit: Option<Audit>,
+    metrics: Arc<Metrics>,
     pub(super) tls: Option<Tls>,
 }
 
 impl Gate {
     /// Reads what the options name, and refuses an address that strangers can reach without protection.
-    pub(crate) fn open(options: &Options) -> Result<Self, String> {
+    pub(crate) fn open(options: &Options, metrics: Arc<Metrics>) -> Result<Self, String> {
         let guard = &options.guard;
         let tls = Tls::open(guard)?;
         let identities = !guard.access.as_os_str().is_empty();
@@ -39,7 +43,7 @@ impl Gate {
             true => None,
             false => Some(Audit::open(&guard.audit).map_err(|error| format!("'{}': {error}", guard.audit.display()))?),
         };
-        Ok(Self { access: Access::open(guard)?, audit, tls })
+        Ok(Self { access: Access::open(guard)?, audit, metrics, tls })
     }
 
     /// Reads files of identities and certificates again, and opens the audit log again. What cannot be read stays as it
@@ -81,14 +85,23 @@ impl Gate {
             Err((caller, refusal)) => {
                 let status = Status::from(refusal);
                 self.note(peer, caller.as_ref(), path, status.code());
+                self.metrics.call(calls::name(path), name(status.code()), Duration::ZERO);
                 Err(status.into_http())
             }
         }
     }
 
     /// Notes the outcome of a call that has passed.
-    pub(super) fn answered(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, answer: &Response<Body>) {
+    pub(super) fn answered(
+        &self,
+        peer: SocketAddr,
+        caller: Option<&Caller>,
+        path: &str,
+        answer: &Response<Body>,
+        time: Duration,
+    ) {
         let code = answer.headers().get("grpc-status").map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        self.metrics.call(calls::name(path), name(code), time);
         self.note(peer, caller, path, code);
     }
 
@@ -96,5 +109,28 @@ impl Gate {
         if let Some(audit) = &self.audit {
             audit.note(&peer.to_string(), caller, path, code);
         }
+    }
+}
+
+/// Name of a code.
+fn name(code: Code) -> &'static str {
+    match code {
+        Code::Ok => "Ok",
+        Code::Cancelled => "Cancelled",
+        Code::Unknown => "Unknown",
+        Code::InvalidArgument => "InvalidArgument",
+        Code::DeadlineExceeded => "DeadlineExceeded",
+        Code::NotFound => "NotFound",
+        Code::AlreadyExists => "AlreadyExists",
+        Code::PermissionDenied => "PermissionDenied",
+        Code::ResourceExhausted => "ResourceExhausted",
+        Code::FailedPrecondition => "FailedPrecondition",
+        Code::Aborted => "Aborted",
+        Code::OutOfRange => "OutOfRange",
+        Code::Unimplemented => "Unimplemented",
+        Code::Internal => "Internal",
+        Code::Unavailable => "Unavailable",
+        Code::DataLoss => "DataLoss",
+        Code::Unauthenticated => "Unauthenticated",
     }
 }

@@ -6,6 +6,7 @@
 mod gate;
 mod held;
 mod places;
+mod status;
 mod tls;
 
 use std::convert::Infallible;
@@ -36,6 +37,7 @@ use crate::options::Options;
 pub(crate) use gate::Gate;
 use held::Held;
 pub(crate) use places::Places;
+pub(crate) use status::serve as monitor;
 
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
@@ -235,6 +237,7 @@ async fn answer(
     peer: Peer,
     call: Call,
 ) -> Result<Response<Held>, Infallible> {
+    let begin = Instant::now();
     let caller = match peer.gate.admit(&mut request, peer.address, &peer.names) {
         Ok(caller) => caller,
         Err(refused) => return Ok(refused.map(|body| Held::new(body, call))),
@@ -248,7 +251,7 @@ async fn answer(
             Err(_) => Status::deadline_exceeded("the deadline of the call is over").into_http(),
         },
     };
-    peer.gate.answered(peer.address, caller.as_ref(), &path, &response);
+    peer.gate.answered(peer.address, caller.as_ref(), &path, &response, begin.elapsed());
     Ok(response.map(|body| Held::new(body, call)))
 }
 

@@ -92,6 +92,8 @@ group! {
         max_uploads: usize = 256, "COUNTERPOINT_MAX_UPLOADS", "N";
         /// Most uploads of one connection at the same time
         max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
+        /// Address on which monitoring gets /metrics, /livez and /readyz over HTTP, without an identity; empty = none
+        metrics: String = String::new(), "COUNTERPOINT_METRICS", "ADDRESS";
     }
 }
 

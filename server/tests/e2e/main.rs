@@ -21,6 +21,7 @@ mod guard;
 mod guarded;
 mod life;
 mod limits;
+mod metrics;
 mod operator;
 mod rate;
 mod signed;

@@ -23,6 +23,7 @@ use super::store::Store;
 use crate::ledger::record::Record;
 use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted};
 use crate::machines::Definition;
+use crate::metrics::Metrics;
 use crate::reason::Refusal;
 use crate::tenant;
 use writer::{Operation, Place, Shared};
@@ -102,7 +103,7 @@ fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
 
 impl LocalLedger {
     /// Opens or creates the ledger.
-    pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
+    pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
@@ -116,7 +117,7 @@ impl LocalLedger {
             tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
         }
         let database = RwLock::new(Some(Arc::new(database)));
-        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
+        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true), metrics });
         let (operations, queue) = mpsc::channel(1024);
         let own = shared.clone();
         let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
