@@ -7,22 +7,23 @@
 //! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a kernel that
 //! waits is woken once for each wait. Facts: reference channel-synchronisation.md 1.1, 2.3.
 
+pub mod arrive;
 #[cfg(test)]
 mod explore;
 
-use super::ranks::Ranks;
-use super::shared::Shared;
-use super::tag::Tag;
-use super::waits::{Arrival, Set, Waiting, Waits};
+use crate::ranks::Ranks;
+use crate::shared::Shared;
+use crate::tag::Tag;
+use crate::waits::{Arrival, Set, Waiting, Waits};
 
 /// Bound of a kernel that is blocked at a wait.
-pub(crate) const BLOCKED: i64 = i64::MAX - 1;
+pub const BLOCKED: i64 = i64::MAX - 1;
 /// Bound of a kernel that is done.
-pub(crate) const DONE: i64 = i64::MAX;
+pub const DONE: i64 = i64::MAX;
 
 /// What a kernel is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Status {
+pub enum Status {
     /// Executing blocks; it acts at its bound at the earliest.
     Running,
     /// Asks for an operation.
@@ -37,7 +38,7 @@ pub(crate) enum Status {
 
 /// Why a wait of a kernel is over.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Wake {
+pub enum Wake {
     /// The operation that it asked for is next: it has the turn.
     Turn,
     /// Its partners have arrived; continue at this tag.
@@ -64,7 +65,7 @@ pub(crate) enum Wake {
 
 /// What an operation changed for the kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Effect {
+pub enum Effect {
     /// The kernel acts at this time at the earliest ([`BLOCKED`], [`DONE`]).
     Bound(u16, i64),
     /// Another kernel carried out the arrival of this one, which is blocked now.
@@ -90,23 +91,26 @@ struct Seat {
 
 /// The kernels of a job and what they share.
 #[derive(Debug, Clone)]
-pub(crate) struct Order {
+pub struct Order {
     ranks: Ranks,
     seats: Vec<Seat>,
     /// The kernel that has the turn.
     acting: Option<u16>,
     stop: Option<Tag>,
     /// Meetings so far.
-    pub(crate) meetings: u64,
+    pub meetings: u64,
     /// A verdict has been given.
-    pub(crate) judged: bool,
-    pub(crate) shared: Shared,
-    pub(crate) waits: Waits,
+    pub judged: bool,
+    /// Variables, spindles and files that the kernels share.
+    pub shared: Shared,
+    /// Waits of all kernels.
+    pub waits: Waits,
     effects: Vec<Effect>,
 }
 
 impl Order {
-    pub(crate) fn new(ranks: Ranks, shared: Shared, waits: Waits) -> Self {
+    /// The order of a run that begins.
+    pub fn new(ranks: Ranks, shared: Shared, waits: Waits) -> Self {
         let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None };
         let seats = (0..ranks.len()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
@@ -117,29 +121,30 @@ impl Order {
         self.seats.get_mut(self.ranks.index(rank))
     }
 
-    pub(crate) fn status(&self, rank: u16) -> Status {
+    /// How far a kernel has come.
+    pub fn status(&self, rank: u16) -> Status {
         self.seats.get(self.ranks.index(rank)).map_or(Status::Done, |seat| seat.status)
     }
 
     /// The last tag of the job, once it has been stopped.
-    pub(crate) fn stopped(&self) -> Option<Tag> {
+    pub fn stopped(&self) -> Option<Tag> {
         self.stop
     }
 
     /// What has changed since the last call; give the list back to [`recycle`](Self::recycle).
-    pub(crate) fn effects(&mut self) -> Vec<Effect> {
+    pub fn effects(&mut self) -> Vec<Effect> {
         std::mem::take(&mut self.effects)
     }
 
     /// Keeps the memory of a list of effects.
-    pub(crate) fn recycle(&mut self, effects: Vec<Effect>) {
+    pub fn recycle(&mut self, effects: Vec<Effect>) {
         if self.effects.is_empty() {
             self.effects = effects;
         }
     }
 
     /// A running kernel has come so far.
-    pub(crate) fn hear(&mut self, bounds: impl Iterator<Item = i64>) {
+    pub fn hear(&mut self, bounds: impl Iterator<Item = i64>) {
         for (seat, bound) in self.seats.iter_mut().zip(bounds) {
             if seat.status == Status::Running {
                 seat.bound = bound;
@@ -148,7 +153,7 @@ impl Order {
     }
 
     /// A running kernel asks for an operation at this tag, or arrives at a wait. Its next [`Wake`] is the answer.
-    pub(crate) fn request(&mut self, tag: Tag, arriving: Option<Waiting>) {
+    pub fn request(&mut self, tag: Tag, arriving: Option<Waiting>) {
         let refused = self.stop.is_some_and(|stop| stop < tag);
         let Some(seat) = self.seat(tag.rank) else { return };
         if refused {
@@ -163,27 +168,27 @@ impl Order {
     }
 
     /// A running kernel does nothing before this tag until it is [`back`](Self::back).
-    pub(crate) fn away(&mut self, tag: Tag) {
+    pub fn away(&mut self, tag: Tag) {
         if let Some(seat) = self.seat(tag.rank) {
             seat.status = Status::Away(tag);
         }
     }
 
     /// It continues where it was.
-    pub(crate) fn back(&mut self, rank: u16) {
+    pub fn back(&mut self, rank: u16) {
         if let Some(seat) = self.seat(rank).filter(|seat| matches!(seat.status, Status::Away(_))) {
             seat.status = Status::Running;
         }
     }
 
     /// The answer to a kernel's last request or wait, if it is there.
-    pub(crate) fn take_wake(&mut self, rank: u16) -> Option<Wake> {
+    pub fn take_wake(&mut self, rank: u16) -> Option<Wake> {
         self.seat(rank)?.wake.take()
     }
 
     /// The next turn in order, or the end of all waits that nobody is left to end. Gives the tag that cannot have its turn
     /// yet because running kernels may still act before it.
-    pub(crate) fn settle(&mut self) -> Option<Tag> {
+    pub fn settle(&mut self) -> Option<Tag> {
         while self.acting.is_none() {
             let parked = |seat: &Seat| if let Status::Parked(tag) = seat.status { Some(tag) } else { None };
             let Some(tag) = self.seats.iter().filter_map(parked).min() else {
@@ -221,20 +226,20 @@ impl Order {
     }
 
     /// Running kernels that may still act before this tag, by index.
-    pub(crate) fn earlier(&self, tag: Tag) -> impl Iterator<Item = usize> {
+    pub fn earlier(&self, tag: Tag) -> impl Iterator<Item = usize> {
         let seats = self.seats.iter().zip(self.ranks.numbers()).enumerate();
         let earlier = move |seat: &Seat| seat.status == Status::Running && seat.bound <= tag.t;
         seats.filter(move |(_, (seat, rank))| **rank != tag.rank && earlier(seat)).map(|(index, _)| index)
     }
 
     /// The kernel executes blocks, has no turn, and no answer waits for it.
-    pub(crate) fn is_free(&self, rank: u16) -> bool {
+    pub fn is_free(&self, rank: u16) -> bool {
         let seat = self.seats.get(self.ranks.index(rank));
         self.acting != Some(rank) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
     }
 
     /// No other kernel runs or is about to act.
-    pub(crate) fn alone(&self, rank: u16) -> bool {
+    pub fn alone(&self, rank: u16) -> bool {
         self.seats
             .iter()
             .zip(self.ranks.numbers())
@@ -242,19 +247,19 @@ impl Order {
     }
 
     /// The kernel gives its turn back.
-    pub(crate) fn leave(&mut self, rank: u16) {
+    pub fn leave(&mut self, rank: u16) {
         if self.acting == Some(rank) {
             self.acting = None;
         }
     }
 
     /// The kernel waits until another one resumes it.
-    pub(crate) fn block(&mut self, rank: u16) {
+    pub fn block(&mut self, rank: u16) {
         self.rest(rank, Status::Blocked, BLOCKED);
     }
 
     /// The kernel is finished.
-    pub(crate) fn done(&mut self, rank: u16) {
+    pub fn done(&mut self, rank: u16) {
         self.leave(rank);
         self.rest(rank, Status::Done, DONE);
     }
@@ -270,7 +275,7 @@ impl Order {
     }
 
     /// Ends the wait of a blocked kernel.
-    pub(crate) fn resume(&mut self, rank: u16, wake: Wake) {
+    pub fn resume(&mut self, rank: u16, wake: Wake) {
         if let Some(seat) = self.seat(rank) {
             let t = match &wake {
                 Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => tag.t,
@@ -296,7 +301,7 @@ impl Order {
     }
 
     /// Stops the job at `tag`: nothing after it happens. All waits end.
-    pub(crate) fn stop(&mut self, tag: Tag) {
+    pub fn stop(&mut self, tag: Tag) {
         if self.stop.is_some_and(|stop| stop <= tag) {
             return;
         }
@@ -317,14 +322,14 @@ impl Order {
     }
 
     /// A meeting takes place; its number.
-    pub(crate) fn count_meeting(&mut self, channels: Set) -> u64 {
+    pub fn count_meeting(&mut self, channels: Set) -> u64 {
         self.shared.met(channels);
         self.meetings += 1;
         self.meetings
     }
 
     /// A meeting takes place: lets these kernels continue at this time and microstep, but for the one that acts.
-    pub(crate) fn release(&mut self, channels: Set, (t, micro): (i64, u32), but: Option<u16>) -> u64 {
+    pub fn release(&mut self, channels: Set, (t, micro): (i64, u32), but: Option<u16>) -> u64 {
         let meeting = self.count_meeting(channels);
         let part = |(seat, rank): (&Seat, &u16)| seat.status == Status::Done || channels.has(*rank);
         let all = self.seats.iter().zip(self.ranks.numbers()).all(part);

@@ -8,12 +8,12 @@ use std::ops::{Deref, DerefMut};
 use super::primitives::atomic::Ordering::SeqCst;
 use super::switch::Switch;
 use super::{Coordinator, Guard, Stopped};
-use crate::multi::order::{Order, Status, Wake};
-use crate::multi::tag::Tag;
-use crate::multi::waits::Waiting;
+use crate::order::{Order, Status, Wake};
+use crate::tag::Tag;
+use crate::waits::Waiting;
 
 /// The order while a kernel has its turn, which ends when this is dropped.
-pub(crate) struct Turn<'a> {
+pub struct Turn<'a> {
     coordinator: &'a Coordinator,
     rank: u16,
     inner: Guard<'a>,
@@ -41,7 +41,7 @@ impl Drop for Turn<'_> {
 }
 
 /// What came of an arrival.
-pub(crate) enum Met<'a> {
+pub enum Met<'a> {
     /// The wait is over.
     Woken(Wake),
     /// The arrival concerns more than shared state (an alarm, a verdict): the kernel carries it out itself.

@@ -9,13 +9,13 @@ use corosensei::Yielder;
 
 use super::turn::{Met, Turn, Waiter};
 use super::{Coordinator, Stopped};
-use crate::multi::order::Wake;
-use crate::multi::tag::Tag;
-use crate::multi::waits::Waiting;
+use crate::order::Wake;
+use crate::tag::Tag;
+use crate::waits::Waiting;
 
 /// Why a kernel lets its thread run another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pause {
+pub enum Pause {
     /// It has nothing to do until it is signalled.
     Sleep,
     /// It needs an empty chunk, which the merger gives back.
@@ -24,7 +24,7 @@ pub(crate) enum Pause {
 
 /// How a kernel waits.
 #[derive(Clone, Copy)]
-pub(crate) enum Switch<'a> {
+pub enum Switch<'a> {
     /// Its thread sleeps.
     Thread,
     /// Its thread runs another kernel.
@@ -38,7 +38,7 @@ fn no_work<S>(_: &mut S, _: bool) -> bool {
 
 /// The coordinator as one kernel reaches it.
 #[derive(Clone, Copy)]
-pub(crate) struct Port<'a> {
+pub struct Port<'a> {
     core: &'a Coordinator,
     switch: Switch<'a>,
 }
@@ -52,7 +52,8 @@ impl Deref for Port<'_> {
 }
 
 impl<'a> Port<'a> {
-    pub(crate) fn new(core: &'a Coordinator, switch: Switch<'a>) -> Self {
+    /// The coordinator for a kernel that waits in this way.
+    pub fn new(core: &'a Coordinator, switch: Switch<'a>) -> Self {
         Self { core, switch }
     }
 
@@ -60,18 +61,18 @@ impl<'a> Port<'a> {
     ///
     /// # Errors
     /// [`Stopped`] when the job was stopped before this tag.
-    pub(crate) fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
+    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
         self.core.enter(tag, self.waiter(tag.rank, state, flush, no_work::<S>))
     }
 
     /// Waits until another kernel resumes this one, which is blocked.
-    pub(crate) fn wait<S>(self, rank: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
+    pub fn wait<S>(self, rank: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
         self.core.wait(self.waiter(rank, state, flush, no_work::<S>))
     }
 
     /// Arrives at a wait. `flush` sends the events so far, if nobody comes soon; `work` is done for a moment while this
     /// thread waits.
-    pub(crate) fn meet<S>(
+    pub fn meet<S>(
         self,
         waiting: Waiting,
         state: &mut S,
@@ -87,14 +88,14 @@ impl<'a> Port<'a> {
     }
 
     /// Lets all other kernels come up to `tag`, if this one is free to wait.
-    pub(crate) fn catch_up(self, tag: Tag) {
+    pub fn catch_up(self, tag: Tag) {
         if self.core.is_free(tag.rank) {
             let _ = self.enter(tag, &mut (), |()| ());
         }
     }
 
     /// Waits for the merger to give chunks back: `try_now` asks for one, `wait` waits for one on a thread of its own.
-    pub(crate) fn wait_chunk<R, S>(
+    pub fn wait_chunk<R, S>(
         self,
         tag: Tag,
         source: &mut S,

@@ -5,7 +5,7 @@
 
 /// The channels of a job.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Ranks {
+pub struct Ranks {
     numbers: Box<[u16]>,
     /// Place in `numbers` by number, plus one; 0: no such channel.
     places: Box<[u16]>,
@@ -13,7 +13,7 @@ pub(crate) struct Ranks {
 
 impl Ranks {
     /// Channels with these numbers, ascending.
-    pub(crate) fn new(numbers: impl IntoIterator<Item = u16>) -> Self {
+    pub fn new(numbers: impl IntoIterator<Item = u16>) -> Self {
         let numbers: Box<[u16]> = numbers.into_iter().collect();
         let largest = numbers.iter().copied().max().unwrap_or(0);
         let mut places = vec![0; usize::from(largest) + 1].into_boxed_slice();
@@ -27,17 +27,17 @@ impl Ranks {
 
     /// Place of a channel in the lists; beyond their end if there is no such channel.
     #[inline]
-    pub(crate) fn index(&self, number: u16) -> usize {
+    pub fn index(&self, number: u16) -> usize {
         usize::from(self.places.get(usize::from(number)).copied().unwrap_or(0)).wrapping_sub(1)
     }
 
     /// Numbers, ascending.
-    pub(crate) fn numbers(&self) -> &[u16] {
+    pub fn numbers(&self) -> &[u16] {
         &self.numbers
     }
 
     /// Number of channels.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.numbers.len()
     }
 }

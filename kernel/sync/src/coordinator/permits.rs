@@ -9,12 +9,12 @@ use super::{Coordinator, Guard, Inner};
 
 impl Coordinator {
     /// Some other kernel waits for a permit and stands before `t`.
-    pub(crate) fn should_yield(&self) -> bool {
+    pub fn should_yield(&self) -> bool {
         self.limited && self.waiting_permits.load(SeqCst) > 0
     }
 
     /// Gives the permit to the kernel that is furthest behind, if that is not this one.
-    pub(crate) fn yield_permit(&self, rank: u16) {
+    pub fn yield_permit(&self, rank: u16) {
         let mut inner = self.lock();
         let own = self.bound(rank);
         if inner.queue.iter().any(|&(bound, _)| bound < own) {
@@ -24,7 +24,7 @@ impl Coordinator {
     }
 
     /// Takes the first permit of a kernel.
-    pub(crate) fn begin(&self, rank: u16) {
+    pub fn begin(&self, rank: u16) {
         let inner = self.lock();
         drop(self.acquire_permit(rank, inner));
     }

@@ -2,16 +2,16 @@
 
 /// `(time, microstep, channel rank)`: shared operations are executed in this order, whatever the threads do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct Tag {
+pub struct Tag {
     /// Simulated time, ns.
-    pub(crate) t: i64,
+    pub t: i64,
     /// Order among causally related operations of one instant.
-    pub(crate) micro: u32,
+    pub micro: u32,
     /// Channel number; 0 is the master.
-    pub(crate) rank: u16,
+    pub rank: u16,
 }
 
 impl Tag {
     /// After everything.
-    pub(crate) const END: Self = Self { t: i64::MAX, micro: u32::MAX, rank: u16::MAX };
+    pub const END: Self = Self { t: i64::MAX, micro: u32::MAX, rank: u16::MAX };
 }

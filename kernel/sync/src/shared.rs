@@ -2,46 +2,48 @@
 
 use rustc_hash::FxHashMap;
 
-use super::files::Written;
-use super::waits::Set;
-use crate::log::event::Direction;
-use crate::state::burden::Hoard;
+use crate::files::Written;
+use crate::hoard::{Hoard, weight};
+use crate::waits::Set;
+use counterpoint_event::event::Direction;
+use counterpoint_lang::value::Value;
 
 /// Shared state; touched only inside shared operations.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Shared {
+pub struct Shared {
     /// Common variables that have a value.
-    pub(crate) variables: FxHashMap<u32, f64>,
+    pub variables: FxHashMap<u32, f64>,
     /// Variables with names that the pre-processors of all channels reach, those that have a value.
-    pub(crate) named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
+    pub named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
     /// Global variables of macros, by index.
-    pub(crate) globals: Vec<counterpoint_lang::value::Value>,
+    pub globals: Vec<counterpoint_lang::value::Value>,
     /// Memory of both.
-    pub(crate) hoard: Hoard,
+    pub hoard: Hoard,
     /// Files that macros have written.
-    pub(crate) files: Written,
+    pub files: Written,
     /// Spindles by index of the machine's list.
-    pub(crate) spindles: Vec<Spindle>,
+    pub spindles: Vec<Spindle>,
 }
 
 /// Commanded state of a spindle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Command {
-    pub(crate) direction: Direction,
+pub struct Command {
+    /// Direction of rotation.
+    pub direction: Direction,
     /// Constant surface speed is on.
-    pub(crate) css: bool,
+    pub css: bool,
     /// rev/min.
-    pub(crate) rpm: f64,
+    pub rpm: f64,
     /// Surface speed as programmed (m/min or ft/min).
-    pub(crate) surface: f64,
+    pub surface: f64,
     /// Largest rev/min programmed.
-    pub(crate) limit: f64,
+    pub limit: f64,
     /// Channel whose X drives constant surface speed.
-    pub(crate) driver: u16,
+    pub driver: u16,
     /// Radius at which the surface speed counts, 0 = at X.
-    pub(crate) radius: f64,
+    pub radius: f64,
     /// Angle of the oriented stop, degrees.
-    pub(crate) angle: f64,
+    pub angle: f64,
 }
 
 impl Default for Command {
@@ -61,23 +63,46 @@ impl Default for Command {
 
 /// A spindle with its last writer.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Spindle {
-    pub(crate) command: Command,
+pub struct Spindle {
+    /// The last command.
+    pub command: Command,
     /// Speed now, rev/min: under constant surface speed by the X of the channel that commands it.
-    pub(crate) now: f64,
+    pub now: f64,
     /// Channel that wrote last and not yet met the others since; 0 = none.
-    pub(crate) writer: u16,
+    pub writer: u16,
     /// Channels that have met the writer since its write.
-    pub(crate) ordered: Set,
+    pub ordered: Set,
 }
 
 impl Shared {
     /// A meeting orders all earlier commands of the participants before all later ones.
-    pub(crate) fn met(&mut self, channels: Set) {
+    pub fn met(&mut self, channels: Set) {
         for spindle in &mut self.spindles {
             if channels.has(spindle.writer) {
                 spindle.ordered = Set(spindle.ordered.0 | channels.0);
             }
         }
+    }
+}
+
+impl Shared {
+    /// A global variable that all kernels share.
+    pub fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
+        if self.globals.len() <= index {
+            self.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(value) = self.globals.get_mut(index) {
+            access(value);
+        }
+    }
+
+    /// Counts a change of what all kernels share; true if it has become too much.
+    pub fn grown(&mut self, bytes: usize, limit: u64) -> bool {
+        let Self { hoard, globals, named, files, .. } = self;
+        let bytes_of_files = files.bytes() as u64;
+        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
+            let names: usize = named.keys().map(|name| name.len() + 60).sum();
+            weight(globals.iter().chain(named.values())) + names as u64
+        })
     }
 }

@@ -10,19 +10,19 @@ use std::collections::VecDeque;
 
 use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
 
-use super::tag::Tag;
-use crate::job::Sink;
-use crate::log::event::{Event, Kind, Phase};
+use crate::sink::Sink;
+use crate::tag::Tag;
+use counterpoint_event::event::{Event, Kind, Phase};
 
 /// Events in a full chunk.
-pub(crate) const CHUNK: usize = 512;
+pub const CHUNK: usize = 512;
 /// Chunks a kernel may have on the way, less when the memory of the job has no room for them.
 const CREDIT: usize = 8;
 /// Bytes of texts after which a chunk goes out though it is not full.
-pub(crate) const TEXTS: usize = 32 << 10;
+pub const TEXTS: usize = 32 << 10;
 
 /// What kernels tell the merger.
-pub(crate) enum Message {
+pub enum Message {
     /// Events of a stream, and the promise that later ones are not before `upto`.
     Chunk {
         /// Stream.
@@ -43,9 +43,11 @@ pub(crate) enum Message {
 }
 
 /// A kernel's end of the merger.
-pub(crate) struct Feeder {
-    pub(crate) rank: u16,
-    pub(crate) messages: Sender<Message>,
+pub struct Feeder {
+    /// Number of the channel.
+    pub rank: u16,
+    /// Where the chunks go.
+    pub messages: Sender<Message>,
     empties: Receiver<Vec<Event>>,
     made: usize,
     /// Chunks that it may have.
@@ -54,7 +56,7 @@ pub(crate) struct Feeder {
 
 impl Feeder {
     /// A chunk to be overwritten, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
-    pub(crate) fn try_empty(&mut self) -> Option<Vec<Event>> {
+    pub fn try_empty(&mut self) -> Option<Vec<Event>> {
         if let Ok(chunk) = self.empties.try_recv() {
             return Some(chunk);
         }
@@ -66,7 +68,7 @@ impl Feeder {
     }
 
     /// Waits for a chunk to come back.
-    pub(crate) fn wait_empty(&mut self) -> Vec<Event> {
+    pub fn wait_empty(&mut self) -> Vec<Event> {
         self.empties.recv().unwrap_or_default()
     }
 }
@@ -103,21 +105,21 @@ impl Stream {
 }
 
 /// The merger: owned by the thread that runs the job.
-pub(crate) struct Merger {
+pub struct Merger {
     streams: Vec<Stream>,
     messages: Receiver<Message>,
     stop: Tag,
     /// Number of the next event.
-    pub(crate) next_seq: u64,
+    pub next_seq: u64,
     /// Time and micro of the last event out.
-    pub(crate) last: (i64, u32),
+    pub last: (i64, u32),
     /// How the log ended so far.
     end: End,
 }
 
 /// Why the merger returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum End {
+pub enum End {
     /// All streams are complete.
     Complete,
     /// The sink refused events.
@@ -126,7 +128,7 @@ pub(crate) enum End {
 
 impl Merger {
     /// A merger for the given ranks, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
-    pub(crate) fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+    pub fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
         let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
         let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
         let (sender, messages) = unbounded();
@@ -148,12 +150,12 @@ impl Merger {
     }
 
     /// Channels whose end is in the log.
-    pub(crate) fn ended(&self) -> Vec<u16> {
+    pub fn ended(&self) -> Vec<u16> {
         self.streams.iter().filter(|s| s.ended).map(|s| s.rank).collect()
     }
 
     /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
-    pub(crate) fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
+    pub fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
         if self.end == End::Complete {
             self.end = self.send(rank, events, sink);
         }
@@ -161,7 +163,7 @@ impl Merger {
     }
 
     /// How the log ended.
-    pub(crate) fn end(&self) -> End {
+    pub fn end(&self) -> End {
         self.end
     }
 
@@ -184,7 +186,7 @@ impl Merger {
 
     /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are
     /// still drained (kernels must come to their end), but nothing more goes to the sink.
-    pub(crate) fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
+    pub fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
         while let Ok(message) = self.messages.recv() {
             self.take(message);
             while let Ok(message) = self.messages.try_recv() {
@@ -198,7 +200,7 @@ impl Merger {
     }
 
     /// Takes what has been sent so far and hands on what can be ordered: for kernels that run on this thread in turns.
-    pub(crate) fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
+    pub fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
         let mut any = false;
         while let Ok(message) = self.messages.try_recv() {
             self.take(message);

@@ -9,24 +9,24 @@ mod permits;
 #[cfg(all(test, feature = "shuttle"))]
 mod schedules;
 mod sleep;
-pub(crate) mod switch;
-pub(crate) mod turn;
+pub mod switch;
+pub mod turn;
 
 use crossbeam_channel::Sender;
 
-use super::merge::Message;
-use super::order::{BLOCKED, Effect, Order};
-use super::primitives;
-use super::primitives::atomic::{
+use crate::merge::Message;
+use crate::order::{BLOCKED, Effect, Order};
+use crate::primitives;
+use crate::primitives::atomic::{
     AtomicBool, AtomicI64, AtomicU32, AtomicU64,
     Ordering::{Acquire, Relaxed, Release, SeqCst},
 };
-use super::primitives::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
-use super::ranks::Ranks;
-use super::shared::Shared;
-use super::tag::Tag;
-use super::waits::Waits;
-use crate::job::WrittenFiles;
+use crate::primitives::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
+use crate::ranks::Ranks;
+use crate::shared::Shared;
+use crate::sink::WrittenFiles;
+use crate::tag::Tag;
+use crate::waits::Waits;
 
 /// Tries for the lock before the thread is parked.
 const LOCK_TRIES: u32 = 100;
@@ -36,7 +36,7 @@ const ABORT: Tag = Tag { t: i64::MIN, micro: 0, rank: 0 };
 
 /// The job was stopped; the kernel has to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Stopped;
+pub struct Stopped;
 
 /// What other threads see of a kernel without the lock.
 #[repr(align(128))]
@@ -67,7 +67,7 @@ struct Inner {
 }
 
 /// The meeting place of the kernels of one job.
-pub(crate) struct Coordinator {
+pub struct Coordinator {
     ranks: Ranks,
     slots: Box<[Slot]>,
     inner: Mutex<Inner>,
@@ -101,13 +101,7 @@ impl Inner {
 
 impl Coordinator {
     /// For these channels, of which `threads` may run at once (0 = all).
-    pub(crate) fn new(
-        ranks: Ranks,
-        threads: usize,
-        shared: Shared,
-        waits: Waits,
-        messages: Option<Sender<Message>>,
-    ) -> Self {
+    pub fn new(ranks: Ranks, threads: usize, shared: Shared, waits: Waits, messages: Option<Sender<Message>>) -> Self {
         let kernels = ranks.len();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -144,17 +138,17 @@ impl Coordinator {
     }
 
     /// Only one kernel is going to run.
-    pub(crate) fn set_single(&self) {
+    pub fn set_single(&self) {
         self.single.store(true, Relaxed);
     }
 
     /// Whether only one kernel runs.
-    pub(crate) fn is_single(&self) -> bool {
+    pub fn is_single(&self) -> bool {
         self.single.load(Relaxed)
     }
 
     /// All kernels run on the thread of the master, each until it has to wait.
-    pub(crate) fn on_one_thread(&self) -> bool {
+    pub fn on_one_thread(&self) -> bool {
         self.one_thread
     }
 
@@ -177,7 +171,7 @@ impl Coordinator {
 
     /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
     #[inline]
-    pub(crate) fn publish(&self, rank: u16, t: i64) -> bool {
+    pub fn publish(&self, rank: u16, t: i64) -> bool {
         if self.single.load(Relaxed) {
             return t <= self.stop_t.load(Relaxed);
         }
@@ -195,7 +189,7 @@ impl Coordinator {
 
     /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
     /// all the others are done. A kernel that is blocked can only be resumed by this one, so it holds at this one's time.
-    pub(crate) fn floor(&self, rank: u16) -> i64 {
+    pub fn floor(&self, rank: u16) -> i64 {
         let least = || {
             let others = self.slots.iter().zip(self.ranks.numbers()).filter(|(_, other)| **other != rank);
             let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
@@ -213,23 +207,24 @@ impl Coordinator {
         least()
     }
 
-    pub(crate) fn bound(&self, rank: u16) -> i64 {
+    /// No event of a kernel comes before this time any more, ns.
+    pub fn bound(&self, rank: u16) -> i64 {
         self.slot(rank).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
     }
 
     /// The files that macros have written, when no kernel runs any more.
-    pub(crate) fn written(&self) -> WrittenFiles {
+    pub fn written(&self) -> WrittenFiles {
         self.lock().order.shared.files.take()
     }
 
     /// Nothing after this tag belongs to the log.
-    pub(crate) fn stop_tag(&self) -> Tag {
+    pub fn stop_tag(&self) -> Tag {
         self.lock().order.stopped().unwrap_or(Tag::END)
     }
 
     /// The order and what it keeps, while no kernel needs its turn for that: before the first and after the last of them has
     /// run, or for what may be done in any order.
-    pub(crate) fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
+    pub fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
         let mut inner = self.lock();
         let result = operation(&mut inner.order);
         self.apply(&mut inner);

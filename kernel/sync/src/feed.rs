@@ -5,9 +5,9 @@
 
 use std::collections::VecDeque;
 
-use super::tag::Tag;
-use crate::log::event::Event;
-use crate::log::lane::Lane;
+use crate::tag::Tag;
+use counterpoint_event::event::Event;
+use counterpoint_results::lane::Lane;
 
 /// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
 const MOST: usize = 1024;
@@ -17,8 +17,9 @@ const LOOK_EVERY: usize = 8;
 const PUT_OFF: usize = 16;
 
 /// The way into one lane.
-pub(crate) struct Feed {
-    pub(crate) rank: u16,
+pub struct Feed {
+    /// Number of the channel.
+    pub rank: u16,
     lane: Lane,
     /// Chunks, each with its bytes.
     waiting: VecDeque<(Vec<Event>, u64)>,
@@ -30,21 +31,21 @@ pub(crate) struct Feed {
     /// No other kernel stops the job before this time.
     floor: i64,
     /// Events that went in.
-    pub(crate) events: u64,
+    pub events: u64,
     /// Time and microstep of the last one.
-    pub(crate) last: (i64, u32),
+    pub last: (i64, u32),
 }
 
 impl Feed {
     /// `room`: bytes that may wait for other kernels.
-    pub(crate) fn new(rank: u16, lane: Lane, room: u64) -> Self {
+    pub fn new(rank: u16, lane: Lane, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
         Self { rank, lane, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
     }
 
     /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
     /// `floor` tells the time before which no other kernel can stop the job.
-    pub(crate) fn pass(&mut self, events: &[Event], floor: impl Fn() -> i64) -> bool {
+    pub fn pass(&mut self, events: &[Event], floor: impl Fn() -> i64) -> bool {
         if self.floor == 0 {
             self.floor = floor();
         }
@@ -58,7 +59,7 @@ impl Feed {
 
     /// Takes a chunk with so many bytes of texts to be worked on later, and gives another one for it, whatever is in it.
     /// Returns `true` when too much is waiting for other kernels.
-    pub(crate) fn put(&mut self, chunk: &mut Vec<Event>, texts: usize, floor: impl Fn() -> i64) -> bool {
+    pub fn put(&mut self, chunk: &mut Vec<Event>, texts: usize, floor: impl Fn() -> i64) -> bool {
         if chunk.is_empty() {
             return false;
         }
@@ -82,12 +83,12 @@ impl Feed {
     }
 
     /// No other kernel can stop the job before this time.
-    pub(crate) fn look(&mut self, floor: i64) {
+    pub fn look(&mut self, floor: i64) {
         self.floor = self.floor.max(floor);
     }
 
     /// Takes one chunk in that waits, if it may; `false` if there is none.
-    pub(crate) fn work(&mut self) -> bool {
+    pub fn work(&mut self) -> bool {
         let may = |(events, _): &(Vec<Event>, u64)| events.last().map_or(0, |event| event.t_ns) < self.floor;
         if !self.waiting.front().is_some_and(may) {
             return false;
@@ -100,7 +101,7 @@ impl Feed {
     }
 
     /// The job has ended: takes the rest, up to its stop. Gives the lane back.
-    pub(crate) fn close(mut self, stop: Tag) -> (Lane, u64, (i64, u32)) {
+    pub fn close(mut self, stop: Tag) -> (Lane, u64, (i64, u32)) {
         while let Some((events, _)) = self.waiting.pop_front() {
             let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
             let end = events.iter().position(after).unwrap_or(events.len());

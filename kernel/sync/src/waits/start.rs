@@ -4,12 +4,12 @@
 //! reference channel-synchronisation.md 1.0 (names only, the reading is ours), 1.1 (signal).
 
 use super::{Set, Spec, Style, Waiting, Waits, after};
-use crate::log::event::Primitive;
-use crate::multi::tag::Tag;
+use crate::tag::Tag;
+use counterpoint_event::event::Primitive;
 
 impl Spec {
     /// The wait of `heads` for a start by one of them.
-    pub(crate) fn start(by: u16, heads: Set) -> Self {
+    pub fn start(by: u16, heads: Set) -> Self {
         let (primitive, named, parts) = (Primitive::Signal, Set::default(), heads);
         Self { primitive, letter: 'S', number: u32::from(by), named, parts, style: Style::NoList }
     }
@@ -17,7 +17,7 @@ impl Spec {
 
 impl Waits {
     /// The head of this tag starts the other one: where that goes on, if it stands.
-    pub(crate) fn start(&mut self, tag: Tag, heads: Set) -> Option<Tag> {
+    pub fn start(&mut self, tag: Tag, heads: Set) -> Option<Tag> {
         let spec = Spec::start(tag.rank, heads);
         let standing = self.waiting.iter().flatten().find(|waiting| waiting.spec == spec).map(|w| w.tag.rank);
         match standing {
@@ -36,7 +36,7 @@ impl Waits {
     }
 
     /// Uses up a start that a head has given already.
-    pub(crate) fn started(&mut self, by: u16) -> bool {
+    pub fn started(&mut self, by: u16) -> bool {
         match self.starts.get_mut(self.ranks.index(by)) {
             Some(kept) if *kept > 0 => {
                 *kept -= 1;
@@ -47,7 +47,7 @@ impl Waits {
     }
 
     /// A channel stands until the other head starts it.
-    pub(crate) fn stand(&mut self, waiting: Waiting) {
+    pub fn stand(&mut self, waiting: Waiting) {
         if let Some(slot) = self.waiting.get_mut(self.ranks.index(waiting.tag.rank)) {
             *slot = Some(waiting);
         }
@@ -57,7 +57,7 @@ impl Waits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi::ranks::Ranks;
+    use crate::ranks::Ranks;
 
     fn start(by: u16) -> Spec {
         Spec::start(by, Set::up_to(2))

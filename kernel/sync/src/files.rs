@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::tag::Tag;
-use crate::job::WrittenFiles;
+use crate::sink::WrittenFiles;
+use crate::tag::Tag;
 
 /// Files that macros may write.
 const MOST_FILES: usize = 200;
@@ -17,7 +17,7 @@ const MOST_BYTES: usize = 64 << 20;
 
 /// The files by path; one without a text has been removed.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Written {
+pub struct Written {
     files: BTreeMap<String, Option<Arc<str>>>,
     bytes: usize,
     /// Files that printing statements of programs write line by line, by path.
@@ -28,7 +28,7 @@ pub(crate) struct Written {
 
 impl Written {
     /// Text of a file; `Some(None)`: it has been removed.
-    pub(crate) fn get(&self, path: &str) -> Option<Option<Arc<str>>> {
+    pub fn get(&self, path: &str) -> Option<Option<Arc<str>>> {
         if let Some(text) = self.printed.get(path) {
             return Some(Some(text.as_str().into()));
         }
@@ -36,13 +36,13 @@ impl Written {
     }
 
     /// All files; one without a text has been removed.
-    pub(crate) fn all(&self) -> BTreeMap<String, Option<Arc<str>>> {
+    pub fn all(&self) -> BTreeMap<String, Option<Arc<str>>> {
         let printed = self.printed.iter().map(|(path, text)| (path.clone(), Some(text.as_str().into())));
         self.files.clone().into_iter().chain(printed).collect()
     }
 
     /// A file lies in this folder.
-    pub(crate) fn has_folder(&self, folder: &str) -> bool {
+    pub fn has_folder(&self, folder: &str) -> bool {
         let inside = |path: &str| path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));
         self.files.iter().any(|(path, text)| text.is_some() && inside(path))
     }
@@ -51,7 +51,7 @@ impl Written {
     ///
     /// # Errors
     /// What there is too much of.
-    pub(crate) fn put(&mut self, path: &str, text: &str) -> Result<(), String> {
+    pub fn put(&mut self, path: &str, text: &str) -> Result<(), String> {
         let printed = self.printed.remove(path).map(|text| Some(Arc::from(text)));
         self.files.extend(printed.map(|text| (path.to_owned(), text)));
         let old = self.files.get(path).and_then(Option::as_deref).map_or(0, str::len);
@@ -70,7 +70,7 @@ impl Written {
     ///
     /// # Errors
     /// What there is too much of.
-    pub(crate) fn print(&mut self, path: &str, text: &str) -> Result<(), String> {
+    pub fn print(&mut self, path: &str, text: &str) -> Result<(), String> {
         if !self.printed.contains_key(path) {
             // A file of that name that macros have written goes on.
             let before = self.get(path).flatten().map_or_else(String::new, |text| (*text).to_owned());
@@ -88,25 +88,25 @@ impl Written {
     }
 
     /// Bytes of all texts.
-    pub(crate) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.bytes
     }
 
     /// Removes a file.
-    pub(crate) fn remove(&mut self, path: &str) {
+    pub fn remove(&mut self, path: &str) {
         let printed = self.printed.remove(path).map_or(0, |text| text.len());
         let old = self.files.insert(path.to_owned(), None).flatten();
         self.bytes -= old.map_or(0, |text| text.len()) + printed;
     }
 
     /// What a kernel had open at its end, or what is to go then.
-    pub(crate) fn leave(&mut self, tag: Tag, path: &str, text: Option<&str>) {
+    pub fn leave(&mut self, tag: Tag, path: &str, text: Option<&str>) {
         self.left.push((tag, path.to_owned(), text.map(str::to_owned)));
     }
 
     /// All kernels have ended: what they had open is written in the order of their ends, up to the stop of the job;
     /// temporary files go.
-    pub(crate) fn close(&mut self, stop: Tag) {
+    pub fn close(&mut self, stop: Tag) {
         let mut left = std::mem::take(&mut self.left);
         left.sort_by_key(|(tag, ..)| *tag);
         for (tag, path, text) in left {
@@ -121,7 +121,7 @@ impl Written {
     }
 
     /// The files with their texts, by path.
-    pub(crate) fn take(&mut self) -> WrittenFiles {
+    pub fn take(&mut self) -> WrittenFiles {
         let mut files = std::mem::take(&mut self.files);
         let printed = std::mem::take(&mut self.printed);
         files.extend(printed.into_iter().map(|(path, text)| (path, Some(Arc::from(text)))));

@@ -49,7 +49,7 @@ impl Coordinator {
     }
 
     /// The kernel waits for a signal that has not come yet.
-    pub(crate) fn sleeps(&self, rank: u16) -> bool {
+    pub fn sleeps(&self, rank: u16) -> bool {
         self.slot(rank).is_some_and(|slot| slot.asleep.load(SeqCst))
     }
 

@@ -1,16 +1,16 @@
 //! The verdict on channels that can never go on, in words that name every line.
 
-use super::waits::{Set, Terminal, Waits, words};
-use crate::log::event::{Member, Verdict, VerdictKind};
-use crate::log::info::Info;
+use crate::waits::{Set, Terminal, Waits, words};
+use counterpoint_event::event::{Member, Verdict, VerdictKind};
+use counterpoint_event::info::Info;
 
 /// `file line n 'text'`.
-pub(crate) fn place(info: &Info, file: u16, line: u32) -> String {
+pub fn place(info: &Info, file: u16, line: u32) -> String {
     format!("{} line {line} '{}'", info.file_name(file), info.block_text(file, line, 60))
 }
 
 /// Classifies a set of dead channels at a time.
-pub(crate) fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
+pub fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
     let mut partners = Set::default();
     for channel in dead.iter() {
         for missing in waits.missing(channel).iter() {
@@ -37,7 +37,7 @@ pub(crate) fn of(dead: Set, at_ns: i64, waits: &Waits, info: &Info) -> Verdict {
 }
 
 /// A channel as a member, with what it waits for.
-pub(crate) fn member(channel: u16, waits: &Waits) -> Member {
+pub fn member(channel: u16, waits: &Waits) -> Member {
     match (waits.at(channel), waits.end(channel)) {
         (Some(w), _) => {
             Member { channel, file: w.file, line: w.line, waiting_for: waits.missing(channel).iter().collect() }
@@ -48,7 +48,7 @@ pub(crate) fn member(channel: u16, waits: &Waits) -> Member {
 }
 
 /// `channel 1 waits since 1.000 s at x.nc line 3 'M101' for channel 2`.
-pub(crate) fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
+pub fn waiting_sentence(channel: u16, waits: &Waits, info: &Info) -> Option<String> {
     let waiting = waits.at(channel)?;
     let missing: Vec<u16> = waits.missing(channel).iter().collect();
     Some(format!(

@@ -1,13 +1,13 @@
 //! Start and end of a kernel, and the end of the job.
 
 use super::{ABORT, Coordinator};
-use crate::multi::merge::Message;
-use crate::multi::order::Order;
-use crate::multi::waits::{Finish, Terminal};
+use crate::merge::Message;
+use crate::order::Order;
+use crate::waits::{Finish, Terminal};
 
 impl Coordinator {
     /// A channel that never runs.
-    pub(crate) fn never_started(&self, rank: u16) {
+    pub fn never_started(&self, rank: u16) {
         let mut inner = self.lock();
         inner.order.waits.finish(rank, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
         inner.order.done(rank);
@@ -16,7 +16,7 @@ impl Coordinator {
     }
 
     /// The kernel is finished, and all its events are sent. `last` is done before: its end may concern others.
-    pub(crate) fn done(&self, rank: u16, last: impl FnOnce(&mut Order)) {
+    pub fn done(&self, rank: u16, last: impl FnOnce(&mut Order)) {
         let mut inner = self.lock();
         inner.send(Message::Done(rank));
         last(&mut inner.order);
@@ -28,7 +28,7 @@ impl Coordinator {
     }
 
     /// Stops the job wherever it is (cancel, full log): whoever asked has cut the log.
-    pub(crate) fn abort(&self) {
+    pub fn abort(&self) {
         let mut inner = self.lock();
         inner.order.stop(ABORT);
         self.apply(&mut inner);

@@ -1,4 +1,4 @@
-//! The coordinator on threads whose schedules are tried out: `cargo test -p counterpoint-kernel --features shuttle schedules`.
+//! The coordinator on threads whose schedules are tried out: `cargo test -p counterpoint-sync --features shuttle schedules`.
 //!
 //! What may happen next is explored whole in `order/explore.rs`; here are the locks, signals and bounds in memory.
 
@@ -7,12 +7,12 @@ use std::sync::Arc;
 use super::Coordinator;
 use super::switch::{Port, Switch};
 use super::turn::Met;
-use crate::log::event::Primitive;
-use crate::multi::order::Wake;
-use crate::multi::ranks::Ranks;
-use crate::multi::shared::Shared;
-use crate::multi::tag::Tag;
-use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting, Waits};
+use crate::order::Wake;
+use crate::ranks::Ranks;
+use crate::shared::Shared;
+use crate::tag::Tag;
+use crate::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting, Waits};
+use counterpoint_event::event::Primitive;
 
 /// Schedules that are tried for each test.
 const SCHEDULES: usize = 1_000;

@@ -8,8 +8,8 @@ use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write as _;
 
 use super::*;
-use crate::log::event::Primitive;
-use crate::multi::waits::{Finish, Spec, Style, Terminal};
+use crate::waits::{Finish, Spec, Style, Terminal};
+use counterpoint_event::event::Primitive;
 
 /// A step of a script.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,33 +7,32 @@ mod start;
 
 use std::fmt::Write as _;
 
-use super::ranks::Ranks;
-use super::tag::Tag;
-use crate::log::event::{FileId, Member, Primitive};
+use crate::ranks::Ranks;
+use crate::tag::Tag;
+use counterpoint_event::event::{FileId, Member, Primitive};
 
 /// Set of channels, bit `n − 1` for channel `n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(crate) struct Set(pub(crate) u128);
+pub struct Set(pub u128);
 
 impl Set {
     /// All channels up to `count`.
-    #[cfg(test)]
-    pub(crate) fn up_to(count: u16) -> Self {
+    pub fn up_to(count: u16) -> Self {
         (1..=count).collect()
     }
 
     /// With one more channel; numbers outside 1–128 are ignored.
-    pub(crate) fn with(self, channel: u16) -> Self {
+    pub fn with(self, channel: u16) -> Self {
         if (1..=128).contains(&channel) { Self(self.0 | 1 << (channel - 1)) } else { self }
     }
 
     /// Membership.
-    pub(crate) fn has(self, channel: u16) -> bool {
+    pub fn has(self, channel: u16) -> bool {
         (1..=128).contains(&channel) && self.0 & (1 << (channel - 1)) != 0
     }
 
     /// Channels, ascending.
-    pub(crate) fn iter(self) -> impl Iterator<Item = u16> {
+    pub fn iter(self) -> impl Iterator<Item = u16> {
         let mut left = self.0;
         std::iter::from_fn(move || {
             let channel = left.trailing_zeros() as u16 + 1;
@@ -50,7 +49,7 @@ impl FromIterator<u16> for Set {
 }
 
 /// `1, 2 and 3`.
-pub(crate) fn words(channels: &[u16]) -> String {
+pub fn words(channels: &[u16]) -> String {
     let mut out = String::new();
     for (index, channel) in channels.iter().enumerate() {
         let separator = match index {
@@ -65,7 +64,7 @@ pub(crate) fn words(channels: &[u16]) -> String {
 
 /// How the channel list was written; Fanuc compares it too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Style {
+pub enum Style {
     /// Not at all.
     NoList,
     /// As a list or a sum, which is the same set.
@@ -74,24 +73,24 @@ pub(crate) enum Style {
 
 /// A wait as programmed.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct Spec {
+pub struct Spec {
     /// Primitive.
-    pub(crate) primitive: Primitive,
+    pub primitive: Primitive,
     /// Letter of the code.
-    pub(crate) letter: char,
+    pub letter: char,
     /// Its number.
-    pub(crate) number: u32,
+    pub number: u32,
     /// Channels as written.
-    pub(crate) named: Set,
+    pub named: Set,
     /// Channels that take part, own one included.
-    pub(crate) parts: Set,
+    pub parts: Set,
     /// Form.
-    pub(crate) style: Style,
+    pub style: Style,
 }
 
 impl Spec {
     /// `M101` or `M101 P12`; `START1` for a start by one side.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         if self.primitive == Primitive::Signal {
             return format!("START{}", self.number);
         }
@@ -136,44 +135,69 @@ impl Spec {
 
 /// A channel that stands at a wait.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Waiting {
-    pub(crate) spec: Spec,
-    pub(crate) tag: Tag,
-    pub(crate) file: FileId,
-    pub(crate) line: u32,
+pub struct Waiting {
+    /// What is waited for.
+    pub spec: Spec,
+    /// When the channel arrived.
+    pub tag: Tag,
+    /// File of the block.
+    pub file: FileId,
+    /// Line of the block.
+    pub line: u32,
 }
 
 /// How a channel came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Terminal {
+pub enum Terminal {
+    /// Its program ended.
     Ended,
+    /// An alarm stopped it.
     Alarmed,
+    /// It has no program.
     NeverStarted,
+    /// It was stopped.
     Stopped,
 }
 
 /// The end of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Finish {
-    pub(crate) how: Terminal,
-    pub(crate) file: FileId,
-    pub(crate) line: u32,
+pub struct Finish {
+    /// How it ended.
+    pub how: Terminal,
+    /// File of its last block.
+    pub file: FileId,
+    /// Line of its last block.
+    pub line: u32,
 }
 
 /// What an arrival leads to.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Arrival {
+pub enum Arrival {
     /// The meeting is complete: these channels go on at this time.
-    Released { channels: Set, t: i64, micro: u32 },
+    Released {
+        /// Channels that continue, the arriving one among them.
+        channels: Set,
+        /// Time of the release, ns.
+        t: i64,
+        /// Its order at that time.
+        micro: u32,
+    },
     /// The channel stands.
     Blocked,
     /// The control refuses: these channels (the arriving one included) alarm.
-    Mismatch { channels: Set, members: Vec<Member>, text: String },
+    Mismatch {
+        /// Channels whose waits do not match, the arriving one among them.
+        channels: Set,
+        /// The other waits.
+        members: Vec<Member>,
+        /// What does not match.
+        text: String,
+    },
 }
 
 /// All waits of the job.
 #[derive(Debug, Clone)]
-pub(crate) struct Waits {
+pub struct Waits {
     ranks: Ranks,
     waiting: Vec<Option<Waiting>>,
     finished: Vec<Option<Finish>>,
@@ -183,32 +207,34 @@ pub(crate) struct Waits {
 }
 
 /// When a meeting lets go whose last arrival was at this time and microstep.
-pub(crate) fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
+pub fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
     if release_ns > 0 { (t + release_ns, 0) } else { (t, micro + 1) }
 }
 
 impl Waits {
-    pub(crate) fn new(ranks: Ranks, release_ns: i64) -> Self {
+    /// No channel waits yet; a release takes `release_ns`.
+    pub fn new(ranks: Ranks, release_ns: i64) -> Self {
         let channels = ranks.len();
         Self { ranks, waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
     }
 
     /// The wait of a channel.
-    pub(crate) fn at(&self, rank: u16) -> Option<&Waiting> {
+    pub fn at(&self, rank: u16) -> Option<&Waiting> {
         self.waiting.get(self.ranks.index(rank)).and_then(Option::as_ref)
     }
 
     /// How a channel ended.
-    pub(crate) fn end(&self, rank: u16) -> Option<Finish> {
+    pub fn end(&self, rank: u16) -> Option<Finish> {
         self.finished.get(self.ranks.index(rank)).copied().flatten()
     }
 
     /// All channels, ascending.
-    pub(crate) fn channels(&self) -> impl Iterator<Item = u16> + use<'_> {
+    pub fn channels(&self) -> impl Iterator<Item = u16> + use<'_> {
         self.ranks.numbers().iter().copied()
     }
 
-    pub(crate) fn finish(&mut self, rank: u16, finish: Finish) {
+    /// A channel has ended.
+    pub fn finish(&mut self, rank: u16, finish: Finish) {
         if let Some(slot) = self.finished.get_mut(self.ranks.index(rank)) {
             *slot = Some(finish);
         }
@@ -223,7 +249,7 @@ impl Waits {
 
     /// An arrival that raises no alarm and leaves nobody without hope: all others stand at the same meeting or can
     /// still come by themselves.
-    pub(crate) fn is_plain(&self, arriving: &Waiting) -> bool {
+    pub fn is_plain(&self, arriving: &Waiting) -> bool {
         let own = arriving.tag.rank;
         self.waiting.iter().flatten().all(|other| arriving.spec.mismatch(&other.spec).is_none())
             && arriving.spec.parts.iter().filter(|&c| c != own).all(|c| match self.at(c) {
@@ -233,7 +259,7 @@ impl Waits {
     }
 
     /// A channel arrives.
-    pub(crate) fn arrive(&mut self, arriving: Waiting) -> Arrival {
+    pub fn arrive(&mut self, arriving: Waiting) -> Arrival {
         let rank = arriving.tag.rank;
         let mut refused = Set::default();
         let mut text = String::new();
@@ -282,7 +308,7 @@ impl Waits {
     }
 
     /// Participants of a channel's wait that have not arrived at the same meeting.
-    pub(crate) fn missing(&self, rank: u16) -> Set {
+    pub fn missing(&self, rank: u16) -> Set {
         let Some(own) = self.at(rank) else { return Set::default() };
         let mut missing = Set::default();
         for channel in own.spec.parts.iter() {
@@ -294,12 +320,12 @@ impl Waits {
     }
 
     /// A waiting channel whose missing partners can all still arrive by themselves: no need to look further.
-    pub(crate) fn hopeful(&self, rank: u16) -> bool {
+    pub fn hopeful(&self, rank: u16) -> bool {
         self.missing(rank).iter().all(|c| self.at(c).is_none() && self.end(c).is_none())
     }
 
     /// Channels that wait and can never go on: the complement of the fix-point over what can still arrive.
-    pub(crate) fn dead(&self) -> Set {
+    pub fn dead(&self) -> Set {
         let mut live = Set::default();
         for channel in self.channels() {
             if self.at(channel).is_none() && self.end(channel).is_none() {
