@@ -102,7 +102,7 @@ impl Inner {
 impl Coordinator {
     /// For these channels, of which `threads` may run at once (0 = all).
     pub fn new(ranks: Ranks, threads: usize, shared: Shared, waits: Waits, messages: Option<Sender<Message>>) -> Self {
-        let kernels = ranks.len();
+        let kernels = ranks.count();
         let permits = if threads == 0 { kernels } else { threads.min(kernels) };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let one_thread = permits <= 1 || cores == 1;

@@ -112,7 +112,7 @@ impl Order {
     /// The order of a run that begins.
     pub fn new(ranks: Ranks, shared: Shared, waits: Waits) -> Self {
         let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None };
-        let seats = (0..ranks.len()).map(|_| seat()).collect();
+        let seats = (0..ranks.count()).map(|_| seat()).collect();
         let (acting, stop, effects) = (None, None, Vec::new());
         Self { ranks, seats, acting, stop, meetings: 0, judged: false, shared, waits, effects }
     }

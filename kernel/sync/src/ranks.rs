@@ -37,7 +37,7 @@ impl Ranks {
     }
 
     /// Number of channels.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.numbers.len()
     }
 }
@@ -51,8 +51,8 @@ mod tests {
         let ranks = Ranks::new([1, 3, 99]);
         assert_eq!([1, 3, 99].map(|n| ranks.index(n)), [0, 1, 2]);
         for absent in [0, 2, 4, 100, u16::MAX] {
-            assert!(ranks.index(absent) >= ranks.len(), "{absent}");
+            assert!(ranks.index(absent) >= ranks.count(), "{absent}");
         }
-        assert_eq!((ranks.numbers(), ranks.len()), (&[1, 3, 99][..], 3));
+        assert_eq!((ranks.numbers(), ranks.count()), (&[1, 3, 99][..], 3));
     }
 }

@@ -214,7 +214,7 @@ pub fn after(t: i64, micro: u32, release_ns: i64) -> (i64, u32) {
 impl Waits {
     /// No channel waits yet; a release takes `release_ns`.
     pub fn new(ranks: Ranks, release_ns: i64) -> Self {
-        let channels = ranks.len();
+        let channels = ranks.count();
         Self { ranks, waiting: vec![None; channels], finished: vec![None; channels], release_ns, starts: [0; 2] }
     }
 
