@@ -122,7 +122,7 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let info = match crate::mcd::layout::assign(&spec, files, stop) {
+        let info = match crate::mcd::layout::assign(&spec, crate::dialect::of(&spec.machine).syntax(), files, stop) {
             _ if stop.asked() => return Err(cancelled()),
             Ok(info) => info,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),

@@ -129,11 +129,11 @@ impl Kernel<'_> {
 
     /// One block on a kernel with macros; `text` if it is not the line of the file.
     pub(crate) fn custom_block(&mut self, text: Option<Arc<String>>) -> Acted {
-        let machine = self.channel.env.machine;
+        let (machine, plan) = (self.channel.env.machine, self.plan);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.issued = text.is_some();
             if runtime.issued && runtime.unmarked.is_none() {
-                runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+                runtime.unmarked = Some(Arc::new(Scanner::without_marks(machine, plan.scanner.syntax())));
             }
             runtime.text = text;
             runtime.left = None;
@@ -160,7 +160,7 @@ impl Kernel<'_> {
         let (plan, own) = (self.plan, self.block_scanner());
         let scanner = own.as_deref().unwrap_or(&plan.scanner);
         let kind = match preprocess && self.flow.watched {
-            true => LineKind::Macro,
+            true => LineKind::Statement,
             false => scanner.scan_as(bytes, self.channel.state.secondary, &mut self.channel.block, preprocess),
         };
         match kind {
@@ -173,7 +173,7 @@ impl Kernel<'_> {
                 }
                 self.words_block()
             }
-            LineKind::Macro => {
+            LineKind::Statement => {
                 if self.may_have_remarks() || self.plan.scanner.has_messages() {
                     self.remarks(bytes)?;
                 }
@@ -301,9 +301,9 @@ impl Kernel<'_> {
         let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
-        let machine = self.channel.env.machine;
+        let (machine, plan) = (self.channel.env.machine, self.plan);
         if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.scanner = Some(Arc::new(Scanner::new(machine, &levels)));
+            runtime.scanner = Some(Arc::new(Scanner::new(machine, plan.scanner.syntax(), &levels)));
         }
         // Lines compiled before have the parts that were skipped then.
         self.flow.compiled.clear();

@@ -10,10 +10,11 @@ use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
-use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
+use crate::dialect::fanuc::{Fault, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
+use crate::mcd::key_words::Names;
 use crate::mcd::program::Range;
 
 impl Kernel<'_> {

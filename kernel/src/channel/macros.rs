@@ -8,6 +8,7 @@ use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::Kind;
+use crate::mcd::key_words::Number;
 use crate::mcd::spot::Spot;
 
 /// Why a statement has come to no end.
@@ -28,7 +29,7 @@ impl From<Halt> for Left {
 impl Kernel<'_> {
     /// A line with variables or statements.
     pub(crate) fn macro_line(&mut self, text: &[u8]) -> Acted {
-        if !self.plan.scanner.has_macros() {
+        if !self.plan.scanner.has_custom_macro() {
             return self.interpreted_line(text);
         }
         if self.channel.env.trace.is_some() {
@@ -382,7 +383,7 @@ impl Kernel<'_> {
     }
 
     /// A number beside an expression is read as on a line without one.
-    pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
+    pub(super) fn read_by_register(&mut self, register: u8, number: Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
         self.channel.block.odd |= odd;

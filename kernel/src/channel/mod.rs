@@ -120,7 +120,10 @@ impl<'a> Kernel<'a> {
             ports,
             plan,
             flow: Flow::default(),
-            dialect: DialectState { interpreter: crate::dialect::interpreter(machine), ..DialectState::default() },
+            dialect: DialectState {
+                interpreter: crate::dialect::of(machine).interpreter(machine),
+                ..DialectState::default()
+            },
             macros: None,
         }
     }

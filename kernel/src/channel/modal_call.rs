@@ -37,7 +37,7 @@ impl Kernel<'_> {
     /// A G word of the pre-processor that calls macros; the one that ends modal calls does so at once.
     #[cold]
     pub(super) fn calls_by(&mut self, value: f64) -> bool {
-        if !self.plan.scanner.has_macros() {
+        if !self.plan.scanner.has_custom_macro() {
             return false;
         }
         if value == END_CALLS {

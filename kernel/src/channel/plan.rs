@@ -10,7 +10,7 @@ use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
+use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]
@@ -244,7 +244,7 @@ fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
 fn lead_is_feed(machine: &Machine) -> bool {
     let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
     let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
-    machine.preprocessor == Preprocessor::Fanuc && registers[0].is_some() && registers[0] == registers[1]
+    crate::dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
 }
 
 impl Plan {
@@ -270,12 +270,13 @@ impl Plan {
         });
         let across = across(machine);
         let refused = refused(machine);
+        let syntax = crate::dialect::of(machine).syntax();
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
         Self {
             only_data: only_data.fold(0, |bits, r| bits | 1 << r),
-            unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
-            scanner: Scanner::new(machine, opskip),
+            unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
+            scanner: Scanner::new(machine, syntax, opskip),
             actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
             g,
             word_calls: WordCalls::new(machine),

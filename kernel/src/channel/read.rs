@@ -101,7 +101,7 @@ impl Kernel<'_> {
                 }
                 self.act_block()?;
             }
-            LineKind::Macro => self.macro_line(text)?,
+            LineKind::Statement => self.macro_line(text)?,
         }
         self.follow()
     }
@@ -194,8 +194,11 @@ impl Kernel<'_> {
         if entry.source.get().is_some() {
             return Ok(());
         }
-        let (name, shape, stop) =
-            (entry.name.clone(), Arc::new(Shape::of(self.channel.env.machine)), self.ports.control.stop().clone());
+        let (name, shape, stop) = (
+            entry.name.clone(),
+            Arc::new(Shape::of(self.channel.env.machine, self.plan.scanner.syntax())),
+            self.ports.control.stop().clone(),
+        );
         let (source, failure) = match self.channel.env.files.read(&name) {
             Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
             Err(error) => (None, Some(error)),

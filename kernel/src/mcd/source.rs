@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 
 use super::program::{self, Range, Shape};
 use super::spot::Spot;
+use super::syntax::Syntax;
 use crate::control::Stop;
 
 /// A file of the job.
@@ -54,6 +55,12 @@ impl Source {
     #[must_use]
     pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
         Self::shaped(name, bytes, Arc::default(), Stop::default())
+    }
+
+    /// What the pre-processor of the machine makes of it.
+    #[must_use]
+    pub fn syntax(&self) -> &'static Syntax {
+        self.shape.syntax()
     }
 
     /// The same for a machine, which may tell its programs apart in a way of its own. When `stop` is asked for, what is

@@ -1,10 +1,11 @@
 //! From the text of a line to a [`Line`]: its statement.
 
+use super::control::KEY_WORDS;
 use super::cursor::{Error, NESTING, Parser};
 use super::expr::Expr;
 use super::formula::Operand;
-use super::key_words::{STATEMENTS, key_word};
-use super::statement::{Line, Names, Statement};
+use super::statement::{Line, Statement};
+use crate::mcd::key_words::{Names, key_word};
 
 /// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
 ///
@@ -40,7 +41,7 @@ impl Parser<'_> {
         if self.stands_long_name() || !key_word(self.names, self.text, self.at) {
             return self.words();
         }
-        match self.keyword(STATEMENTS) {
+        match self.keyword(KEY_WORDS.all) {
             Some("IF") => self.conditional(),
             Some("WHILE") => {
                 let condition = self.condition()?;
@@ -135,7 +136,7 @@ mod tests {
     use super::*;
 
     fn plain(text: &[u8]) -> Result<Line, Error> {
-        compile(text, Names::default())
+        compile(text, Names { key_words: KEY_WORDS, ..Names::default() })
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Invariant: blanks never count; what is taken is never looked at again.
 
-use super::statement::{Names, Number};
+use crate::mcd::key_words::{Names, Number};
 
 /// Why a line cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

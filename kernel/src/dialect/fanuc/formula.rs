@@ -353,7 +353,8 @@ impl Parser<'_> {
 mod tests {
     use super::super::compile;
     use super::super::expr::{Fault, VACANT, Variables};
-    use super::super::statement::{Names, Statement};
+    use super::super::statement::Statement;
+    use crate::mcd::key_words::Names;
 
     struct Fixed;
 

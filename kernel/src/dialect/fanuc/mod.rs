@@ -5,16 +5,16 @@
 //! brackets is limited.
 
 mod compile;
+mod control;
 mod cursor;
 mod expr;
 mod formula;
-mod key_words;
 pub(crate) mod loops;
 pub(crate) mod print;
 mod statement;
 mod words;
 
 pub(crate) use compile::compile;
+pub(crate) use control::Control;
 pub(crate) use expr::{Expr, Fault, VACANT, Variables, is_vacant, number, to_step, variable_index};
-pub(crate) use key_words::key_word;
-pub(crate) use statement::{Item, Line, Name, Names, Number, Statement, TemplateWord};
+pub(crate) use statement::{Item, Line, Name, Statement, TemplateWord};

@@ -1,7 +1,7 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
-use crate::mcd::special::Special;
+use crate::mcd::key_words::Number;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,17 +74,6 @@ pub(crate) struct TemplateWord {
     pub(crate) end: u32,
 }
 
-/// A number as written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Number {
-    /// Value read as a plain number.
-    pub(crate) value: f64,
-    /// A decimal point was written.
-    pub(crate) point: bool,
-    /// Digits written before the point.
-    pub(crate) digits: u8,
-}
-
 /// What a word is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Name {
@@ -94,17 +83,4 @@ pub(crate) enum Name {
     Register(u8, bool),
     /// A literal text: row of the code table. It has no value.
     Text(u16),
-}
-
-/// What a machine has besides words of one letter.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Names<'a> {
-    /// Literal texts that look like words, with their rows, longest first.
-    pub(crate) like_words: &'a [(Vec<u8>, u16)],
-    /// Special registers, longest first.
-    pub(crate) registers: &'a [Special],
-    /// All literal texts with their rows, longest first.
-    pub(crate) texts: &'a [(Vec<u8>, u16)],
-    /// Most levels of brackets in an expression.
-    pub(crate) brackets: Option<u8>,
 }

@@ -5,7 +5,8 @@
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op};
-use super::statement::{Name, Number, Statement, TemplateWord};
+use super::statement::{Name, Statement, TemplateWord};
+use crate::mcd::key_words::Number;
 use crate::mcd::program::program_name;
 use crate::mcd::special::{stands, starts_value};
 

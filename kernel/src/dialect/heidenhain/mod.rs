@@ -7,6 +7,7 @@
 
 mod carry;
 mod circle;
+mod control;
 mod corner;
 mod cycles;
 mod eval;
@@ -44,7 +45,7 @@ use settings::Settings;
 use statement::Statement;
 use variables::Variables;
 
-pub(in crate::dialect) use iso::concerns;
+pub(crate) use control::Control;
 
 /// Most lines that continue one another.
 const CONTINUED: u32 = 1000;

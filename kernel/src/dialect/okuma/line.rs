@@ -386,7 +386,7 @@ fn is_statement(word: &[u8]) -> bool {
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.
-pub(crate) fn is_header(line: &[u8]) -> bool {
+pub(super) fn is_header(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     line.first() == Some(&b'$') && line.last() == Some(&b'%')
 }

@@ -4,7 +4,7 @@
 //! carried out (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
 //! names are. Invariant: a line that runs again is not read again.
 
-mod concerns;
+mod control;
 mod cursor;
 mod eval;
 mod expr;
@@ -12,6 +12,7 @@ mod line;
 mod math;
 mod names;
 mod programs;
+mod quick_look;
 mod run;
 mod store;
 mod text;
@@ -21,9 +22,7 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-pub(crate) use concerns::concerns;
-pub(crate) use line::is_header;
-pub(crate) use programs::{called, program_name, returns};
+pub(crate) use control::Control;
 
 use super::{Host, Interpreter, Setting};
 use crate::channel::Halt;

@@ -116,7 +116,7 @@ fn cut(text: &[u8]) -> &[u8] {
 }
 
 /// The name of letters and digits by which a line defines a program, without O; one of digits alone is none.
-pub(crate) fn program_name(text: &[u8]) -> Option<&[u8]> {
+pub(super) fn program_name(text: &[u8]) -> Option<&[u8]> {
     let Some(Head::Program(name)) = head(text) else { return None };
     let start = memchr::memchr2(b'O', b'o', text)? + 1;
     let name = text.get(start..start + name.len() - 1)?;
@@ -124,12 +124,12 @@ pub(crate) fn program_name(text: &[u8]) -> Option<&[u8]> {
 }
 
 /// A line returns from a subprogram.
-pub(crate) fn returns(text: &[u8]) -> bool {
+pub(super) fn returns(text: &[u8]) -> bool {
     prepare(text).upper.trim_ascii().ends_with(b"RTS")
 }
 
 /// The name that a line calls, seen textually.
-pub(crate) fn called(text: &[u8]) -> Option<String> {
+pub(super) fn called(text: &[u8]) -> Option<String> {
     let upper = prepare(text).upper;
     let behind = ["CALL", "MODIN"].into_iter().find_map(|word| {
         let at = memchr::memmem::find(&upper, word.as_bytes())?;

@@ -3,7 +3,7 @@
 //! Decisions: brackets of expressions are square, so a round one always opens a comment, but behind MSG a message, and
 //! a comment that begins with `MSG,` is one too. Invariant: places in what is made here are places in the block.
 
-use super::concerns::is_message;
+use super::quick_look::is_message;
 
 /// A block made ready for reading.
 #[derive(Debug, Default)]

@@ -7,6 +7,7 @@
 
 mod branches;
 mod calls;
+mod control;
 mod cursor;
 mod declare;
 mod define;
@@ -42,6 +43,8 @@ use crate::diag::{self, Facts};
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
+
+pub(crate) use control::Control;
 
 /// What keeps a block from being carried out.
 #[derive(Debug)]
@@ -105,7 +108,7 @@ pub(crate) struct Siemens {
 }
 
 /// Whether a block is anything but plain words: a name, a call by L, M17, or a sign that plain words do not have.
-pub(crate) fn concerns(text: &[u8]) -> bool {
+fn needs_interpreter(text: &[u8]) -> bool {
     let mut before = b' ';
     for (at, &byte) in text.iter().enumerate() {
         match byte {

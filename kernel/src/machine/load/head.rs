@@ -3,7 +3,8 @@
 //! Invariant: a name has 1 to 32 characters; units and pre-processor are always decided.
 
 use crate::log::info::Unit;
-use crate::machine::model::{MachineKind, Preprocessor};
+use crate::machine::model::MachineKind;
+use crate::machine::preprocessor::Preprocessor;
 use crate::machine::toml::section::Section;
 
 /// What the two sections say.
@@ -29,7 +30,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Head {
         author: String::new(),
         description: String::new(),
         unit: Unit::Mm,
-        preprocessor: Preprocessor::None,
+        preprocessor: Preprocessor::NONE,
         kind: MachineKind::Mill,
     };
     top.require("ce", "a section with the machine's name");
@@ -58,14 +59,9 @@ fn read_ce(mut section: Section<'_>, head: &mut Head) {
         }
     }
     head.unit = section.choice("units", &[("mm", Unit::Mm), ("inch", Unit::Inch)]).unwrap_or(Unit::Mm);
-    let preprocessors = [
-        ("none", Preprocessor::None),
-        ("fanuc", Preprocessor::Fanuc),
-        ("okuma", Preprocessor::Okuma),
-        ("siemens", Preprocessor::Siemens),
-        ("heidenhain", Preprocessor::Heidenhain),
-    ];
-    head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or(Preprocessor::None);
+    let preprocessors: Vec<_> =
+        Preprocessor::all().map(|preprocessor| (preprocessor.row().name, preprocessor)).collect();
+    head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or_default();
     section.finish();
 }
 

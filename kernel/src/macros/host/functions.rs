@@ -235,7 +235,7 @@ impl Kernel<'_> {
             return Ok(self.interpreted_variable(arguments));
         }
         let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
-        if !self.plan.scanner.has_macros() {
+        if !self.plan.scanner.has_custom_macro() {
             return Ok(Value::Null);
         }
         Ok(match self.get_known(index) {
@@ -254,7 +254,8 @@ impl Kernel<'_> {
             return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
         }
         let value = arguments.get(1).and_then(Value::as_real);
-        let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_macros()) else {
+        let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_custom_macro())
+        else {
             return Ok(Value::Logical(false));
         };
         match self.set_variable(index, value) {

@@ -10,7 +10,7 @@ use counterpoint_lang::vm::State;
 use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
-use crate::dialect::Setting;
+use crate::dialect::{self, Setting};
 
 /// What macros have set.
 #[derive(Debug)]
@@ -31,22 +31,12 @@ impl Default for Settings {
     }
 }
 
-/// Settings that belong to other pre-processors than custom macro.
-const FOREIGN: &[(&str, &str)] = &[
-    ("PROCESS,SUBPROGRAMS", "Okuma and Siemens"),
-    ("PROCESS,SEQNAME", "Okuma"),
-    ("APPLYFRAMES", "Siemens"),
-    ("GLOBALDEF", "Siemens"),
-    ("PROCESSGUDFILES", "Siemens"),
-    ("SETFILEROOT", "Siemens and Heidenhain"),
-    ("COLLAPSEASSIGNSPACES", "Siemens"),
-    ("COLLAPSEASSIGNS", "Siemens"),
-    ("SETALSEVERITY", "Siemens"),
-    ("CYCLEDEF", "Heidenhain"),
-    ("GRAMMAR", "Heidenhain"),
-    ("CONCATENATE", "Heidenhain"),
-    ("KEEPCYCLDEFQVARS", "Heidenhain"),
-];
+/// Titles of the dialects that have a setting, none if there is no such one.
+fn owners(setting: &str) -> Option<String> {
+    let owners = dialect::all().filter(|dialect| dialect.settings().contains(&setting));
+    let titles: Vec<&str> = owners.map(|dialect| dialect.title()).collect();
+    (!titles.is_empty()).then(|| titles.join(" and "))
+}
 
 impl Kernel<'_> {
     /// `$FCEPP`: whether the setting was made.
@@ -85,14 +75,13 @@ impl Kernel<'_> {
             "USENULL" => Some(&mut settings.null),
             _ => None,
         });
-        let foreign = FOREIGN.iter().find(|(setting, _)| *setting == name);
-        let message = match (slot, on, foreign) {
+        let message = match (slot, on, owners(&name)) {
             (Some(slot), Some(on), _) => {
                 *slot = on;
                 return Value::Logical(true);
             }
             (Some(_), None, _) => format!("the setting {name} of the pre-processor is .TRUE. or .FALSE."),
-            (None, _, Some((_, owner))) => format!("{name} is a setting of the pre-processor of {owner}"),
+            (None, _, Some(owner)) => format!("{name} is a setting of the pre-processor of {owner}"),
             (None, ..) => "the pre-processor of this machine has no such setting".to_owned(),
         };
         state.warn(Fault::new(Number::NO_SETTING, message));

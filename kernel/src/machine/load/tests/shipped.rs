@@ -4,7 +4,7 @@ use super::*;
 use crate::log::info::Unit;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{AlarmScope, CallForm, CodeForm, Machine, MachineKind, MainReturn, PathsForm};
-use crate::machine::model::{Preprocessor, RewindStop, SyncDialect};
+use crate::machine::model::{RewindStop, SyncDialect};
 use crate::machine::package;
 use crate::machine::show::{Show, show};
 
@@ -214,7 +214,7 @@ fn the_two_path_lathe_has_these_data() {
 #[test]
 fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
-    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor), (MachineKind::Lathe, Unit::Mm, Preprocessor::Fanuc));
+    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
     let channels: Vec<_> =
         lathe.channels.iter().map(|c| (c.number, c.name.as_str(), c.axes.as_slice(), c.spindle)).collect();
     assert_eq!(channels, [(1, "UPPER", &[0, 1, 2][..], Some(1)), (2, "LOWER", &[3, 4][..], Some(1))]);

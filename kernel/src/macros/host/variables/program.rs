@@ -6,10 +6,11 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Store, Write};
 use crate::channel::Kernel;
+use crate::dialect;
 use crate::log::info::Unit;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
-use crate::machine::model::{MachineKind, Preprocessor};
+use crate::machine::model::MachineKind;
 use crate::macros::host::code_value;
 
 fn number(value: impl Into<f64>) -> Value {
@@ -192,18 +193,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$DBFILE" => (|k, _| Value::text(k.channel.env.machine.file.as_str()), None),
         // A job knows no clock.
         "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
-        "$PREPROC" => (
-            |k, _| {
-                Value::text(match k.channel.env.machine.preprocessor {
-                    Preprocessor::None => "",
-                    Preprocessor::Fanuc => "FANUC",
-                    Preprocessor::Okuma => "OKUMA",
-                    Preprocessor::Siemens => "SIEMENS",
-                    Preprocessor::Heidenhain => "HEIDENHAIN",
-                })
-            },
-            None,
-        ),
+        "$PREPROC" => (|k, _| Value::text(dialect::of(k.channel.env.machine).title().to_ascii_uppercase()), None),
         "$BACK" => {
             (|k, _| Value::Logical(k.channel.env.options.answers.is_empty() && !k.channel.env.options.attended), None)
         }
