@@ -8,14 +8,14 @@
 mod action;
 mod channel;
 pub mod control;
-pub mod diag;
+pub use counterpoint_fault as diag;
 mod dialect;
 pub mod dialog;
 pub mod files;
 pub mod job;
 pub mod log;
 pub mod machine;
-pub mod macros;
+mod macros;
 pub mod mcd;
 mod multi;
 pub mod options;

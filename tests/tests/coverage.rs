@@ -12,8 +12,8 @@ use counterpoint_kernel::job::Program;
 use counterpoint_kernel::log::event::Kind;
 use counterpoint_kernel::machine::ident::{codes, data};
 use counterpoint_kernel::machine::load;
+use counterpoint_kernel::machine::macros::system;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
-use counterpoint_kernel::macros::system;
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::Work;
 

@@ -1,6 +1,6 @@
 //! `macro check`: every mistake of every file.
 
-use counterpoint_kernel::macros;
+use counterpoint_kernel::machine::macros;
 use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang::tools;
 use serde_json::json;
@@ -13,7 +13,7 @@ use crate::say;
 
 pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
     let files = super::read(&arguments.files)?;
-    let mut host = macros::double();
+    let mut host = macros::standalone();
     host.attach(Box::new(Sandbox::here()?));
     let found = tools::check_all(&files, &mut host, arguments.strong.into());
     let errors = found.iter().flatten().filter(|finding| finding.is_error()).count();

@@ -3,7 +3,7 @@
 //! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
 
 use counterpoint_kernel::machine::ident::{self as control, takes};
-use counterpoint_kernel::macros::{identifiers, system, without};
+use counterpoint_kernel::machine::macros::{identifiers, system, without};
 use counterpoint_lang::func::{self, Way};
 use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::macros::model::Hook;
+use counterpoint_kernel::machine::macros::model::Hook;
 
 use super::terms::arguments_of;
 

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use counterpoint_kernel::macros;
+use counterpoint_kernel::machine::macros;
 use counterpoint_lang::tools::{self, RunOptions};
 use counterpoint_lang::vm::Limits;
 
@@ -18,7 +18,7 @@ pub(super) fn run(arguments: &Run) -> Result<u8, Error> {
         limits.ticks = ticks;
     }
     let broken = Rc::new(RefCell::new(None));
-    let mut host = macros::double();
+    let mut host = macros::standalone();
     host.attach(Box::new(Sandbox::here()?.telling(Rc::clone(&broken))));
     let options = RunOptions { trace: arguments.trace, strong: arguments.strong.into(), limits };
     let failed = tools::run(&files, &mut host, options);

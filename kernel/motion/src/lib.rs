@@ -4,6 +4,8 @@
 //! Facts: reference channel-synchronisation.md 3 (time model) and control-emulator.md 6.1 (arc rules).
 
 pub mod arc;
+pub mod contour;
+pub mod frame;
 pub mod profile;
 pub mod space;
 pub mod surface_speed;

@@ -3,9 +3,10 @@
 //! Facts: reference control-emulator.md 6.1, 6.3. Decision: like the reference point, with coded axes via the given
 //! point and only those, without any all axes that have a position.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::habits::Home;
+use counterpoint_fault::Acted;
 
 /// To the change position.
 pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {

@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 3.2, 6.1, 6.3. Invariant: `Place::clamped` is zero unless an axis is clamped, so
 //! a motion only looks at that. Decision: a move of a clamped axis is told and made all the same.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind};
 use crate::machine::ident::{self, CodeId, DataId, code_facts};
+use counterpoint_fault::Acted;
 
 /// How whole turns are taken off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,10 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 6.6, system-variables.md 7. Decisions: docs/emulation.md, "Offsets".
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
+use crate::channel::Kernel;
 use crate::channel::frames::offsets::{EXTENDED, RANGE};
-use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};

@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. Invariant: what flows is the active code of its
 //! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Coolant, Kind, Outlet};
 use crate::machine::ident::{self, CodeId, codes, data};

@@ -1,9 +1,10 @@
 //! Dwells: seconds or spindle revolutions.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
 use super::spindle::Turning;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, data};

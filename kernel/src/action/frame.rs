@@ -2,13 +2,14 @@
 //!
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::frames::offsets::{BASE, Table};
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, MAX_AXES, Position};
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
 /// any frame.

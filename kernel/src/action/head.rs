@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 4.3, 6.3. Decision: codes of heads without built-in processing raise the tool
 //! event; on a machine without its macro they are passed over with a message.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{CodeId, code_facts, data};
 use crate::machine::model::CodeRow;
+use counterpoint_fault::Acted;
 
 /// The event of a code: `$P1` of the tool macro.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,13 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
+use crate::channel::Kernel;
 use crate::channel::state::Axis;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Position;
 use crate::machine::habits::Home;
 use crate::machine::ident::data;
 use crate::trace::{self, ACTION};
+use counterpoint_fault::Acted;
 
 /// To reference point `number` (1 = home) via the programmed point; only coded axes move.
 pub(super) fn go(kernel: &mut Kernel<'_>, number: usize) -> Acted {

@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 6.7. Invariant: the machine stands still; the programmed point is what changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
-use crate::channel::frames::affine::{Affine, Point};
-use crate::channel::frames::local::{Given, Part, Refused};
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, codes, data};
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::local::{Given, Part, Refused};
 
 /// What a code does to its part of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -35,12 +35,13 @@ pub(crate) mod tool_data;
 mod turned;
 pub(crate) mod turning;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
-use crate::channel::frames::local::Part;
-use crate::channel::{Acted, Kernel};
 use crate::log::event::{Direction, Stop};
 use crate::machine::ident::{CodeId, DataId, codes};
 use crate::machine::model::CodeRow;
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::local::Part;
 
 /// A built-in action.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,11 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
-use crate::channel::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
+use counterpoint_fault::Acted;
 
 /// A modal state.
 pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {

@@ -4,12 +4,13 @@
 
 use super::cutter::{Shape, Step};
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
 use crate::channel::state::{feed_of, group};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// Positioning.
 pub(super) fn rapid(kernel: &mut Kernel<'_>) -> Acted {

@@ -3,12 +3,13 @@
 //! Facts: general CNC practice (Fanuc G10); the annex of the emulated system has no identifier for it. Invariant: what
 //! is not kept is told and nothing changes; the machine stands still.
 
+use crate::channel::Kernel;
 use crate::channel::frames::offsets::{EXTENDED, Radii, Table};
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// What is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

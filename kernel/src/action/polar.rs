@@ -3,16 +3,17 @@
 //! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
 //! the real axes; length and time are those on the part.
 
+use counterpoint_fault::Acted;
 use std::f64::consts::TAU;
 
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use super::time::Path;
+use crate::channel::Kernel;
 use crate::channel::data::Datum;
 use crate::channel::frames::polar::{Polar, round_the_centre};
 use crate::channel::report::STRAIGHT;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
 use crate::log::info::Unit;

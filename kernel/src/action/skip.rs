@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 6.1, system-variables.md 12. Invariant: there is no model here, so nothing is ever
 //! touched: every probing move ends at its end point and counts as missed; the alarm mode decides whether that is told.
 
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{MAX_AXES, Position};
 use crate::machine::ident::codes;
+use counterpoint_fault::Acted;
 
 /// Modal group of the alarm mode.
 const ALARM: u16 = 86;

@@ -4,10 +4,11 @@
 //! command: the last writer in tag order wins, with a warning when no meeting lies between). A shared spindle is
 //! reached only through shared operations; an own one is plain state of the kernel.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::surface_speed::Speed;
 
 use super::spindles::{commanded, no_head};
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Kind, Spindle as SpindleEvent};
 use crate::log::info::Unit;

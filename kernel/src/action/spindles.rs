@@ -4,13 +4,14 @@
 //! `Kernel::spindle`; what the channel has commanded of its other spindles is kept here, unless another channel can
 //! command them too.
 
+use crate::channel::Kernel;
 use crate::channel::state::{SpindleState, group};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, code_facts, codes, data};
 use crate::machine::model::{Channel, Machine};
 use crate::multi::shared::Command;
+use counterpoint_fault::Acted;
 
 /// Spindles of one channel by index of the machine's list, and what they are in work for.
 #[derive(Debug, Default)]

@@ -1,8 +1,9 @@
 //! Stops and ends.
 
+use crate::channel::Kernel;
 use crate::channel::flow::Pending;
-use crate::channel::{Acted, Kernel};
 use crate::log::event::{Kind, Stop};
+use counterpoint_fault::Acted;
 
 /// Program stop, optional stop, end, rewind.
 pub(super) fn stop(kernel: &mut Kernel<'_>, stop: Stop) -> Acted {

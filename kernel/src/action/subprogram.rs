@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 5.7. Control moves on at the end of the block, so that the rest of the block
 //! acts first.
 
+use crate::channel::Kernel;
 use crate::channel::custom_calls::Callee;
 use crate::channel::flow::Pending;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::data;
 use crate::machine::model::CallForm;
+use counterpoint_fault::Acted;
 
 /// Call by number, or by name.
 pub(super) fn call(kernel: &mut Kernel<'_>) -> Acted {

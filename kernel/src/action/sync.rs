@@ -5,11 +5,12 @@
 
 mod start;
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use crate::channel::{Acted, Halt, Kernel};
+use crate::channel::Kernel;
 use crate::control::State;
 use crate::diag;
 use crate::log::event::{Kind, Member, Primitive, Release, Verdict, VerdictKind, Wait};

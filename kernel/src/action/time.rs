@@ -3,12 +3,13 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, MAX_AXES, Position};
 use crate::machine::ident::codes;
@@ -114,7 +115,7 @@ impl Kernel<'_> {
         path: &Path<'_>,
         feed: Option<f64>,
         unit: FeedUnit,
-    ) -> Result<f64, crate::channel::Halt> {
+    ) -> Result<f64, counterpoint_fault::Halt> {
         let Some(feed) = feed.filter(|feed| *feed > 0.0) else {
             let (facts, what) = lack(feed);
             return Ok(self.without_feed(path, facts, what));
@@ -150,7 +151,7 @@ impl Kernel<'_> {
     }
 
     /// Minutes at a feed per revolution, `None` (with a diagnostic) while the spindle stands.
-    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, crate::channel::Halt> {
+    fn revolution_minutes(&mut self, path: &Path<'_>, feed: f64) -> Result<Option<f64>, counterpoint_fault::Halt> {
         let Some(speed) = self.spindle_speed()? else {
             let text = format!(
                 "feed per revolution while the spindle stands in '{}', the move is timed as rapid",

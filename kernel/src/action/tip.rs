@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 6.8, system-variables.md 12. Decisions: docs/emulation.md, "Tool tip control".
 
 use super::frame;
-use crate::channel::frames::affine::{Affine, Point};
-use crate::channel::frames::kinematics::Angles;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, Position};
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use counterpoint_fault::Acted;
+use counterpoint_motion::frame::affine::{Affine, Point};
+use counterpoint_motion::frame::kinematics::Angles;
 
 /// Words of the forms that say a direction, by `$TCPFMT`.
 const WORDS: [[DataId; 3]; 5] = [

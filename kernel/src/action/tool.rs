@@ -2,11 +2,12 @@
 //!
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
 use crate::machine::ident::{codes, data};
+use counterpoint_fault::Acted;
 
 /// Preselects a tool.
 pub(super) fn select(kernel: &mut Kernel<'_>) -> Acted {

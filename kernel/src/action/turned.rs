@@ -4,17 +4,18 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane make no circle; it is told, and the end is reached straight.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
-use crate::channel::frames::affine::{Affine, Point};
+use crate::channel::Kernel;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, plane};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use counterpoint_motion::frame::affine::{Affine, Point};
 
 /// Parts of a direction below this are none.
 const FLAT: f64 = 1e-9;

@@ -3,10 +3,11 @@
 //! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
 //! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::Scale;
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::log::event::{Event, VerdictKind};
 use crate::log::info::Room;
 use crate::log::timeline::bars::Bar;

@@ -4,15 +4,16 @@
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
 //! (clock of the coordinator, waits, streams) begins anew.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
 use super::burden::Burden;
 use super::flow::Flow;
 use super::parts::{At, BlockText, DialectState, Reports, State};
-use super::{Acted, Channel, Halt, Kernel, tape};
+use super::{Channel, Kernel, tape};
 use crate::log::event::FileId;
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
 

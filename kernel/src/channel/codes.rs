@@ -2,13 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
+use super::Kernel;
 use super::block::{Firing, Word};
 use super::modal_call::END_CALLS;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
+use counterpoint_fault::Acted;
 
 use super::state::group;
 

@@ -3,6 +3,7 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
 //! asks for it; it is split into words again only when somebody has changed it.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -10,13 +11,13 @@ use counterpoint_lang::value::Value;
 use super::block::Block;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Acted, Halt, Kernel, burden};
+use super::{Kernel, burden};
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::data;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{Later, Task};
 use crate::trace::{self, Stage};
 

@@ -5,17 +5,18 @@
 //! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
 //! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::Pending;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::FileId;
 use crate::log::info::File;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{MainReturn, StoredFile};
-use crate::macros::model::Hook;
 use crate::macros::runtime::{TICKS, Task};
 use crate::mcd::program::Range;
 

@@ -3,16 +3,17 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::block::Firing;
 use super::data::Datum;
 use super::state::group;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
-use crate::macros::condition::Item;
 use crate::macros::host::{code_id, code_value, data_value};
 use crate::macros::runtime::Task;
 
@@ -358,7 +359,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// It made the kernel leave its program.
-    pub(crate) fn plain_macro(&mut self, hook: crate::macros::model::Hook) -> Result<(), Halt> {
+    pub(crate) fn plain_macro(&mut self, hook: crate::machine::macros::model::Hook) -> Result<(), Halt> {
         match self.hook(hook) {
             Some(code) => self.run_macro(code, Task::None, &mut []).map(|_| ()),
             None => Ok(()),

@@ -2,17 +2,18 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::flow::{Flow, Frame};
 use super::state::Modal;
-use super::{Acted, Halt, Kernel};
 use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
 use crate::mcd::key_words::Names;
 use crate::mcd::program::Range;

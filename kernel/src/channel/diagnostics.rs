@@ -5,8 +5,8 @@
 use super::Kernel;
 use crate::diag::Facts;
 use crate::machine::Machine;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::{DiagnosticRule, Diagnostics};
-use crate::macros::model::Hook;
 
 /// The machine's own text for what the kernel says.
 const ORIGINAL: &str = "!(*)";

@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
 //! portion of a block is not run.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
-use super::{Acted, Halt, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::log::info::cut;
-use crate::macros::environment::Surroundings;
+use crate::machine::macros::environment::MachineEnvironment;
 use crate::trace::{self, Stage};
 
 use counterpoint_lang::value::Value;
@@ -135,7 +136,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::EMBEDDED_CODE, text);
             return None;
         }
-        let mut surroundings = Surroundings {
+        let mut surroundings = MachineEnvironment {
             codes: &machine.custom_codes,
             data: &machine.custom_data,
             files: None,

@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 4.3. Decision: the end of a straight move and rapid or linear may be changed;
 //! circles and threads stay as they are.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
 use crate::log::geometry::Loop;
+use crate::machine::macros::model::Hook;
 use crate::macros::host::tools::column;
 use crate::macros::host::variables::names;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).

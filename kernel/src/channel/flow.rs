@@ -2,16 +2,17 @@
 //!
 //! Facts: reference control-emulator.md 5.7. Invariant: nesting is bounded; a backward jump is always counted.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::custom_calls::{Called, Callee};
 use super::modal_call::ModalCall;
 use super::passes::Passes;
 use super::search::Labels;
 use super::word_calls::{By, WordKind, WordMacro};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect;
 use crate::dialect::fanuc::Line;

@@ -3,26 +3,27 @@
 //! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. Invariant: what such a pre-processor leaves is a text, which
 //! is split into words as any block is; on a kernel with macros it goes on to Pre-Processor Shutdown.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
-use super::frames::affine::Affine;
 use super::frames::offsets::Table;
 use super::state::group;
-use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Dimension;
 use crate::machine::number::written;
-use crate::macros::model::Hook;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
     /// A block that is not plain words.

@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
+use super::Kernel;
 use super::block::odd;
 use super::state::feed_of;
 use super::state::group;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::data;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// Remembers modal values, diagnoses the rest.

@@ -1,8 +1,8 @@
 //! Beginning and end of a kernel, its limits, and hopeless polling.
 
+use super::Kernel;
 use super::carried::Lived;
 use super::flow::Frame;
-use super::{Acted, Halt, Kernel};
 use crate::control::State;
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
@@ -10,6 +10,7 @@ use crate::mcd::program::Range;
 use crate::multi::order::Order;
 use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
+use counterpoint_fault::{Acted, Halt};
 
 /// Blocks after which a kernel looks at the memory that it takes.
 const WEIGHED_EVERY: u64 = 64;

@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.4. Decisions: every letter is an argument, also one that the machine has no
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
+use super::Kernel;
 use super::block::odd;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;
-use super::{Acted, Halt, Kernel};
 use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
+use counterpoint_fault::{Acted, Halt};
 
 /// What the words of a call say.
 #[derive(Debug, Default)]

@@ -1,9 +1,10 @@
 //! Statements of the pre-processor: assignments, branches, loops.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
+use super::Kernel;
 use super::block::{Word, odd};
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};

@@ -46,34 +46,17 @@ mod word_calls;
 
 use block::Block;
 use burden::Burden;
+use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
 use flow::Flow;
 use parts::{Acting, At, BlockText, DialectState, Environment, Ports, Reports, Setup, State};
 use plan::Plan;
 
-use crate::log::event::{Kind, Stop};
+use crate::log::event::Kind;
 use crate::machine::model::Channel as MachineChannel;
 use crate::macros::runtime::Runtime;
 use crate::multi::order::Order;
 use crate::multi::tag::Tag;
-
-/// Why a kernel leaves its program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Halt {
-    /// An end code or the end of the text.
-    End(Option<Stop>),
-    /// An alarm of the control.
-    Alarm,
-    /// An alarm that the machine goes on from: the rest of the block is dropped. It never leaves the block loop.
-    Dropped,
-    /// The job was stopped.
-    Stopped,
-    /// It stands at a wait that will never end.
-    Blocked,
-}
-
-/// What an action returns.
-pub(crate) type Acted = Result<(), Halt>;
 
 /// One channel of the control: what it is given, where it is, what it remembers.
 pub(crate) struct Channel<'a> {

@@ -3,8 +3,9 @@
 //! A loop is known by its jump back. Invariant: time passes in every loop that takes none, whatever loops, calls or jumps
 //! lie inside it. Facts: reference channel-synchronisation.md (polling), control-emulator.md 5.7.
 
-use super::{Acted, Kernel};
+use super::Kernel;
 use crate::log::event::FileId;
+use counterpoint_fault::Acted;
 
 /// Loops that are remembered at a time. After as many jumps back without time a tick passes in any case.
 const MOST: usize = 32;

@@ -2,10 +2,11 @@
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.1.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
+use super::Kernel;
 use super::scan::Kind as LineKind;
-use super::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FileId, Kind};
 use crate::machine::model::RewindStop;

@@ -3,13 +3,14 @@
 //! Facts: reference fanuc-variables-and-alarms.md 3; the rules are rows of the machine definition (`[[refusals]]`).
 //! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
 
+use super::Kernel;
 use super::block::Firing;
-use super::{Acted, Kernel};
 use crate::diag;
 use crate::machine::Machine;
 use crate::machine::model::CodeRow;
 use crate::machine::refusals::{Active, Refusal, WordRule, Written};
 use crate::machine::tables::form_range;
+use counterpoint_fault::Acted;
 
 /// The rules of a machine, by what they look for.
 #[derive(Debug)]

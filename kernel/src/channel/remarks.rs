@@ -5,13 +5,14 @@
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
+use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
+use super::Kernel;
 use super::block::Firing;
 use super::burden::shortened;
-use super::{Acted, Kernel};
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};

@@ -5,10 +5,11 @@
 //! Invariants: what stops the channel is in the log whatever macros have switched off; a job with an alarm never counts as
 //! succeeded, however softly the alarm is told.
 
+use super::Kernel;
 use super::burden::{RESULT, shortened};
-use super::{Acted, Halt, Kernel};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
+use counterpoint_fault::{Acted, Halt};
 
 /// Alarms of a channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -3,15 +3,16 @@
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) the other places and files beside the program that are named after the number.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
+use super::Kernel;
 use super::block::Block;
 use super::custom_calls::Callee;
 use super::scan::Kind;
-use super::{Halt, Kernel};
 use crate::log::event::FileId;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};

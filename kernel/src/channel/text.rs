@@ -3,10 +3,11 @@
 //! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). Invariant: what
 //! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
+use super::Kernel;
 use super::tape::Within;
-use super::{Halt, Kernel};
 use crate::diag;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;

@@ -5,14 +5,15 @@
 //! Decision: `[control] unknown_code` says which of both a machine does. Invariant: where they are alarms, nothing of the
 //! block has acted, unless a macro behind the block may still know its text.
 
+use super::Kernel;
 use super::block::odd;
 use super::letter_zero::letter_for_zero;
-use super::{Acted, Kernel};
 use crate::diag::{self, Facts};
 use crate::dialect::{self, Unknown};
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Hook;
 use crate::machine::model::CodeForm;
-use crate::macros::model::Hook;
+use counterpoint_fault::Acted;
 
 /// Most characters of unknown text in a message.
 const MOST: usize = 60;

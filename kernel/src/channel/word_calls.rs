@@ -7,11 +7,12 @@
 //! without the row, those of the other kind if the machine says so; behind G66.1 words are arguments only. Invariant:
 //! a machine without such words pays one test for each block.
 
+use counterpoint_fault::Acted;
 use std::sync::Arc;
 
+use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::Pending;
-use super::{Acted, Kernel};
 use crate::machine::Machine;
 use crate::machine::ident::data;
 use crate::machine::model::{CallHow, NestedCalls, WordCall};

@@ -4,11 +4,11 @@
 //! through [`Host::shared`] and [`Host::set_shared`], in order of simulated time; a jump back and a call are counted by
 //! the kernel, so that endless loops come to a limit; nothing here reads a clock or a file system.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use crate::channel::{Acted, Halt};
 use crate::diag::Facts;
 use crate::log::event::FileId;
 use crate::machine::ident::CodeId;

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+pub use counterpoint_fault::Stop;
 use serde::{Deserialize, Serialize};
 
 /// Most axes one channel can command. Positions are arrays of this length in the axis order of the channel.
@@ -337,20 +338,6 @@ impl std::fmt::Display for Coolant {
             Outlet::Device(number) => write!(f, "coolant dev{number} {}", self.word()),
         }
     }
-}
-
-/// Why the program stops.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stop {
-    /// M0.
-    Program,
-    /// M1 with the switch on.
-    Optional,
-    /// M2.
-    End,
-    /// M30.
-    Rewind,
 }
 
 /// Arrival at a meeting point.

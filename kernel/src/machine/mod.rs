@@ -8,6 +8,7 @@ pub mod finding;
 pub mod habits;
 pub mod ident;
 mod load;
+pub mod macros;
 pub mod model;
 pub mod number;
 pub mod package;

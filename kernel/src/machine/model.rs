@@ -84,7 +84,7 @@ pub struct Machine {
     /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
     pub work_offsets: Vec<Vec<f64>>,
     /// Macros, none if the machine has none.
-    pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
+    pub macros: Option<std::sync::Arc<crate::machine::macros::model::Macros>>,
     /// Rules that change the text of every block before anything else, in order.
     pub tape_editor: Vec<TapeRule>,
     /// Dialogs, by name.

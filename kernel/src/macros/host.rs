@@ -29,11 +29,11 @@ use counterpoint_lang::host::{Command, Host, Step};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
-use super::model::Hook;
 use super::runtime::Later;
 use crate::channel::Kernel;
 use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::macros::model::Hook;
 use crate::multi::shared::Shared;
 
 /// Identifier of a code value, none for `CODE_NONE`.

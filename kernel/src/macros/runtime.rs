@@ -6,6 +6,7 @@
 
 mod running;
 
+use counterpoint_fault::Halt;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -16,17 +17,16 @@ use counterpoint_lang::value::{Elements, Value};
 use counterpoint_lang::vm::{Limits, State};
 use rustc_hash::FxHashMap;
 
+use super::asked::Asked;
 use super::host::variables::Store;
 use super::host::{operations::Operations, sums::Sums, travel::Travel};
-use super::model::{HOOKS, Hook, Macros};
 use super::reused::Reused;
-use super::without::Asked;
 use crate::action::cycle::Hole;
-use crate::channel::Halt;
 use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
+use crate::machine::macros::model::{HOOKS, Hook, Macros};
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

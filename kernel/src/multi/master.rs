@@ -3,18 +3,18 @@
 //! Facts: reference control-emulator.md 2.1, 2.4, 8.1, 8.2. Invariant: the master works only while no channel does, so
 //! what it does to shared variables needs no order. A machine with one channel has no master.
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::Shop;
 use super::coordinator::switch::Switch;
 use super::rounds::Again;
-use crate::channel::Halt;
 use crate::channel::emit::Target;
 use crate::diag;
 use crate::log::event::{Event, FileId};
+use crate::machine::macros::model::Hook;
 use crate::machine::model::Channel;
 use crate::macros::host::variables::names;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::layout::first_main;
 use crate::mcd::program::Range;

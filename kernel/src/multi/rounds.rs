@@ -8,8 +8,8 @@ use super::master::{At, Master};
 use super::ranks::Ranks;
 use super::shared::{Shared, Spindle};
 use super::{Shop, Start};
+use crate::channel::Kernel;
 use crate::channel::carried::{Carried, Lived};
-use crate::channel::{Halt, Kernel};
 use crate::diag;
 use crate::job::{Job, Spec};
 use crate::log::event::{Event, Kind, Phase};
@@ -18,6 +18,7 @@ use crate::mcd::layout;
 use crate::multi::merge::Message;
 use crate::multi::tag::Tag;
 use crate::multi::waits::Waits;
+use counterpoint_fault::Halt;
 
 /// How often Machine Shutdown may start the machine again.
 const MOST: u32 = 1000;

@@ -5,11 +5,12 @@
 //! its block, then takes the last one.
 
 use crate::action::Action;
+use crate::channel::Kernel;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::model::Heights;
+use counterpoint_fault::Acted;
 
 /// Words that tell a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

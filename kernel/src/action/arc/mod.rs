@@ -11,15 +11,16 @@ pub(super) mod space;
 pub(crate) use define::{By, Form, State};
 pub(super) use define::{define_center, define_direction, define_radius};
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
 use super::cutter::{Shape, Step};
 use super::time::Path;
 use super::turned;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::{Plane, group, plane};
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::ident::data;

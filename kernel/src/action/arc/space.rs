@@ -3,14 +3,15 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::space::Circle;
 
 use super::check_radius;
 use crate::action::time::Path;
+use crate::channel::Kernel;
 use crate::channel::report::STRAIGHT;
 use crate::channel::state::group;
-use crate::channel::{Acted, Kernel};
 use crate::diag;
 use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::spatial;

@@ -5,22 +5,21 @@
 //! other channels may see; every way out of compensation finishes the move that waits. Facts: reference
 //! control-emulator.md 6.6. Decisions: docs/emulation.md, "Cutter radius".
 
-mod corner;
-mod element;
 mod held;
 mod moves;
 mod state;
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::arc::Arc;
 
 use super::Action;
+use crate::channel::Kernel;
 use crate::channel::state::{group, plane};
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{CodeId, codes, data};
 
-use element::Element;
+use counterpoint_motion::contour::element::Element;
 pub(crate) use state::Cutter;
 use state::{Stage, Waiting};
 
@@ -335,11 +334,13 @@ impl Kernel<'_> {
             Shape::Circle { .. } => {
                 let text = format!("the circle of '{}' is in another plane than its compensation", self.block_text());
                 self.diagnose(&diag::CUTTER_PLANE, text);
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
+                (counterpoint_motion::contour::element::distance(start, end)
+                    > counterpoint_motion::contour::element::NOISE)
+                    .then_some(Element { from: start, to: end, arc: None })
             }
-            _ => {
-                (element::distance(start, end) > element::NOISE).then_some(Element { from: start, to: end, arc: None })
-            }
+            _ => (counterpoint_motion::contour::element::distance(start, end)
+                > counterpoint_motion::contour::element::NOISE)
+                .then_some(Element { from: start, to: end, arc: None }),
         }
     }
 

@@ -3,17 +3,18 @@
 //! Invariant: every move is an ordinary motion, made where the tool stands; `Place::position` is that of the tool's
 //! centre (on a lathe of the imaginary tip). The feed is that of this point.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
-use super::corner::{Corner, Link, Offset};
-use super::element::{Element, NOISE, Spot, angle, distance, plus};
 use super::state::{Stage, Waiting};
 use super::{Cutter, Shape, Step};
 use crate::action::arc::Circle;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
+use counterpoint_motion::contour::corner::{Corner, Link, Offset};
+use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 
 impl Kernel<'_> {
     /// Coordinate of a position as geometry.
@@ -103,7 +104,7 @@ impl Kernel<'_> {
             }
             Stage::Settled { corner, along } => {
                 let start = offset.at_start(element);
-                let turn = super::element::cross(along, element.start()) * cutter.side;
+                let turn = counterpoint_motion::contour::element::cross(along, element.start()) * cutter.side;
                 if distance(self.spot_of(&cutter), start) < NOISE {
                     Vec::new()
                 } else if turn > 0.0 {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::Step;
-use super::element::{Element, Spot};
 use crate::log::event::{FileId, Position};
+use counterpoint_motion::contour::element::{Element, Spot};
 
 /// Where compensation is.
 #[derive(Debug, Clone, Copy, PartialEq)]

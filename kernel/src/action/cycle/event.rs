@@ -2,12 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 4.3. Decision: `$P3` to `$P6` may be changed, in the frame of the motion macro.
 
+use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
 use super::Hole;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
+use crate::machine::macros::model::Hook;
 use crate::macros::host::code_value;
-use crate::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 impl Kernel<'_> {

@@ -2,7 +2,7 @@
 //!
 //! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
 
-use crate::machine::ident::{CodeId, codes};
+use crate::machine::ident::{self, CodeId};
 
 /// A kind of drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,28 +37,8 @@ pub(super) enum Out {
 impl Kind {
     /// The kind of a code.
     pub(crate) fn of(id: CodeId) -> Option<Self> {
-        Some(Self(match id {
-            codes::CYCLE_DRILL => 1,
-            codes::CYCLE_DRILL_DWELL => 2,
-            codes::CYCLE_TAP => 3,
-            codes::CYCLE_TAP_CCLW => 4,
-            codes::CYCLE_BORE => 5,
-            codes::CYCLE_BORE_DWELL => 6,
-            codes::CYCLE_BORE_ORIENT => 7,
-            codes::CYCLE_BORE_BACK => 8,
-            codes::CYCLE_REAM => 9,
-            codes::CYCLE_REAM_DWELL => 10,
-            codes::CYCLE_DEEP => 11,
-            codes::CYCLE_BRKCHP => 12,
-            codes::CYCLE_THRU => 13,
-            codes::CYCLE_RIGID => 14,
-            codes::CYCLE_RIGID_CCLW => 15,
-            codes::CYCLE_RIGID_DEEP => 16,
-            codes::CYCLE_RIGID_DEEP_CCLW => 17,
-            codes::CYCLE_RIGID_BRKCHP => 18,
-            codes::CYCLE_RIGID_BRKCHP_CCLW => 19,
-            _ => return None,
-        }))
+        let kinds = ident::HOLE_CYCLES.iter().zip(1_u8..);
+        kinds.into_iter().find(|&(&code, _)| code == id).map(|(_, number)| Self(number))
     }
 
     /// The kind of a number in `$CYTYPE`.
@@ -145,6 +125,7 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::ident::codes;
 
     #[test]
     fn kinds_are_their_numbers() {

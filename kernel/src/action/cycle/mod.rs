@@ -17,15 +17,16 @@ pub(crate) use kind::Kind;
 pub(crate) use state::{Height, State};
 
 use super::Action;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::burden::BLOCK;
 use crate::channel::state::group;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
 use crate::macros::runtime::Task;
+use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;

@@ -6,10 +6,11 @@
 use super::kind::{Kind, Out, Steps};
 use super::{Hole, State};
 use crate::action::{dwell, spindle};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Position};
 use crate::machine::model::Approach;
+use counterpoint_fault::Acted;
 
 /// Most steps of a hole.
 const MOST_STEPS: u32 = 10_000;

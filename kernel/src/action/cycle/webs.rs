@@ -5,9 +5,10 @@
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
 use super::{Height, State};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{DataId, data};
+use counterpoint_fault::Acted;
 
 /// Webs behind the first one.
 pub(super) const FURTHER: usize = 3;

@@ -4,11 +4,12 @@
 //! Facts: reference channel-synchronisation.md 1.0; the reading is ours, told in docs/emulation.md, "Spindles".
 
 use super::{heads, pass, passes, stand, woken};
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::log::event::{Kind, Release};
 use crate::machine::model::SyncDialect;
 use crate::multi::order::Wake;
 use crate::multi::waits::{Set, Spec, Waiting};
+use counterpoint_fault::Acted;
 
 /// Carries out the start by a head.
 pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {

@@ -6,12 +6,13 @@
 
 pub(crate) mod cycle;
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::thread::Lead;
 
 use super::spindle::Turning;
+use crate::channel::Kernel;
 use crate::channel::block::Firing;
 use crate::channel::report::NOT_DONE;
-use crate::channel::{Acted, Halt, Kernel};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::Machine;

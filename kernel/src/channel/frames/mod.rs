@@ -18,17 +18,14 @@
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
-pub(crate) mod affine;
-pub(crate) mod kinematics;
-pub(crate) mod local;
 pub(crate) mod offsets;
 pub(crate) mod polar;
 pub(crate) mod tip;
 mod told;
 mod travel;
 
-use affine::Point;
-use local::Local;
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Local;
 
 use super::Kernel;
 use super::state::Place;

@@ -5,11 +5,11 @@
 //! (Cartesian), or radius and angle (polar), and moves are straight or round on the part. Facts: reference
 //! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
 
-use super::affine::turn;
 use super::{Frames, NOISE, clean};
 use crate::channel::Kernel;
 use crate::channel::state::Place;
 use crate::log::event::Position;
+use counterpoint_motion::frame::affine::turn;
 
 /// Distances from the centre below this have no direction.
 const CENTRE: f64 = 1e-9;

@@ -3,12 +3,12 @@
 //! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow. Facts:
 //! reference control-emulator.md 6.8. Invariant: switching it never moves the machine.
 
-use super::affine::Point;
-use super::kinematics::{Angles, Chain, Joint, unit};
 use crate::channel::Kernel;
 use crate::channel::state::Place;
 use crate::log::event::{MAX_AXES, Position};
 use crate::machine::ident::{DataId, data};
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 
 /// Active tool tip control.
 #[derive(Debug, Clone)]

@@ -3,9 +3,9 @@
 //! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
 //! before away again; of rotations and centres the newest counts.
 
-use super::affine::Point;
-use super::local::Part;
 use crate::channel::Kernel;
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Part;
 
 /// The values of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

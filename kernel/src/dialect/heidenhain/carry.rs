@@ -9,9 +9,9 @@ use super::statement::{Condition, Statement, Test};
 use super::variables::Value;
 use super::words::{Seen, Word, joined};
 use super::{Heidenhain, Line};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::{Host, Place};
+use counterpoint_fault::Halt;
 
 /// Blocks between a line and the corner or the path block behind it.
 const NEAR: u32 = 50;

@@ -5,6 +5,7 @@
 //! the tables of the machine, which get `CYCL DEF` with its number and, of cycles of several lines, the words of all
 //! lines. Invariant: titles are texts for people and never reach the tables.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use super::eval::Evaluator;
@@ -14,7 +15,6 @@ use super::statement::{Call, Statement};
 use super::variables::Value;
 use super::words::{Operand, Seen, Word, joined, words};
 use super::{Heidenhain, Line};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::{Host, Place};
 

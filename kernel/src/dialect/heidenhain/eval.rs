@@ -4,6 +4,7 @@
 //! SGN of zero is 1, positions in texts count from 0, STRCOMP is 0, 1 or -1, INSTR gives the length if nothing is
 //! found. Functions come from `libm`, so that every machine gives the same bits. Invariant: a value is finite.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value as Given;
@@ -11,7 +12,6 @@ use counterpoint_lang::value::Value as Given;
 use super::formula::{Formula, Function, Kind, Name, Op};
 use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
-use crate::channel::Halt;
 use crate::diag::{self, Facts};
 use crate::dialect::numeric::{DEGREES, cosine, sine, tangent};
 use crate::dialect::{Answer, Host};

@@ -9,9 +9,9 @@ use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
 use super::variables::Value;
 use super::words::{Seen, shown};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::Host;
+use counterpoint_fault::Halt;
 
 /// Units of the feeds of a program.
 #[derive(Debug, Clone, Copy, Default)]

@@ -5,6 +5,7 @@
 //! root. Decisions: REP with a label further down calls it that many times; the first label of a name counts.
 //! Invariant: a jump back and a call are counted by the kernel.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
@@ -15,7 +16,6 @@ use super::formula::Formula;
 use super::lex;
 use super::statement::{self, Label, Statement};
 use super::variables::Value;
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::{Call, Host};
 use crate::log::event::FileId;

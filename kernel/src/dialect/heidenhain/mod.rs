@@ -28,13 +28,13 @@ mod system;
 mod variables;
 mod words;
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::{Host, Interpreter, Setting};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;

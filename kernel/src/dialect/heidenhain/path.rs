@@ -6,9 +6,9 @@
 
 use super::geometry::{Point, direction, minus};
 use super::words::{Seen, joined};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::Host;
+use counterpoint_fault::Halt;
 
 /// Letters of the axes.
 pub(super) const AXES: [&str; 9] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W"];

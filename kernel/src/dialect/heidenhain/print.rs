@@ -10,9 +10,9 @@ use super::formula::Formula;
 use super::lex::{Cursor, capitals};
 use super::variables::Value;
 use super::words::shown;
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::Host;
+use counterpoint_fault::Halt;
 
 /// Longest field of a format.
 const WIDEST: usize = 500;

@@ -9,9 +9,9 @@ use super::formula::{Formula, Name};
 use super::path::AXES;
 use super::variables::Value;
 use super::words::shown;
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::Host;
+use counterpoint_fault::Halt;
 
 impl Heidenhain {
     pub(super) fn system_read(

@@ -3,13 +3,13 @@
 //! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
 //! number is left as it was written; what is no word is left as it stands, so that the tables of the machine decide.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use super::eval::Evaluator;
 use super::formula::{Name, parameter};
 use super::lex::Cursor;
 use super::variables::Value;
-use crate::channel::Halt;
 
 /// What stands behind the name of a word.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,6 +5,7 @@
 //! for a comparison with EMPTY; VSIO and VAPA with the letter of an axis are its position as the program counts, VPBR1
 //! to VPBR9 are the switches of branches, all off. Invariant: no value is infinite or not a number.
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
 
 use super::cursor::Cursor;
@@ -12,7 +13,6 @@ use super::expr::{Expr, Reader, Variable};
 use super::math::{Binary, Fault};
 use super::names::Local;
 use super::store::Store;
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::{Answer, Host};
 

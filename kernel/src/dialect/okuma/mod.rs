@@ -17,6 +17,7 @@ mod run;
 mod store;
 mod text;
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -25,7 +26,6 @@ use rustc_hash::FxHashMap;
 pub(crate) use control::Control;
 
 use super::{Host, Interpreter, Setting};
-use crate::channel::Halt;
 use crate::diag;
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;

@@ -4,6 +4,7 @@
 //! a modal call calls behind every block that moves in the program that said it, with the values its arguments had
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
+use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -13,7 +14,6 @@ use super::expr::{Expr, Variable};
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
-use crate::channel::{Acted, Halt};
 use crate::diag;
 use crate::dialect::{self, Answer, Host};
 

@@ -4,11 +4,11 @@
 //! also those of a further pass; common variables that the machine gives to each channel stay here, the others lie with
 //! the kernel's host. A common variable without a value counts as 0. Facts: reference control-emulator.md 5.4.
 
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::names::Local;
-use crate::channel::{Acted, Halt};
 use crate::dialect::Host;
 
 /// Local variables that a call sets.

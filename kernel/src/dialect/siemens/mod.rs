@@ -32,13 +32,13 @@ mod value;
 mod variables;
 mod words;
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{Host, Interpreter, Setting};
-use crate::channel::Halt;
 use crate::diag::{self, Facts};
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;

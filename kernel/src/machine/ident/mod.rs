@@ -41,6 +41,29 @@ pub struct DataFacts {
     pub own: bool,
 }
 
+/// The codes of canned cycles that make holes, in the order of their numbers in `$CYTYPE`, from 1.
+pub const HOLE_CYCLES: [CodeId; 19] = [
+    codes::CYCLE_DRILL,
+    codes::CYCLE_DRILL_DWELL,
+    codes::CYCLE_TAP,
+    codes::CYCLE_TAP_CCLW,
+    codes::CYCLE_BORE,
+    codes::CYCLE_BORE_DWELL,
+    codes::CYCLE_BORE_ORIENT,
+    codes::CYCLE_BORE_BACK,
+    codes::CYCLE_REAM,
+    codes::CYCLE_REAM_DWELL,
+    codes::CYCLE_DEEP,
+    codes::CYCLE_BRKCHP,
+    codes::CYCLE_THRU,
+    codes::CYCLE_RIGID,
+    codes::CYCLE_RIGID_CCLW,
+    codes::CYCLE_RIGID_DEEP,
+    codes::CYCLE_RIGID_DEEP_CCLW,
+    codes::CYCLE_RIGID_BRKCHP,
+    codes::CYCLE_RIGID_BRKCHP_CCLW,
+];
+
 /// Other spellings that the pages of the emulated system use for the same identifier (reference README, conflicts).
 fn canonical_code(name: &str) -> String {
     let name = name.to_ascii_uppercase();

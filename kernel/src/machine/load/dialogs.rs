@@ -6,12 +6,12 @@
 use crate::dialog::answers::Value;
 use crate::dialog::{Button, ButtonKind, Dialog, Field, FieldKind, same_name};
 use crate::files::Files;
+use crate::machine::macros::model::Macros;
+use crate::machine::macros::system;
 use crate::machine::toml::check::Check;
 use crate::machine::toml::node::{self, Node, Place};
 use crate::machine::toml::parse::parse;
 use crate::machine::toml::section::Section;
-use crate::macros::model::Macros;
-use crate::macros::system;
 
 /// Most dialogs of a machine, and most fields and buttons of one.
 const MOST: usize = 200;

@@ -2,11 +2,11 @@
 //!
 //! Invariant: a direction is not zero. Facts: reference control-emulator.md 6.8.
 
-use crate::channel::frames::kinematics::unit;
 use crate::machine::ident::{DataId, code_facts, data_facts};
 use crate::machine::model::{Axis, AxisRole, Channel, CodeRow};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::section::Section;
+use counterpoint_motion::frame::kinematics::unit;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];

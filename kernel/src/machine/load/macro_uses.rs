@@ -7,9 +7,9 @@ use counterpoint_lang::ast::{Expr, ExprKind, Macro, StatementKind, Variable, Whe
 use counterpoint_lang::parse::parse;
 use counterpoint_lang::source::{Source, Span};
 
+use crate::machine::macros::model::Hook;
 use crate::machine::toml::check::Check;
 use crate::machine::toml::node::Place;
-use crate::macros::model::Hook;
 
 /// What a place gives to its macro.
 #[derive(Debug, Clone, Copy)]

@@ -12,12 +12,12 @@ use super::macro_uses::{self, Given};
 use super::names::Names;
 use crate::files::Files;
 use crate::machine::ident;
+use crate::machine::macros::condition::{self, Condition, Item, Step};
+use crate::machine::macros::environment::{MachineEnvironment, beside};
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
 use crate::machine::model::{CodeRow, DataRow, StoredFile};
 use crate::machine::toml::node::Place;
 use crate::machine::toml::section::Section;
-use crate::macros::condition::{self, Condition, Item, Step};
-use crate::macros::environment::{Surroundings, beside};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
 
 /// Most code macros, and most data macros.
 const MOST: usize = 1000;
@@ -102,7 +102,7 @@ impl Compiler<'_, '_> {
                 return None;
             }
         };
-        let mut surroundings = Surroundings {
+        let mut surroundings = MachineEnvironment {
             codes: &self.names.custom_codes,
             data: &self.names.custom_data,
             files: Some(self.files),

@@ -5,11 +5,11 @@
 use std::cmp::Ordering;
 
 use crate::machine::ident::codes;
+use crate::machine::macros::model::Macros;
 use crate::machine::model::{CodeForm, CodeRow, Register};
 use crate::machine::tables::{form_range, overlap};
 use crate::machine::toml::check::Check;
 use crate::machine::toml::node::Place;
-use crate::macros::model::Macros;
 
 /// Warns about rows for the same word or text, one of which can never match there. A row of a child may take a word by
 /// its order from a row of the family: that is meant.

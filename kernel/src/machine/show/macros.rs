@@ -5,9 +5,9 @@
 use serde_json::{Value, json};
 
 use super::text::{Grid, dash, yes};
+use crate::machine::macros::condition::{Condition, Item, Step};
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, Named};
 use crate::machine::model::Machine;
-use crate::macros::condition::{Condition, Item, Step};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, Named};
 
 /// One macro.
 struct Row {

@@ -17,7 +17,7 @@ use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
 
 /// Steps that processing a block costs the macro that asks for it.

@@ -13,7 +13,7 @@ use crate::channel::Kernel;
 use crate::channel::burden::{RESULT, shortened};
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Task;
 
 /// Numbers that `$DIAGLIST` keeps.

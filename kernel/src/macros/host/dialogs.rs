@@ -14,7 +14,7 @@ use counterpoint_lang::vm::State;
 use crate::channel::Kernel;
 use crate::dialog::operator::Question;
 use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
-use crate::macros::system;
+use crate::machine::macros::system;
 
 /// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
 const DIALOG_TICKS: usize = 100;

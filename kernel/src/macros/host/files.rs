@@ -2,12 +2,13 @@
 //!
 //! Invariant: what a kernel finds in a file depends on simulated time only, never on who was faster.
 
+use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
-use crate::channel::{Halt, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::files::Bytes;
 use crate::machine::model::StoredFile;

@@ -17,10 +17,10 @@ use super::variables::names;
 use crate::channel::Kernel;
 use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
+use crate::machine::macros::without;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
-use crate::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::macros::runtime::Restart;
-use crate::macros::without;
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")
@@ -241,7 +241,7 @@ impl Kernel<'_> {
         Ok(match self.get_known(index) {
             Ok(value) if !is_vacant(value) => Value::Real(value),
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Value::Null
             }
             _ => Value::Null,
@@ -260,7 +260,7 @@ impl Kernel<'_> {
         };
         match self.set_variable(index, value) {
             Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(crate::channel::Halt::Stopped);
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
                 Ok(Value::Logical(false))
             }
             done => Ok(Value::Logical(done.is_ok())),

@@ -9,9 +9,9 @@ use counterpoint_lang::value::Value;
 
 use super::rotary::{Named, is};
 use crate::channel::Kernel;
-use crate::channel::frames::affine::Point;
-use crate::channel::frames::kinematics::{Angles, Chain, Joint, unit};
 use crate::log::event::{MAX_AXES, Position};
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 
 /// Six numbers by the elements of `$AXES`, or position and direction.
 type Six = [f64; 6];

@@ -8,8 +8,8 @@ use counterpoint_lang::host::Step;
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::macros::condition::Item;
-use crate::macros::model::{Hook, SELECT_TOOL};
+use crate::machine::macros::condition::Item;
+use crate::machine::macros::model::{Hook, SELECT_TOOL};
 use crate::trace;
 
 impl Kernel<'_> {

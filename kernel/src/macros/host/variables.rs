@@ -25,8 +25,8 @@ use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::macros::model::{HOOKS, Hook};
-use crate::macros::system::{self, Access, Variable};
+use crate::machine::macros::model::{HOOKS, Hook};
+use crate::machine::macros::system::{self, Access, Variable};
 
 /// Elements of indexed variables that a kernel keeps.
 const MOST_ELEMENTS: usize = 200_000;

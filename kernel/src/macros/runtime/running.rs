@@ -3,6 +3,7 @@
 //! Invariant: the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
 //! does; macros nest as deep as the stack of their thread holds.
 
+use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::compile::Program;
@@ -11,10 +12,10 @@ use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, State};
 
 use super::{Call, MOST_NESTED, Runtime, Task, limits, unwinding};
-use crate::channel::{Halt, Kernel};
+use crate::channel::Kernel;
 use crate::log::info::Info;
+use crate::machine::macros::model::{Hook, Macros};
 use crate::macros::host::variables::names;
-use crate::macros::model::{Hook, Macros};
 
 /// Programs and parameters of a job as a command line names them.
 fn command_line(info: &Info) -> String {
@@ -170,7 +171,7 @@ impl Kernel<'_> {
     pub(crate) fn meanwhile(
         &mut self,
         state: &mut State,
-        work: impl FnOnce(&mut Self) -> crate::channel::Acted,
+        work: impl FnOnce(&mut Self) -> counterpoint_fault::Acted,
     ) -> Result<(), Fault> {
         let Some(runtime) = self.macros.as_deref_mut() else { return Ok(()) };
         let mut spare = runtime.spares.pop().unwrap_or_else(|| Box::new(State::new(limits(0))));

@@ -12,9 +12,10 @@ mod words;
 pub(crate) use state::State;
 
 use super::Screw;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{CodeId, codes, data};
+use counterpoint_fault::Acted;
 use passes::Plan;
 
 /// A kind of threading cycle.

@@ -3,12 +3,13 @@
 //! Facts: reference control-emulator.md 6.5: rapid to the depth, thread, chamfer (a thread between 30 and 60 degrees,
 //! straight feed otherwise), clear, rapid back. Invariant: every pass begins and ends where the cycle was called.
 
+use counterpoint_fault::Acted;
 use counterpoint_motion::thread::Lead;
 
 use super::{Thread, plan};
 use crate::action::cycle::further;
 use crate::action::thread::Screw;
-use crate::channel::{Acted, Kernel};
+use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 

@@ -1,7 +1,7 @@
 //! Macros of families and their children, and mistakes in their files.
 
 use super::*;
-use crate::macros::model::Hook;
+use crate::machine::macros::model::Hook;
 
 fn family() -> Memory {
     let mut files = Memory::default();

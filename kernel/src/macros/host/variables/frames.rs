@@ -10,8 +10,8 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write};
 use crate::channel::Kernel;
 use crate::channel::frames::Frames;
-use crate::channel::frames::affine::Affine;
-use crate::channel::frames::local::Refused;
+use counterpoint_motion::frame::affine::Affine;
+use counterpoint_motion::frame::local::Refused;
 
 fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
     kernel.channel.state.place.frames.as_deref().map(of)

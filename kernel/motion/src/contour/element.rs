@@ -5,42 +5,49 @@
 
 use std::f64::consts::TAU;
 
-use counterpoint_motion::arc::Arc;
+use crate::arc::Arc;
 
 /// Two coordinates of the plane.
-pub(super) type Spot = [f64; 2];
+pub type Spot = [f64; 2];
 
 /// Differences below this are none.
-pub(super) const NOISE: f64 = 1e-7;
+pub const NOISE: f64 = 1e-7;
 
-pub(super) fn plus([a, b]: Spot, [c, d]: Spot, times: f64) -> Spot {
+/// `a + c * times`, coordinate by coordinate.
+pub fn plus([a, b]: Spot, [c, d]: Spot, times: f64) -> Spot {
     [a + c * times, b + d * times]
 }
 
-pub(super) fn dot([a, b]: Spot, [c, d]: Spot) -> f64 {
+/// Scalar product.
+pub fn dot([a, b]: Spot, [c, d]: Spot) -> f64 {
     a * c + b * d
 }
 
-pub(super) fn cross([a, b]: Spot, [c, d]: Spot) -> f64 {
+/// The component of the vector product that is normal to the plane.
+pub fn cross([a, b]: Spot, [c, d]: Spot) -> f64 {
     a * d - b * c
 }
 
-pub(super) fn distance(a: Spot, b: Spot) -> f64 {
+/// Distance of two points.
+pub fn distance(a: Spot, b: Spot) -> f64 {
     let by = plus(b, a, -1.0);
     dot(by, by).sqrt()
 }
 
 /// A line or an arc of the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Element {
-    pub(super) from: Spot,
-    pub(super) to: Spot,
-    pub(super) arc: Option<Arc>,
+pub struct Element {
+    /// Start.
+    pub from: Spot,
+    /// End.
+    pub to: Spot,
+    /// The arc between them; none for a line.
+    pub arc: Option<Arc>,
 }
 
 impl Element {
     /// Direction at its start, of length one.
-    pub(super) fn start(&self) -> Spot {
+    pub fn start(&self) -> Spot {
         match &self.arc {
             Some(arc) => along(arc, self.from),
             None => self.straight(),
@@ -48,7 +55,7 @@ impl Element {
     }
 
     /// Direction at its end.
-    pub(super) fn end(&self) -> Spot {
+    pub fn end(&self) -> Spot {
         match &self.arc {
             Some(arc) => along(arc, self.to),
             None => self.straight(),
@@ -61,24 +68,25 @@ impl Element {
         by.map(|part| part / length)
     }
 
-    pub(super) fn length(&self) -> f64 {
+    /// Length of the way along it.
+    pub fn length(&self) -> f64 {
         self.arc.as_ref().map_or_else(|| distance(self.from, self.to), Arc::length)
     }
 
     /// Radius of the offset of an arc; none if the tool does not fit in.
-    pub(super) fn offset_radius(&self, side: f64, radius: f64) -> Option<f64> {
+    pub fn offset_radius(&self, side: f64, radius: f64) -> Option<f64> {
         let arc = self.arc.as_ref()?;
         let left = arc.radius - side * arc.sweep.signum() * radius;
         (left > NOISE).then_some(left)
     }
 
     /// The tool does not fit into the arc.
-    pub(super) fn is_too_small(&self, side: f64, radius: f64) -> bool {
+    pub fn is_too_small(&self, side: f64, radius: f64) -> bool {
         self.arc.is_some() && self.offset_radius(side, radius).is_none()
     }
 
     /// Share of the element that is done at a spot of its offset.
-    pub(super) fn share(&self, spot: Spot) -> f64 {
+    pub fn share(&self, spot: Spot) -> f64 {
         let Some(arc) = &self.arc else {
             let by = plus(self.to, self.from, -1.0);
             return dot(plus(spot, self.from, -1.0), by) / dot(by, by);
@@ -101,12 +109,12 @@ fn along(arc: &Arc, spot: Spot) -> Spot {
 }
 
 /// Where the tool is beside a spot of the contour.
-pub(super) fn beside(spot: Spot, [x, y]: Spot, side: f64, radius: f64) -> Spot {
+pub fn beside(spot: Spot, [x, y]: Spot, side: f64, radius: f64) -> Spot {
     plus(spot, [-y, x], side * radius)
 }
 
 /// Direction from a centre to a spot.
-pub(super) fn angle(center: Spot, spot: Spot) -> f64 {
+pub fn angle(center: Spot, spot: Spot) -> f64 {
     let [x, y] = plus(spot, center, -1.0);
     libm::atan2(y, x)
 }

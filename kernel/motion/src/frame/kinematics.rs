@@ -16,22 +16,24 @@ const SAME: f64 = 1e-7;
 
 /// A rotary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Joint {
+pub struct Joint {
     /// Channel axis.
-    pub(crate) axis: usize,
+    pub axis: usize,
     /// Its direction, any length but zero.
-    pub(crate) vector: Point,
+    pub vector: Point,
     /// A point on it.
-    pub(crate) center: Point,
+    pub center: Point,
 }
 
 /// The rotary axes of a channel.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Chain {
-    pub(crate) tables: Vec<Joint>,
-    pub(crate) heads: Vec<Joint>,
+pub struct Chain {
+    /// Rotary axes of the table, from the machine to the part.
+    pub tables: Vec<Joint>,
+    /// Rotary axes of the head, from the machine to the tool.
+    pub heads: Vec<Joint>,
     /// From the tip to the spindle, all heads at zero.
-    pub(crate) tool: Point,
+    pub tool: Point,
 }
 
 fn dot(a: Point, b: Point) -> f64 {
@@ -53,7 +55,7 @@ fn times(a: Point, by: f64) -> Point {
 }
 
 /// A direction of length one; none for zero.
-pub(crate) fn unit(direction: Point) -> Option<Point> {
+pub fn unit(direction: Point) -> Option<Point> {
     let length = dot(direction, direction).sqrt();
     length.is_normal().then(|| times(direction, 1.0 / length))
 }
@@ -73,7 +75,7 @@ fn turn_between(axis: Point, from: Point, to: Point) -> Option<Option<f64>> {
 }
 
 /// Angles of the axes by solution: one for each axis, none where any angle does.
-pub(crate) type Angles = Vec<(usize, Option<f64>)>;
+pub type Angles = Vec<(usize, Option<f64>)>;
 
 impl Chain {
     fn map(joints: &[Joint], sign: f64, angle: impl Fn(usize) -> f64) -> Affine {
@@ -86,36 +88,36 @@ impl Chain {
     }
 
     /// Where tables bring points of the part.
-    pub(crate) fn part(&self, angle: impl Fn(usize) -> f64) -> Affine {
+    pub fn part(&self, angle: impl Fn(usize) -> f64) -> Affine {
         Self::map(&self.tables, -1.0, angle)
     }
 
     /// Where heads bring points of the tool.
-    pub(crate) fn head(&self, angle: impl Fn(usize) -> f64) -> Affine {
+    pub fn head(&self, angle: impl Fn(usize) -> f64) -> Affine {
         Self::map(&self.heads, 1.0, angle)
     }
 
     /// Where the linear axes stand when the tip is at a point of the part. `length`: from the tip to the gauge point.
-    pub(crate) fn linear(&self, part: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Point {
+    pub fn linear(&self, part: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Point {
         let tip = self.part(angle).point(part);
         let tool = self.head(angle).point(times(length, -1.0));
         add(tip, times(tool, -1.0))
     }
 
     /// The point of the part where the tip is.
-    pub(crate) fn tip(&self, linear: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
+    pub fn tip(&self, linear: Point, length: Point, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
         let tool = self.head(angle).point(times(length, -1.0));
         self.part(angle).inverse().map(|back| back.point(add(linear, tool)))
     }
 
     /// Direction of the tool on the part.
-    pub(crate) fn direction(&self, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
+    pub fn direction(&self, angle: impl Fn(usize) -> f64 + Copy) -> Option<Point> {
         let turned = self.head(angle).direction(self.tool);
         self.part(angle).inverse().and_then(|back| unit(back.direction(turned)))
     }
 
     /// Two axes that turn about the same direction leave no way to choose.
-    pub(crate) fn is_possible(&self) -> bool {
+    pub fn is_possible(&self) -> bool {
         let [first, second] = match (self.tables.as_slice(), self.heads.as_slice()) {
             ([a, b], []) | ([], [a, b]) => [a, b],
             ([a], [b]) => [a, b],
@@ -127,7 +129,7 @@ impl Chain {
     }
 
     /// The angles that bring the tool into a direction of the part: up to two solutions.
-    pub(crate) fn solve(&self, direction: Point) -> Vec<Angles> {
+    pub fn solve(&self, direction: Point) -> Vec<Angles> {
         let (Some(wanted), Some(tool)) = (unit(direction), unit(self.tool)) else { return Vec::new() };
         // Each case is: the first axis turns `x`, the second one `y`, and both come to the same direction.
         let (first, second, x, y, signs) = match (self.tables.as_slice(), self.heads.as_slice()) {

@@ -3,6 +3,10 @@
 //! Numbers up to 02 899 999 are those of the emulated system, from 02 900 001 this project's own (reference
 //! control-emulator.md 7.5). Invariant: every entry has a page `docs/diagnostics/<number, 8 digits>.md`.
 
+mod halt;
+
+pub use halt::{Acted, Halt, Stop};
+
 /// Facts of one diagnostic number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Facts {
@@ -170,7 +174,7 @@ mod tests {
 
     #[test]
     fn every_number_has_a_page() {
-        let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/diagnostics");
+        let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/diagnostics");
         for facts in ALL {
             let page = docs.join(format!("{:08}.md", facts.number));
             assert!(page.is_file(), "no page for {:08}: {}", facts.number, facts.title);

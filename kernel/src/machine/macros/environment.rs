@@ -13,8 +13,8 @@ use crate::files::Files;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::StoredFile;
 
-/// The surroundings of the macros of one machine.
-pub struct Surroundings<'a> {
+/// What the compiler needs to know of one machine.
+pub struct MachineEnvironment<'a> {
     /// Names of the machine's own codes.
     pub codes: &'a [String],
     /// Names of the machine's own data.
@@ -35,7 +35,7 @@ fn own(names: &[String], name: &str, built_in: usize) -> Option<u32> {
     u32::try_from(built_in + at + 1).ok()
 }
 
-impl Environment for Surroundings<'_> {
+impl Environment for MachineEnvironment<'_> {
     fn system(&self) -> &[SystemVariable] {
         symbols()
     }

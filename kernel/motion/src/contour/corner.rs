@@ -7,51 +7,57 @@ use super::element::{Element, NOISE, Spot, beside, cross, distance, dot, plus};
 
 /// The offset of a contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Offset {
+pub struct Offset {
     /// +1 left of the way, −1 right.
-    pub(super) side: f64,
-    pub(super) radius: f64,
+    pub side: f64,
+    /// Radius of the tool, length units.
+    pub radius: f64,
     /// 0 by the angle, 1 sharp, 2 arc.
-    pub(super) corner: u8,
+    pub corner: u8,
     /// Cosine of the largest turn that 0 makes sharp.
-    pub(super) limit: f64,
+    pub limit: f64,
 }
 
 /// A move between the offsets of two pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Link {
+pub enum Link {
+    /// A straight line to a point.
     Line(Spot),
     /// Around a corner of the contour.
     Round {
+        /// End.
         to: Spot,
+        /// Centre.
         center: Spot,
+        /// Clockwise in the plane.
         clockwise: bool,
     },
 }
 
 /// The end of one piece and the way to the next.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Corner {
+pub struct Corner {
     /// Where the offset of the first piece ends.
-    pub(super) end: Spot,
-    pub(super) links: Vec<Link>,
+    pub end: Spot,
+    /// Moves to the start of the offset of the next piece.
+    pub links: Vec<Link>,
     /// The tool does not fit in.
-    pub(super) hurts: bool,
+    pub hurts: bool,
 }
 
 impl Offset {
     /// Beside the end of a piece.
-    pub(super) fn at_end(&self, element: &Element) -> Spot {
+    pub fn at_end(&self, element: &Element) -> Spot {
         beside(element.to, element.end(), self.side, self.radius)
     }
 
     /// Beside the start of a piece.
-    pub(super) fn at_start(&self, element: &Element) -> Spot {
+    pub fn at_start(&self, element: &Element) -> Spot {
         beside(element.from, element.start(), self.side, self.radius)
     }
 
     /// Between two pieces; `here` is where the tool is before the first one.
-    pub(super) fn between(&self, first: &Element, second: &Element, here: Spot) -> Corner {
+    pub fn between(&self, first: &Element, second: &Element, here: Spot) -> Corner {
         let small = first.is_too_small(self.side, self.radius);
         let (end, start) = (self.at_end(first), self.at_start(second));
         if distance(end, start) < NOISE {
@@ -98,7 +104,7 @@ impl Offset {
     }
 
     /// From beside the end of a piece around its corner to the next piece.
-    pub(super) fn outside(&self, corner: Spot, before: Spot, next: &Element) -> Vec<Link> {
+    pub fn outside(&self, corner: Spot, before: Spot, next: &Element) -> Vec<Link> {
         let after = next.start();
         let end = beside(corner, before, self.side, self.radius);
         let start = self.at_start(next);

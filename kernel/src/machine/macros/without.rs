@@ -1,17 +1,6 @@
 //! Functions that need what is not here: a machine model, a composite, a screen.
 //!
-//! Invariant: each of them says once in a run that there is nothing for it (2910070), and answers as if it had failed.
-
-use rustc_hash::FxHashMap;
-
-/// What the macros of a kernel have asked the outside for.
-#[derive(Debug, Default)]
-pub(crate) struct Asked {
-    /// How often each dialog was shown, by name.
-    pub(crate) dialogs: FxHashMap<String, usize>,
-    /// Functions of which it has been told that there is nothing here for them.
-    pub(crate) without: Vec<&'static str>,
-}
+//! Invariant: each of them reports once in a run that nothing is there for it (2910070), and returns as if it had failed.
 
 /// Functions named after the model that work without one: they read and set offsets and the local frame.
 const HERE: [&str; 9] =

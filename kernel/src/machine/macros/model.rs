@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoint_lang::compile::{self, Program, Strong};
 
 use super::condition::{Condition, Item};
-use super::environment::Surroundings;
+use super::environment::MachineEnvironment;
 use crate::machine::Machine;
 use crate::machine::ident::{CodeId, DataId};
 use crate::trace::Letters;
@@ -187,7 +187,7 @@ impl Macros {
         if !letters.has('M') && !letters.has('H') {
             return Arc::clone(&self.program);
         }
-        let mut surroundings = Surroundings {
+        let mut surroundings = MachineEnvironment {
             codes: &machine.custom_codes,
             data: &machine.custom_data,
             files: None,
@@ -239,7 +239,7 @@ impl Macros {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::macros::system;
+    use crate::machine::macros::system;
 
     #[test]
     fn hooks_stand_at_their_place_and_their_switches_exist() {

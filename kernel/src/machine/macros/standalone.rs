@@ -1,4 +1,4 @@
-//! The double of a host with the tables of this control.
+//! A host without a machine that has the tables of this control.
 
 use counterpoint_lang::host::{Domain, Test};
 use counterpoint_lang::value::Value;
@@ -7,9 +7,9 @@ use super::{identifiers, system};
 use crate::diag;
 use crate::machine::ident::codes;
 
-/// A double that knows the control's variables, identifiers, modal groups and diagnostics, but no machine and no program.
+/// A host that knows the control's variables, identifiers, modal groups and diagnostics, but no machine and no program.
 #[must_use]
-pub fn double() -> Test {
+pub fn standalone() -> Test {
     let mut test = Test::bare();
     for variable in system::table() {
         let nullable = matches!(variable.first, Value::Null);
@@ -36,7 +36,7 @@ mod tests {
 
     fn found(text: &str) -> Vec<(Number, Option<String>)> {
         let files = [("m".to_owned(), text.to_owned())];
-        let found = tools::check_all(&files, &mut double(), Strong::Off);
+        let found = tools::check_all(&files, &mut standalone(), Strong::Off);
         found.into_iter().flatten().map(|diagnostic| (diagnostic.number, diagnostic.help)).collect()
     }
 
@@ -61,7 +61,7 @@ mod tests {
     }
 
     fn run(text: &str) -> Test {
-        let mut host = double();
+        let mut host = standalone();
         tools::run(&[("m".to_owned(), text.to_owned())], &mut host, RunOptions::default());
         host
     }

@@ -15,10 +15,14 @@ const BOUND: f64 = 1e12;
 
 /// A kind of parts, from the program outwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
+pub enum Part {
+    /// Scale factors.
     Scale,
+    /// Mirrored axes.
     Mirror,
+    /// Rotation.
     Rotate,
+    /// Translation.
     Translate,
 }
 
@@ -28,27 +32,29 @@ impl Part {
 
 /// A part as it was programmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Given {
-    pub(crate) map: Affine,
+pub struct Given {
+    /// The map of the part.
+    pub map: Affine,
     /// Distances, direction or angles, factors, or 1 for a mirrored axis.
-    pub(crate) values: Point,
+    pub values: Point,
     /// Centre of a rotation or scale.
-    pub(crate) center: Option<Point>,
+    pub center: Option<Point>,
     /// What the values of a rotation are.
-    pub(crate) order: &'static str,
+    pub order: &'static str,
     /// Angle about a direction, degrees.
-    pub(crate) angle: f64,
+    pub angle: f64,
 }
 
 impl Given {
-    pub(crate) fn new(map: Affine, values: Point) -> Self {
+    /// A part without a centre or a rotation.
+    pub fn new(map: Affine, values: Point) -> Self {
         Self { map, values, center: None, order: "", angle: 0.0 }
     }
 }
 
 /// Why a frame cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Refused {
+pub enum Refused {
     /// Points would lie on each other, or out of all bounds.
     NoWayBack,
     /// An axis would have to move that the channel does not have.
@@ -59,7 +65,7 @@ pub(crate) enum Refused {
 
 /// The local frame of a channel.
 #[derive(Debug, Clone)]
-pub(crate) struct Local {
+pub struct Local {
     /// The part of each kind.
     parts: [Option<Given>; 4],
     /// Additive parts, oldest first.
@@ -83,55 +89,55 @@ impl Default for Local {
 
 impl Local {
     /// Nothing is programmed.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         !self.is_programmed() && self.given.is_none()
     }
 
     /// The program has given a part.
-    pub(crate) fn is_programmed(&self) -> bool {
+    pub fn is_programmed(&self) -> bool {
         self.parts.iter().any(Option::is_some) || !self.added.is_empty()
     }
 
     /// Programmed and not switched off.
-    pub(crate) fn is_on(&self) -> bool {
+    pub fn is_on(&self) -> bool {
         self.is_programmed() && !self.off
     }
 
     /// From the program to the work frame.
-    pub(crate) fn map(&self) -> &Affine {
+    pub fn map(&self) -> &Affine {
         &self.map
     }
 
     /// A programmed point in the work frame.
-    pub(crate) fn to_work(&self, point: Point) -> Point {
+    pub fn to_work(&self, point: Point) -> Point {
         self.map.point(point)
     }
 
     /// A point of the work frame as programmed.
-    pub(crate) fn to_program(&self, point: Point) -> Point {
+    pub fn to_program(&self, point: Point) -> Point {
         self.back.point(point)
     }
 
     /// The part of a kind.
-    pub(crate) fn part(&self, part: Part) -> Option<&Given> {
+    pub fn part(&self, part: Part) -> Option<&Given> {
         self.parts.get(part as usize)?.as_ref()
     }
 
     /// All parts of a kind, oldest first.
-    pub(crate) fn parts(&self, part: Part) -> impl Iterator<Item = &Given> {
+    pub fn parts(&self, part: Part) -> impl Iterator<Item = &Given> {
         let added = self.added.iter().filter(move |(of, _)| *of == part).map(|(_, given)| given);
         self.part(part).into_iter().chain(added)
     }
 
     /// The newest part of all that has a centre.
-    pub(crate) fn center(&self) -> Option<Point> {
+    pub fn center(&self) -> Option<Point> {
         let added = self.added.iter().rev().filter(|(part, _)| *part != Part::Mirror).map(|(_, given)| given);
         let own = [Part::Rotate, Part::Scale].into_iter().filter_map(|part| self.part(part));
         added.chain(own).find_map(|given| given.center)
     }
 
     /// A point of the work frame as the part of a kind sees it: what lies outside of that part is taken off.
-    pub(crate) fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
+    pub fn inside_of(&self, part: Part, point: Point) -> Option<Point> {
         let outer = self.composed(part as usize + 1);
         outer.inverse().map(|back| back.point(point))
     }
@@ -148,7 +154,7 @@ impl Local {
     }
 
     /// Sets the part of a kind; additive ones of that kind end.
-    pub(crate) fn set(&mut self, part: Part, given: Option<Given>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn set(&mut self, part: Part, given: Option<Given>, has: [bool; 3]) -> Result<(), Refused> {
         let given = given.filter(|given| given.map != Affine::SAME);
         self.change(has, |local| {
             local.added.retain(|(of, _)| *of != part);
@@ -160,7 +166,7 @@ impl Local {
     }
 
     /// Adds a part.
-    pub(crate) fn add(&mut self, part: Part, given: Given, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn add(&mut self, part: Part, given: Given, has: [bool; 3]) -> Result<(), Refused> {
         if self.added.len() >= MOST {
             return Err(Refused::TooMany);
         }
@@ -171,12 +177,12 @@ impl Local {
     }
 
     /// The frame of a macro, or none.
-    pub(crate) fn give(&mut self, given: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn give(&mut self, given: Option<Affine>, has: [bool; 3]) -> Result<(), Refused> {
         self.change(has, |local| local.given = given.filter(|map| *map != Affine::SAME))
     }
 
     /// Switches the programmed parts off, or on again.
-    pub(crate) fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
+    pub fn switch(&mut self, on: bool, has: [bool; 3]) -> Result<(), Refused> {
         self.change(has, |local| local.off = !on)
     }
 

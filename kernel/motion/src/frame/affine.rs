@@ -4,16 +4,16 @@
 //! multiples of 90, so that every machine gives the same bits. Invariant: an inverse that exists is finite.
 
 /// Three coordinates.
-pub(crate) type Point = [f64; 3];
+pub type Point = [f64; 3];
 
 /// A linear part and a shift: one row for each coordinate of the result.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Affine {
+pub struct Affine {
     rows: [[f64; 4]; 3],
 }
 
 /// Sine and cosine of degrees.
-pub(super) fn turn(degrees: f64) -> (f64, f64) {
+pub fn turn(degrees: f64) -> (f64, f64) {
     let quarter = degrees.rem_euclid(360.0) / 90.0;
     match [0.0, 1.0, 2.0, 3.0].iter().position(|at| *at == quarter) {
         Some(0) => (0.0, 1.0),
@@ -26,10 +26,10 @@ pub(super) fn turn(degrees: f64) -> (f64, f64) {
 
 impl Affine {
     /// Leaves everything where it is.
-    pub(crate) const SAME: Self = Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+    pub const SAME: Self = Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
     /// Moves everything by a distance.
-    pub(crate) fn translation(by: Point) -> Self {
+    pub fn translation(by: Point) -> Self {
         let mut made = Self::SAME;
         for (row, by) in made.rows.iter_mut().zip(by) {
             row[3] = by;
@@ -38,7 +38,7 @@ impl Affine {
     }
 
     /// Makes every coordinate so many times as large; −1 mirrors.
-    pub(crate) fn scale(by: Point) -> Self {
+    pub fn scale(by: Point) -> Self {
         let mut made = Self::SAME;
         for (at, (row, by)) in made.rows.iter_mut().zip(by).enumerate() {
             if let Some(slot) = row.get_mut(at) {
@@ -49,7 +49,7 @@ impl Affine {
     }
 
     /// Turns about a direction through the origin, counter-clockwise seen against it; `None` for no direction.
-    pub(crate) fn rotation(about: Point, degrees: f64) -> Option<Self> {
+    pub fn rotation(about: Point, degrees: f64) -> Option<Self> {
         let length = about.iter().map(|part| part * part).sum::<f64>().sqrt();
         if !(length.is_normal() && degrees.is_finite()) {
             return None;
@@ -67,23 +67,23 @@ impl Affine {
     }
 
     /// The same around another point than the origin.
-    pub(crate) fn around(&self, center: Point) -> Self {
+    pub fn around(&self, center: Point) -> Self {
         Self::translation(center).after(self).after(&Self::translation(center.map(|value| -value)))
     }
 
     /// The map of twelve numbers, row by row; `None` if one of them is not finite.
-    pub(crate) fn of_cells(cells: [f64; 12]) -> Option<Self> {
+    pub fn of_cells(cells: [f64; 12]) -> Option<Self> {
         let [a, b, c, x, d, e, f, y, g, h, i, z] = cells;
         cells.iter().all(|cell| cell.is_finite()).then_some(Self { rows: [[a, b, c, x], [d, e, f, y], [g, h, i, z]] })
     }
 
     /// The twelve numbers, row by row.
-    pub(crate) fn cells(&self) -> Vec<f64> {
+    pub fn cells(&self) -> Vec<f64> {
         self.rows.concat()
     }
 
     /// First `inner`, then this one.
-    pub(crate) fn after(&self, inner: &Self) -> Self {
+    pub fn after(&self, inner: &Self) -> Self {
         let mut made = *self;
         for (row, [x, y, z, shift]) in made.rows.iter_mut().zip(self.rows) {
             let [first, second, third] = inner.rows;
@@ -97,29 +97,29 @@ impl Affine {
     }
 
     /// Where a point goes.
-    pub(crate) fn point(&self, [px, py, pz]: Point) -> Point {
+    pub fn point(&self, [px, py, pz]: Point) -> Point {
         self.rows.map(|[x, y, z, shift]| x * px + y * py + z * pz + shift)
     }
 
     /// What a direction becomes.
-    pub(crate) fn direction(&self, [dx, dy, dz]: Point) -> Point {
+    pub fn direction(&self, [dx, dy, dz]: Point) -> Point {
         self.rows.map(|[x, y, z, _]| x * dx + y * dy + z * dz)
     }
 
     /// A coordinate that is there makes one that is not.
-    pub(crate) fn leaves(&self, has: [bool; 3]) -> bool {
+    pub fn leaves(&self, has: [bool; 3]) -> bool {
         let of = |row: &[f64; 4]| row.iter().zip(has).any(|(part, has)| has && part.abs() > 1e-12);
         self.rows.iter().zip(has).any(|(row, has)| !has && of(row))
     }
 
     /// Volume of a unit cube after the map, negative if it mirrors.
-    pub(crate) fn determinant(&self) -> f64 {
+    pub fn determinant(&self) -> f64 {
         let [[a, b, c, _], [d, e, f, _], [g, h, i, _]] = self.rows;
         a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     }
 
     /// The way back, if there is one.
-    pub(crate) fn inverse(&self) -> Option<Self> {
+    pub fn inverse(&self) -> Option<Self> {
         let by = self.determinant();
         if !by.is_normal() {
             return None;

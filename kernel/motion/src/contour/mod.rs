@@ -1,0 +1,4 @@
+//! Contours in a plane and paths beside them.
+
+pub mod corner;
+pub mod element;

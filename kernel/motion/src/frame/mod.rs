@@ -1,0 +1,5 @@
+//! Frames: maps between programmed points, the part and the machine.
+
+pub mod affine;
+pub mod kinematics;
+pub mod local;

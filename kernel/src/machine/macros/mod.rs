@@ -1,0 +1,14 @@
+//! Macros of a machine: what they see of the control (system variables, identifiers), and what a machine declares.
+//!
+//! Invariant: the language knows none of these names; whoever compiles or runs macros hands them over from here.
+
+pub mod condition;
+pub mod environment;
+pub mod identifiers;
+pub mod model;
+mod pattern;
+mod standalone;
+pub mod system;
+pub mod without;
+
+pub use standalone::standalone;
