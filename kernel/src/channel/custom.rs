@@ -178,7 +178,7 @@ impl Kernel<'_> {
                 if self.may_have_remarks() || self.plan.scanner.has_messages() {
                     self.remarks(bytes)?;
                 }
-                self.macro_line(bytes)?;
+                self.statement_line(bytes)?;
                 self.consumed_block()
             }
         }
@@ -307,8 +307,7 @@ impl Kernel<'_> {
             runtime.scanner = Some(Arc::new(Scanner::new(machine, plan.scanner.syntax(), &levels)));
         }
         // Lines compiled before have the parts that were skipped then.
-        self.flow.compiled.clear();
-        self.flow.pairs.clear();
+        self.forget_lines();
     }
 
     /// Splits the text of the block again; the pre-processor has had its turn.

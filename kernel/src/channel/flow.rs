@@ -9,15 +9,11 @@ use rustc_hash::FxHashMap;
 
 use super::Kernel;
 use super::custom_calls::{Called, Callee};
-use super::modal_call::ModalCall;
+use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
 use super::passes::Passes;
 use super::search::Labels;
-use super::word_calls::{By, WordKind, WordMacro};
 use crate::diag;
 use crate::dialect;
-use crate::dialect::fanuc::Line;
-use crate::dialect::fanuc::loops::Pairs;
-use crate::dialect::kept::Kept;
 use crate::log::event::{FileId, Kind, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
@@ -80,30 +76,26 @@ pub(crate) enum Pending {
 pub(crate) struct Flow {
     pub(crate) frames: Vec<Frame>,
     pub(crate) pending: Option<Pending>,
-    /// The macro that a word of the block calls.
-    pub(crate) word_call: Option<Box<WordMacro>>,
+    /// The macro that a code of the block calls.
+    pub(crate) code_macro: Option<Box<CodeMacro>>,
     /// Macro that blocks call without saying so.
     pub(crate) modal_call: Option<Box<ModalCall>>,
     /// The pre-processor of another control calls behind blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
-    /// A line may run again, so compiled lines are worth keeping.
-    pub(crate) caching: bool,
-    /// Compiled lines of the pre-processor.
-    pub(crate) compiled: Kept<Line>,
+    /// The program has jumped back or called, so a line may run again.
+    pub(crate) repeats: bool,
     /// Between POPEN and PCLOS.
     pub(crate) prints: bool,
     /// Output outside of them has been reported.
-    pub(crate) closed_told: bool,
-    /// Loops that the programs are in: level of the program and statement that opens the loop.
-    pub(crate) loops: Vec<(usize, Spot)>,
+    pub(crate) closed_reported: bool,
+    /// Loops that the programs are in.
+    pub(crate) loops: dialect::Loops,
     /// Byte at which the block being processed begins in its line.
     pub(crate) offset: u32,
-    /// Loop partners by program (file and first line).
-    pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
     /// Lines of labels by file and label.
     pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
-    /// Bytes of loop partners and labels.
+    /// Bytes of labels.
     pub(crate) tables: usize,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
@@ -111,6 +103,13 @@ pub(crate) struct Flow {
     pub(crate) told: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
+}
+
+impl Flow {
+    /// Subprograms that are running.
+    pub(super) fn level(&self) -> usize {
+        self.frames.len().saturating_sub(1)
+    }
 }
 
 impl Frame {
@@ -154,7 +153,7 @@ impl Kernel<'_> {
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
             if self.flow.modal_text && std::mem::take(&mut self.channel.block.moved) {
-                self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
+                self.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
             }
             self.call_modally();
         }
@@ -299,10 +298,10 @@ impl Kernel<'_> {
     pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call { program: frame.name.clone(), level });
-        self.flow.caching = true;
+        self.flow.repeats = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
-        self.interpreter_entered();
+        self.interpreter_call();
     }
 
     /// Return of a subprogram, or of the main program.
@@ -316,8 +315,9 @@ impl Kernel<'_> {
             frame.repeats -= 1;
             let (first, last) = (frame.range.first, frame.range.last);
             (frame.next, frame.offset) = (first, 0);
-            self.flow.loops.retain(|(level, _)| *level < self.flow.frames.len());
-            self.interpreter_again();
+            let level = self.flow.level();
+            self.flow.loops.restart(level);
+            self.interpreter_repeat();
             self.end_pass(first, last)?;
             return if self.macros.is_some() { self.next_pass() } else { Ok(()) };
         }
@@ -325,8 +325,9 @@ impl Kernel<'_> {
             if frame.own_variables {
                 self.dialect.variables.leave();
             }
-            self.interpreter_left();
-            self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
+            self.interpreter_return();
+            let level = self.flow.level();
+            self.flow.loops.return_to(level);
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return { level });
             if self.macros.is_some() {
@@ -347,7 +348,7 @@ impl Kernel<'_> {
         match self.channel.env.machine.subprograms.main_return {
             MainReturn::Restart => {
                 let first = self.frame().map_or(1, |f| f.range.first);
-                self.flow.loops.clear();
+                self.flow.loops = dialect::Loops::default();
                 self.jump_to_line(first)
             }
             MainReturn::End => {
@@ -360,27 +361,34 @@ impl Kernel<'_> {
         }
     }
 
-    /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
+    /// Jumps to a sequence number.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        let info = self.channel.env.info;
-        let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
-        let blocks = info.source(file).map_or(&[][..], |s| s.sequences(number));
-        // They are in ascending order.
-        let first_from = |from: Spot| {
-            let from = from.max(Spot::line(range.first));
-            blocks.get(blocks.partition_point(|block| *block < from)).copied().filter(|block| block.line <= range.last)
-        };
-        let found = first_from(next).or_else(|| first_from(Spot::line(range.first)));
-        match found {
-            Some(block) => {
-                self.leave_loops(block);
-                self.jump_to(block)
-            }
-            None => {
-                let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
-                Err(self.alarm(&diag::JUMP_TARGET, text))
-            }
+        if self.flow.frames.is_empty() {
+            return Ok(());
         }
+        let block = self.find_sequence(number)?;
+        self.interpreter_jump(block);
+        self.jump_to(block)
+    }
+
+    /// The block with a sequence number: searches forward first, then from the top of the program.
+    pub(super) fn find_sequence(&mut self, number: u32) -> Result<Spot, Halt> {
+        let info = self.channel.env.info;
+        let frame = self.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
+        let found = frame.and_then(|(file, range, next)| {
+            let blocks = info.source(file).map_or(&[][..], |source| source.sequences(number));
+            // They are in ascending order.
+            let first_from = |from: Spot| {
+                let from = from.max(Spot::line(range.first));
+                let first = blocks.get(blocks.partition_point(|block| *block < from)).copied();
+                first.filter(|block| block.line <= range.last)
+            };
+            first_from(next).or_else(|| first_from(Spot::line(range.first)))
+        });
+        found.ok_or_else(|| {
+            let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
+            self.alarm(&diag::JUMP_TARGET, text)
+        })
     }
 
     /// Goes on at a line of the current program; a jump back ends a pass of a loop.

@@ -46,7 +46,7 @@ impl Kernel<'_> {
         self.initial_frame();
         self.load(file)?;
         self.tell_leader(file, range);
-        self.interpreter_started();
+        self.interpreter_start();
         self.begin_macros()
     }
 

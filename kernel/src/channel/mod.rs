@@ -12,6 +12,7 @@ pub(crate) mod custom;
 pub(crate) mod custom_calls;
 pub(crate) mod custom_codes;
 pub(crate) mod custom_life;
+mod custom_macro;
 pub(crate) mod data;
 mod definitions;
 mod diagnostics;
@@ -20,17 +21,13 @@ pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
 pub(crate) mod frames;
-mod interpreted;
+mod host;
 pub(crate) mod leftover;
 mod letter_zero;
 pub(crate) mod life;
-mod macro_call;
-pub(crate) mod macros;
-mod modal_call;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
-mod print;
 pub(crate) mod read;
 mod refusals;
 pub(crate) mod remarks;
@@ -38,11 +35,11 @@ pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
 pub(crate) mod state;
+mod statement;
 pub(crate) mod tape;
 mod text;
 mod unknown;
 pub(crate) mod variables;
-mod word_calls;
 
 use block::Block;
 use burden::Burden;
@@ -103,10 +100,7 @@ impl<'a> Kernel<'a> {
             ports,
             plan,
             flow: Flow::default(),
-            dialect: DialectState {
-                interpreter: crate::dialect::of(machine).interpreter(machine),
-                ..DialectState::default()
-            },
+            dialect: DialectState::new(machine),
             macros: None,
         }
     }

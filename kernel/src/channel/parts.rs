@@ -15,7 +15,7 @@ use crate::action::states::States;
 use crate::action::sync::Known;
 use crate::action::{arc, cycle, skip, thread};
 use crate::control::{Control, Progress};
-use crate::dialect::Interpreter;
+use crate::dialect::{self, Dialect, Interpreter};
 use crate::files::Files;
 use crate::log::event::FileId;
 use crate::log::info::Info;
@@ -86,8 +86,6 @@ impl At {
 pub(crate) struct BlockText {
     /// The text, when it is not the line as it stands in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
-    /// Bytes of the line without comments, for the pre-processor.
-    pub(crate) stripped: Vec<u8>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }
@@ -156,13 +154,23 @@ pub(crate) struct Reports {
     pub(crate) waits: Known,
 }
 
-/// Pre-processor of a channel.
-#[derive(Default)]
+/// The dialect of a channel.
 pub(crate) struct DialectState {
-    /// Variables of the custom macros.
+    /// Which dialect.
+    pub(crate) kind: &'static dyn Dialect,
+    /// Numbered variables.
     pub(crate) variables: ChannelVariables,
-    /// Interpreter of another control than the one whose variables are above.
+    /// Interpreter of what is more than plain words; it is away while it works.
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
+    /// What the interpreter has read of programs no longer holds; it is told when it comes back.
+    pub(crate) is_stale: bool,
+}
+
+impl DialectState {
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let kind = dialect::of(machine);
+        Self { kind, variables: ChannelVariables::default(), interpreter: kind.interpreter(machine), is_stale: false }
+    }
 }
 
 /// What a kernel is given when it is made.

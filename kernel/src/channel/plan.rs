@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::refusals::Refusals;
 use super::scan::Scanner;
 use super::tape::Tape;
-use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
@@ -23,7 +23,7 @@ pub(crate) struct Plan {
     /// Register of the G letter, for macro calls of the pre-processor.
     pub(crate) g: Option<u8>,
     /// Words that call programs; `None` when the machine has none.
-    pub(crate) word_calls: Option<Box<WordCalls>>,
+    pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// Register that defines programs (O).
     pub(crate) definition: Option<u8>,
     /// Registers whose words can move an axis or shape an arc: bit by register.
@@ -279,7 +279,7 @@ impl Plan {
             scanner: Scanner::new(machine, syntax, opskip),
             actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
             g,
-            word_calls: WordCalls::new(machine),
+            code_calls: CodeCalls::new(machine),
             definition,
             motion_registers,
             sources: sources(machine, &across),

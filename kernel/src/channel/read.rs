@@ -102,7 +102,7 @@ impl Kernel<'_> {
                 }
                 self.act_block()?;
             }
-            LineKind::Statement => self.macro_line(text)?,
+            LineKind::Statement => self.statement_line(text)?,
         }
         self.follow()
     }

@@ -3,7 +3,7 @@
 //! Facts: reference control-emulator.md 5.4. *Invariant:* whatever differs between controls because of their pre-processors
 //! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
-use super::host::Interpreter;
+use super::interpreter::{Interpreter, MacroCall};
 use crate::machine::Machine;
 use crate::mcd::syntax::Syntax;
 
@@ -38,8 +38,19 @@ pub(crate) trait Dialect: Sync {
         format!("{text} is not known to this control")
     }
 
+    /// How a G word that the machine's code table does not have calls a macro.
+    fn macro_call(&self, _g: f64) -> Option<MacroCall> {
+        None
+    }
+
     /// A new interpreter; none if plain words are all there is.
     fn interpreter(&self, _machine: &Machine) -> Option<Box<dyn Interpreter>> {
+        None
+    }
+
+    /// An interpreter for a block within a block of its own, while the identification macro is asked; none if such blocks
+    /// are dropped, because an interpreter holds more than what it has read of programs.
+    fn nested(&self) -> Option<Box<dyn Interpreter>> {
         None
     }
 }

@@ -6,10 +6,11 @@
 //! use what they share (`kept`, `numeric`, `text`) and never each other.
 
 mod definition;
-pub(crate) mod fanuc;
+mod fanuc;
 mod heidenhain;
 mod host;
-pub(crate) mod kept;
+mod interpreter;
+mod kept;
 mod numeric;
 mod okuma;
 mod plain;
@@ -17,6 +18,10 @@ mod siemens;
 mod table;
 mod text;
 
-pub(crate) use definition::Unknown;
-pub(crate) use host::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place, Setting};
+pub(crate) use definition::{Dialect, Unknown};
+pub(crate) use host::{
+    Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
+};
+pub(crate) use interpreter::{Interpreter, MacroCall, Remaining, Setting};
+pub(crate) use numeric::{VACANT, is_vacant};
 pub(crate) use table::{all, of};

@@ -5,32 +5,41 @@
 
 use std::f64::consts::PI;
 
+/// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
+/// itself.
+pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
+
+/// Tells the vacant value from every other one.
+pub(crate) fn is_vacant(value: f64) -> bool {
+    value.to_bits() == VACANT.to_bits()
+}
+
 /// Degrees of a radian.
-pub(super) const DEGREES: f64 = 180.0 / PI;
+pub(crate) const DEGREES: f64 = 180.0 / PI;
 
 /// Sine.
-pub(super) fn sine(degrees: f64) -> f64 {
+pub(crate) fn sine(degrees: f64) -> f64 {
     if degrees.rem_euclid(180.0) == 0.0 { 0.0 } else { libm::sin(degrees * PI / 180.0) }
 }
 
 /// Cosine.
-pub(super) fn cosine(degrees: f64) -> f64 {
+pub(crate) fn cosine(degrees: f64) -> f64 {
     if (degrees - 90.0).rem_euclid(180.0) == 0.0 { 0.0 } else { libm::cos(degrees * PI / 180.0) }
 }
 
 /// Tangent; none where there is none.
-pub(super) fn tangent(degrees: f64) -> Option<f64> {
+pub(crate) fn tangent(degrees: f64) -> Option<f64> {
     let cosine = cosine(degrees);
     (cosine != 0.0).then(|| sine(degrees) / cosine)
 }
 
 /// The whole number away from zero.
-pub(super) fn away(value: f64) -> f64 {
+pub(crate) fn away(value: f64) -> f64 {
     if value < 0.0 { value.floor() } else { value.ceil() }
 }
 
 /// The number whose decimal digits are the groups of four bits.
-pub(super) fn from_bcd(value: f64) -> f64 {
+pub(crate) fn from_bcd(value: f64) -> f64 {
     let (mut rest, mut out, mut weight) = (value.abs() as u64, 0.0, 1.0);
     while rest > 0 {
         out += (rest & 15) as f64 * weight;
@@ -41,7 +50,7 @@ pub(super) fn from_bcd(value: f64) -> f64 {
 }
 
 /// The number whose groups of four bits are the decimal digits.
-pub(super) fn to_bcd(value: f64) -> f64 {
+pub(crate) fn to_bcd(value: f64) -> f64 {
     let (mut rest, mut out, mut shift) = (value.abs() as u64, 0_u64, 0_u32);
     while rest > 0 && shift < 64 {
         out |= (rest % 10) << shift;

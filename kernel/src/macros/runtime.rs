@@ -208,8 +208,6 @@ pub(crate) struct Runtime {
     pub(crate) tools_changed: bool,
     /// Start of the last motion.
     pub(crate) before: crate::log::event::Position,
-    /// What the identification macro gave is being evaluated; it is not asked again.
-    pub(crate) identifying: bool,
     /// Another file that the shutdown macro goes on with.
     pub(crate) restart: Option<Restart>,
     /// The pre-processor has left words of the block.
@@ -278,7 +276,6 @@ impl Runtime {
             tool_order: Vec::new(),
             tools_changed: false,
             before: [0.0; crate::log::event::MAX_AXES],
-            identifying: false,
             restart: None,
             made: false,
             closing: false,

@@ -14,7 +14,7 @@ use crate::machine::ident::codes;
 use crate::machine::model::CodeForm;
 
 /// One program of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Range {
     /// Number of its definition word.
     pub number: Option<u32>,

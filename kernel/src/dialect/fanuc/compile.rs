@@ -11,7 +11,7 @@ use crate::mcd::key_words::{Names, key_word};
 ///
 /// # Errors
 /// [`Error`] with the column and what was expected.
-pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
+pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
     let mut sequence = None;
     parser.blanks();

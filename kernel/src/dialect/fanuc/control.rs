@@ -1,6 +1,9 @@
 //! Fanuc custom macro as a dialect.
 
+use super::{Fanuc, call};
 use crate::dialect::definition::{Dialect, Unknown};
+use crate::dialect::interpreter::{Interpreter, MacroCall};
+use crate::machine::Machine;
 use crate::mcd::key_words::KeyWords;
 use crate::mcd::syntax::{PLAIN, Syntax};
 
@@ -30,6 +33,18 @@ impl Dialect for Control {
 
     fn settings(&self) -> &'static [&'static str] {
         &["PROCESS,SYSVARASSIGNMENT", "USENULL"]
+    }
+
+    fn macro_call(&self, g: f64) -> Option<MacroCall> {
+        call::macro_call(g)
+    }
+
+    fn interpreter(&self, _: &Machine) -> Option<Box<dyn Interpreter>> {
+        self.nested()
+    }
+
+    fn nested(&self) -> Option<Box<dyn Interpreter>> {
+        Some(Box::<Fanuc>::default())
     }
 
     fn lead_is_feed(&self) -> bool {

@@ -4,24 +4,19 @@
 //! that counts as zero in arithmetic and equals only itself. Functions come from `libm`, so that every machine gives
 //! the same bits.
 
+use counterpoint_fault::Halt;
+
+pub(super) use crate::dialect::numeric::is_vacant;
 use crate::dialect::numeric::{DEGREES, away, cosine, from_bcd, sine, tangent, to_bcd};
 
-/// The vacant value.
-pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
-
-/// Tells the vacant value from every other one.
-pub(crate) fn is_vacant(value: f64) -> bool {
-    value.to_bits() == VACANT.to_bits()
-}
-
 /// The value in arithmetic: vacant is zero.
-pub(crate) fn number(value: f64) -> f64 {
+pub(super) fn number(value: f64) -> f64 {
     if is_vacant(value) { 0.0 } else { value }
 }
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub(crate) enum Fault {
+pub(super) enum Fault {
     #[error("division by zero")]
     Division,
     #[error("the value is beyond the range of numbers")]
@@ -40,12 +35,19 @@ pub(crate) enum Fault {
     KeptFunction(String),
     #[error("there is no function {0}")]
     NoFunction(String),
-    #[error("the job was stopped")]
-    Stopped,
+    /// The kernel leaves its program.
+    #[error("the program ends")]
+    Halt(Halt),
+}
+
+impl From<Halt> for Fault {
+    fn from(halt: Halt) -> Self {
+        Self::Halt(halt)
+    }
 }
 
 /// Access to variables.
-pub(crate) trait Variables {
+pub(super) trait Variables {
     /// Value of `#index`, [`VACANT`] when it has none.
     fn get(&mut self, index: u32) -> Result<f64, Fault>;
 
@@ -62,7 +64,7 @@ pub(crate) trait Variables {
 
 /// Postfix operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Op {
+pub(super) enum Op {
     Number(f64),
     /// `#n` with a fixed number.
     Variable(u32),
@@ -109,7 +111,7 @@ pub(crate) enum Op {
 
 /// A compiled expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Expr {
+pub(super) struct Expr {
     pub(super) ops: Vec<Op>,
 }
 
@@ -118,12 +120,12 @@ pub(super) const STACK: usize = 64;
 
 impl Expr {
     /// A constant.
-    pub(crate) fn constant(value: f64) -> Self {
+    pub(super) fn constant(value: f64) -> Self {
         Self { ops: vec![Op::Number(value)] }
     }
 
     /// The constant value, if it is one.
-    pub(crate) fn as_constant(&self) -> Option<f64> {
+    pub(super) fn as_constant(&self) -> Option<f64> {
         match self.ops.as_slice() {
             [Op::Number(value)] => Some(*value),
             _ => None,
@@ -134,7 +136,7 @@ impl Expr {
     ///
     /// # Errors
     /// [`Fault`] of the first operation without a result.
-    pub(crate) fn eval(&self, variables: &mut dyn Variables) -> Result<f64, Fault> {
+    pub(super) fn eval(&self, variables: &mut impl Variables) -> Result<f64, Fault> {
         let mut stack = [0.0_f64; STACK];
         let mut top = 0_usize;
         for op in &self.ops {
@@ -179,13 +181,13 @@ fn pop(stack: &[f64; STACK], top: &mut usize) -> f64 {
 }
 
 /// A value rounded to the nearest of so many steps of one unit, halves away from zero.
-pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
+pub(super) fn to_step(value: f64, steps: f64) -> f64 {
     let rounded = (value * steps).round() / steps;
     if rounded.is_finite() { rounded } else { value }
 }
 
 /// Index of a variable from a value, which is rounded to a whole number.
-pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
+pub(super) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
     if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
 }

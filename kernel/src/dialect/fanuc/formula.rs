@@ -352,8 +352,9 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::compile;
-    use super::super::expr::{Fault, VACANT, Variables};
+    use super::super::expr::{Fault, Variables};
     use super::super::statement::Statement;
+    use crate::dialect::numeric::VACANT;
     use crate::mcd::key_words::Names;
 
     struct Fixed;

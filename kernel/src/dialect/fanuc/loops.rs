@@ -7,7 +7,7 @@ use crate::mcd::spot::Spot;
 
 /// Partners of the bracketing statements of a program, by block.
 #[derive(Debug, Default)]
-pub(crate) struct Pairs {
+pub(super) struct Pairs {
     /// `WHILE … DO m` or `DO m` → its `END m`, and back.
     loops: FxHashMap<Spot, Spot>,
     /// A block `IF` or `ELSE` → its `ELSE` or `ENDIF`.
@@ -16,7 +16,7 @@ pub(crate) struct Pairs {
 
 impl Pairs {
     /// Pairs the statements of a program given in their order.
-    pub(crate) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
+    pub(super) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
         let mut pairs = Self::default();
         let mut open: Vec<(u8, Spot)> = Vec::new();
         let mut ifs: Vec<Spot> = Vec::new();
@@ -61,17 +61,17 @@ impl Pairs {
     }
 
     /// Bytes that they take, about.
-    pub(crate) fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         (self.loops.len() + self.branches.len()) * 36
     }
 
     /// Partner of a loop statement.
-    pub(crate) fn of_loop(&self, spot: Spot) -> Option<Spot> {
+    pub(super) fn of_loop(&self, spot: Spot) -> Option<Spot> {
         self.loops.get(&spot).copied()
     }
 
     /// Where a block `IF` or `ELSE` leads when its branch is not taken.
-    pub(crate) fn of_branch(&self, spot: Spot) -> Option<Spot> {
+    pub(super) fn of_branch(&self, spot: Spot) -> Option<Spot> {
         self.branches.get(&spot).copied()
     }
 }

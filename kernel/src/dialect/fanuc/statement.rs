@@ -5,22 +5,22 @@ use crate::mcd::key_words::Number;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Line {
+pub(super) struct Line {
     /// Sequence number.
-    pub(crate) sequence: Option<u32>,
+    pub(super) sequence: Option<u32>,
     /// What it does.
-    pub(crate) statement: Statement,
+    pub(super) statement: Statement,
     /// Place of the statement, behind the sequence number.
-    pub(crate) place: (u32, u32),
+    pub(super) place: (u32, u32),
     /// Place of a program name in angle brackets.
-    pub(crate) name: Option<(u32, u32)>,
+    pub(super) name: Option<(u32, u32)>,
     /// Places of its messages to the operator.
-    pub(crate) messages: Box<[(u32, u32)]>,
+    pub(super) messages: Box<[(u32, u32)]>,
 }
 
 /// What a line does.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Statement {
+pub(super) enum Statement {
     /// A block of words, some of them with expressions.
     Words(Vec<TemplateWord>),
     /// `#i = expression`, left to right.
@@ -53,7 +53,7 @@ pub(crate) enum Statement {
 
 /// A part of what a printing statement writes.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Item {
+pub(super) enum Item {
     Text(String),
     /// A variable, its digits before the point and after it.
     Number(Expr, u8, u8),
@@ -61,22 +61,22 @@ pub(crate) enum Item {
 
 /// A word whose value may be an expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TemplateWord {
+pub(super) struct TemplateWord {
     /// What it is called.
-    pub(crate) name: Name,
+    pub(super) name: Name,
     /// Value; vacant values drop the word.
-    pub(crate) value: Expr,
+    pub(super) value: Expr,
     /// The value is this number, which the word's register reads.
-    pub(crate) written: Option<Number>,
+    pub(super) written: Option<Number>,
     /// Start in the line.
-    pub(crate) start: u32,
+    pub(super) start: u32,
     /// End in the line.
-    pub(crate) end: u32,
+    pub(super) end: u32,
 }
 
 /// What a word is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Name {
+pub(super) enum Name {
     /// Upper-case letter.
     Letter(u8),
     /// A special register of the machine, and whether it is the incremental form.

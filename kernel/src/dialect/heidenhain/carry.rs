@@ -9,8 +9,8 @@ use super::statement::{Condition, Statement, Test};
 use super::variables::Value;
 use super::words::{Seen, Word, joined};
 use super::{Heidenhain, Line};
-use crate::diag;
-use crate::dialect::{Host, Place};
+use crate::dialect::host::{Host, Place};
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Blocks between a line and the corner or the path block behind it.

@@ -2,7 +2,7 @@
 
 use super::{Heidenhain, iso};
 use crate::dialect::definition::Dialect;
-use crate::dialect::host::Interpreter;
+use crate::dialect::interpreter::Interpreter;
 use crate::machine::Machine;
 use crate::mcd::syntax::{PLAIN, Syntax};
 

@@ -15,8 +15,8 @@ use super::statement::{Call, Statement};
 use super::variables::Value;
 use super::words::{Operand, Seen, Word, joined, words};
 use super::{Heidenhain, Line};
-use crate::diag;
-use crate::dialect::{Host, Place};
+use crate::dialect::host::{Host, Place};
+use counterpoint_fault as diag;
 
 /// Behind `CYCL DEF`.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {

@@ -12,9 +12,10 @@ use counterpoint_lang::value::Value as Given;
 use super::formula::{Formula, Function, Kind, Name, Op};
 use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
-use crate::diag::{self, Facts};
+use crate::dialect::host::{Answer, Host};
 use crate::dialect::numeric::{DEGREES, cosine, sine, tangent};
-use crate::dialect::{Answer, Host};
+use counterpoint_fault as diag;
+use counterpoint_fault::Facts;
 
 /// Longest text.
 const LONGEST: usize = 8192;
@@ -203,7 +204,7 @@ impl<'a> Evaluator<'a> {
 
     /// What the machine says of a text.
     pub(super) fn ask(&mut self, text: &str) -> Result<Asked, Halt> {
-        let instead = match self.host.identify(text, None)? {
+        let instead = match self.host.identify(text, None)?.unless(text) {
             Answer::Unknown => return Ok(Asked::Unknown),
             Answer::Drop => return Ok(Asked::Nothing),
             Answer::Keep => return Ok(Asked::Kept),
@@ -236,7 +237,7 @@ impl<'a> Evaluator<'a> {
             let what = if name.kind == Kind::Text { "a text" } else { "a number" };
             return self.fail(&diag::MACRO_DOMAIN, &format!("{name} takes {what}"));
         }
-        match self.host.identify(&name.to_string(), Some(&given(&value)))? {
+        match self.host.identify(&name.to_string(), Some(&given(&value)))?.unless(&name.to_string()) {
             Answer::Drop | Answer::Keep => Ok(()),
             Answer::Instead(instead) => {
                 let instead = capitals(instead.trim());

@@ -9,8 +9,8 @@ use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
 use super::variables::Value;
 use super::words::{Seen, shown};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Units of the feeds of a program.

@@ -16,12 +16,12 @@ use super::formula::Formula;
 use super::lex;
 use super::statement::{self, Label, Statement};
 use super::variables::Value;
-use crate::diag;
-use crate::dialect::{Call, Host};
+use crate::dialect::host::{Call, Host};
 use crate::log::event::FileId;
 use crate::machine::model::StoredFile;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_fault as diag;
 
 /// Lines of a file by label.
 pub(super) type Labels = FxHashMap<Label, u32>;
@@ -152,14 +152,14 @@ impl Heidenhain {
     /// LBL 0: the end of a subprogram, nothing where none was called.
     pub(super) fn end_label(&mut self, host: &mut dyn Host) {
         if self.frames.last().is_some_and(|frame| frame.kind == Kind::Label) {
-            host.give_back();
+            host.return_from();
         }
     }
 
     /// END PGM: a code of the machine if it has one, else the end of the program or the return of a called one.
     pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
         if !self.frames.is_empty() {
-            host.give_back();
+            host.return_from();
             return Ok(None);
         }
         if host.is_code_text("END PGM") {

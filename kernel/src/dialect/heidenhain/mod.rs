@@ -34,10 +34,11 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::{Host, Interpreter, Setting};
-use crate::diag;
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
+use counterpoint_fault as diag;
 use flow::{Frame, Labels};
 use lex::Cursor;
 use path::Path;
@@ -137,7 +138,7 @@ impl Heidenhain {
 }
 
 impl Interpreter for Heidenhain {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.calling = None;
         let place = host.place();
         let read = match place.as_read {
@@ -152,14 +153,14 @@ impl Interpreter for Heidenhain {
             host.go_to(line.next)?;
         }
         let left = self.carry_out(host, &line, place)?;
-        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(None) };
+        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(Remaining::Nothing) };
         match line.number.filter(|_| host.is_register("N")) {
-            Some(number) => Ok(Some(format!("N{number} {left}"))),
-            None => Ok(Some(left)),
+            Some(number) => Ok(Remaining::Text(format!("N{number} {left}"))),
+            None => Ok(Remaining::Text(left)),
         }
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         self.variables.begin(reset);
         self.frames.clear();
         self.main = Frame::default();
@@ -173,7 +174,7 @@ impl Interpreter for Heidenhain {
         }
     }
 
-    fn entered(&mut self, _: &mut dyn Host) {
+    fn on_call(&mut self, _: &mut dyn Host) {
         self.keeping = true;
         let kind = self.calling.take().unwrap_or(flow::Kind::Program);
         if kind == flow::Kind::Program {
@@ -182,13 +183,13 @@ impl Interpreter for Heidenhain {
         self.frames.push(Frame { kind, ..Frame::default() });
     }
 
-    fn again(&mut self) {
+    fn on_repeat(&mut self) {
         if let Some(frame) = self.frames.last_mut() {
             frame.repeats.clear();
         }
     }
 
-    fn left(&mut self, _: &mut dyn Host) {
+    fn on_return(&mut self, _: &mut dyn Host) {
         if self.frames.pop().is_some_and(|frame| frame.kind == flow::Kind::Program) {
             self.variables.leave();
         }
@@ -216,7 +217,7 @@ impl Interpreter for Heidenhain {
         (self.variables.bytes() + self.compiled.bytes() + labels + self.tools.len() * 60) as u64
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         let made = self.settings.make(name, values);
         if made == Setting::Made {
             // What was joined or not is read again.

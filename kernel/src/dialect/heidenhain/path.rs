@@ -6,8 +6,8 @@
 
 use super::geometry::{Point, direction, minus};
 use super::words::{Seen, joined};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Letters of the axes.

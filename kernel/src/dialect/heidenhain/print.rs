@@ -10,8 +10,8 @@ use super::formula::Formula;
 use super::lex::{Cursor, capitals};
 use super::variables::Value;
 use super::words::shown;
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Longest field of a format.

@@ -7,7 +7,7 @@
 
 use counterpoint_lang::value::Value;
 
-use crate::dialect::Setting;
+use crate::dialect::interpreter::Setting;
 use crate::machine::model::StoredFile;
 
 /// Settings of a kernel.

@@ -9,8 +9,8 @@ use super::formula::{Formula, Name};
 use super::path::AXES;
 use super::variables::Value;
 use super::words::shown;
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 impl Heidenhain {

@@ -3,7 +3,7 @@
 use super::programs::{called, program_name, returns};
 use super::{Okuma, line, quick_look};
 use crate::dialect::definition::Dialect;
-use crate::dialect::host::Interpreter;
+use crate::dialect::interpreter::Interpreter;
 use crate::machine::Machine;
 use crate::mcd::syntax::{NamedPrograms, PLAIN, Syntax};
 

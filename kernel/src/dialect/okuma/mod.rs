@@ -25,11 +25,12 @@ use rustc_hash::FxHashMap;
 
 pub(crate) use control::Control;
 
-use super::{Host, Interpreter, Setting};
-use crate::diag;
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
+use counterpoint_fault as diag;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};
 use programs::Index;
@@ -192,7 +193,7 @@ impl Okuma {
 }
 
 impl Interpreter for Okuma {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.arguments = None;
         let whole = self.continued(host, text);
         let text = match &whole {
@@ -204,12 +205,12 @@ impl Interpreter for Okuma {
         };
         let line = self.line(host, text)?;
         if !line.messages.is_empty() && !self.takes_messages {
-            return Ok(Some(String::from_utf8_lossy(text).into_owned()));
+            return Ok(Remaining::Text(String::from_utf8_lossy(text).into_owned()));
         }
-        self.run(host, &line, text)
+        Ok(self.run(host, &line, text)?.into())
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         self.store.begin(reset);
         self.modal.clear();
         self.alarm_texts.clear();
@@ -217,30 +218,30 @@ impl Interpreter for Okuma {
         self.caching = false;
     }
 
-    fn started(&mut self, host: &mut dyn Host) {
+    fn on_start(&mut self, host: &mut dyn Host) {
         let file = host.place().file;
         self.watch(host, file);
     }
 
-    fn entered(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn Host) {
         let place = host.place();
         let arguments = self.arguments.take().filter(|(file, line, _)| (*file, *line) == (place.file, place.line));
         self.store.enter(arguments.map(|(.., arguments)| arguments).unwrap_or_default());
         self.caching = true;
     }
 
-    fn again(&mut self) {
+    fn on_repeat(&mut self) {
         self.store.again();
     }
 
-    fn left(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn Host) {
         self.store.leave();
         if !self.modal.is_empty() {
             self.end_modal(host);
         }
     }
 
-    fn moved(&mut self, host: &mut dyn Host) {
+    fn on_move(&mut self, host: &mut dyn Host) {
         self.call_modally(host);
     }
 
@@ -278,7 +279,7 @@ impl Interpreter for Okuma {
         (self.store.bytes() + self.lines.bytes() + self.table_bytes) as u64
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         let slot = match name {
             "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
             "PROCESS,SEQNAME" => &mut self.takes_names,

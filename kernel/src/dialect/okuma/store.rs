@@ -9,7 +9,7 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::names::Local;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
 
 /// Local variables that a call sets.
 pub(super) type Arguments = Box<[(Local, f64)]>;

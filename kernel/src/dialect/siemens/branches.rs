@@ -9,7 +9,7 @@ use super::line::{Assigned, Item, Jump, Label, Structure};
 use super::run::{Left, MOST_PASSES, Then};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::dialect::{Call, Host};
+use crate::dialect::host::{Call, Host};
 
 impl Siemens {
     /// Branches, loops and jumps.

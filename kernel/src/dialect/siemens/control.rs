@@ -2,7 +2,7 @@
 
 use super::{Siemens, needs_interpreter};
 use crate::dialect::definition::{Dialect, Unknown};
-use crate::dialect::host::Interpreter;
+use crate::dialect::interpreter::Interpreter;
 use crate::machine::Machine;
 use crate::mcd::syntax::{PLAIN, Syntax};
 

@@ -11,8 +11,8 @@ use super::expression::Name;
 use super::value::Type;
 use super::variables::{Holder, MOST_IN_ALL, Target, Variable, declared_key};
 use super::{Fault, Outcome, Siemens};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Most elements of a variable.
 const MOST_ELEMENTS: usize = 100_000;

@@ -8,8 +8,8 @@
 use super::expression::{Argument, Binary, Expression, Name, Unary, whole};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, functions, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::{Answer, Host};
+use crate::dialect::host::{Answer, Host};
+use counterpoint_fault as diag;
 
 /// Most characters of a text.
 const LONGEST: usize = 1000;
@@ -126,7 +126,7 @@ impl Siemens {
         text: &str,
         assigned: Option<&counterpoint_lang::value::Value>,
     ) -> Outcome<Answer> {
-        if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?) }
+        if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?.unless(text)) }
     }
 
     /// What a macro gave in place of a text; it is not asked about what stands in it.

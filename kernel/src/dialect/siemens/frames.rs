@@ -10,8 +10,8 @@ use super::expression::{Argument, Name};
 use super::frame::{Frame, Part, Parts};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Frames that are kept without being applied.
 #[derive(Debug, Default)]

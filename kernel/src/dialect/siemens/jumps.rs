@@ -12,12 +12,12 @@ use super::cursor::Cursor;
 use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
-use crate::diag;
+use crate::dialect::host::{Host, Place};
 use crate::dialect::text::without_comment;
-use crate::dialect::{Host, Place};
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_fault as diag;
 
 /// What is to be found in a file.
 #[derive(Debug, Default)]

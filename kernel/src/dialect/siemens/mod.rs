@@ -38,11 +38,13 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Host, Interpreter, Setting};
-use crate::diag::{self, Facts};
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
 use crate::dialect::kept::Kept;
 use crate::log::event::FileId;
 use crate::mcd::program::Range;
+use counterpoint_fault as diag;
+use counterpoint_fault::Facts;
 
 pub(crate) use control::Control;
 
@@ -163,7 +165,7 @@ impl Siemens {
 }
 
 impl Interpreter for Siemens {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         if let Some(halt) = self.halted.take() {
             return Err(halt);
         }
@@ -172,10 +174,10 @@ impl Interpreter for Siemens {
             Ok(()) => self.carry_out(host, &String::from_utf8_lossy(text)),
             Err(fault) => Err(fault),
         };
-        self.told(host, outcome)
+        Ok(self.told(host, outcome)?.into())
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         let before = std::mem::take(self);
         if !reset {
             self.variables = before.variables.for_next_program();
@@ -185,15 +187,15 @@ impl Interpreter for Siemens {
         }
     }
 
-    fn entered(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn Host) {
         self.enter(host);
     }
 
-    fn again(&mut self) {
+    fn on_repeat(&mut self) {
         self.variables.again();
     }
 
-    fn left(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn Host) {
         let outcome = self.leave(host);
         if let Err(halt) = self.told(host, outcome) {
             self.halted = Some(halt);
@@ -216,7 +218,7 @@ impl Interpreter for Siemens {
         Ok(set.unwrap_or(false))
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         self.settings.set(name, values)
     }
 

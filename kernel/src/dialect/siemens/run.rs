@@ -10,9 +10,9 @@ use super::expression::{Argument, Expression, Name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
-use crate::diag;
+use crate::dialect::host::{Answer, Call, Host};
 use crate::dialect::text::without_comment;
-use crate::dialect::{Answer, Call, Host};
+use counterpoint_fault as diag;
 
 /// Most passes of a call.
 pub(super) const MOST_PASSES: i64 = 9_999;
@@ -171,7 +171,7 @@ impl Siemens {
                     let told = format!("the target of RET is not looked for in '{}'", host.block_text());
                     host.diagnose(&diag::SIEMENS_IGNORED, told);
                 }
-                host.give_back();
+                host.return_from();
             }
             Item::Define(name, text) => {
                 self.define(name, text);

@@ -6,7 +6,7 @@
 use counterpoint_lang::value::Value;
 
 use super::expression::{Expression, Name, whole};
-use crate::dialect::Setting;
+use crate::dialect::interpreter::Setting;
 
 /// Settings.
 #[derive(Debug)]

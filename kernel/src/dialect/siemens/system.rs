@@ -8,7 +8,7 @@ use super::evaluate::number;
 use super::expression::{Expression, Name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::dialect::Host;
+use crate::dialect::host::Host;
 
 /// Largest number of a timer.
 const MOST_TIMERS: i64 = 99;

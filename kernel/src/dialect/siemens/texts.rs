@@ -6,8 +6,8 @@
 use super::evaluate::number;
 use super::value::{Data, shown};
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Largest width in a format of SPRINT.
 const WIDEST: usize = 100;

@@ -12,9 +12,9 @@ use super::frame::{Frame, Part};
 use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Fault, Outcome, Siemens, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
 use crate::log::event::FileId;
+use counterpoint_fault as diag;
 
 /// Most elements of all variables of a kernel.
 pub(super) const MOST_IN_ALL: usize = 1_000_000;
@@ -44,7 +44,7 @@ pub(super) struct Level {
     /// Parameters whose values go back: the name, and which of the given ones.
     pub(super) back: Vec<(String, usize)>,
     /// Modal codes that come back at the end.
-    pub(super) modes: Option<crate::dialect::Modes>,
+    pub(super) modes: Option<crate::dialect::host::Modes>,
 }
 
 /// All variables of a kernel.

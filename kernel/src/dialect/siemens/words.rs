@@ -11,8 +11,8 @@ use super::line::{Assigned, Way};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
-use crate::diag;
-use crate::dialect::{AxisPlace, Host};
+use crate::dialect::host::{AxisPlace, Host};
+use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;

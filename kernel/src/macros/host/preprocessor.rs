@@ -1,33 +1,26 @@
 //! Settings of the pre-processor: `$FCEPP`.
 //!
 //! Facts: reference functions.md 9, control-emulator.md 5.4. Invariant: a request that this machine's pre-processor
-//! does not have changes nothing, answers false, and is told; one that belongs to another pre-processor names it.
+//! does not have changes nothing, answers false, and is reported; one that belongs to another pre-processor names it.
 
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::Fault;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::State;
-use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
 use crate::dialect::{self, Setting};
 
-/// What macros have set.
+/// What macros have set that all pre-processors have.
 #[derive(Debug)]
 pub(crate) struct Settings {
     /// Comments and messages are taken off the block.
     pub(crate) taken_off: [bool; 2],
-    /// A variable without a value is vacant; otherwise it, and one that does not exist, is 0.
-    null: bool,
-    /// The identification macro is asked where to write a system variable; otherwise its value is kept.
-    asks: bool,
-    /// Values kept for system variables.
-    kept: FxHashMap<u32, f64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { taken_off: [true; 2], null: true, asks: true, kept: FxHashMap::default() }
+        Self { taken_off: [true; 2] }
     }
 }
 
@@ -47,65 +40,38 @@ impl Kernel<'_> {
             Some(second) => (format!("{first},{second}"), 2),
             None => (first, 1),
         };
-        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
-            let common = matches!(name.as_str(), "PROCESS,COMMENTS" | "PROCESS,MESSAGES");
-            let made = interpreter.setting(&name, arguments.get(at..).unwrap_or_default());
-            match made {
-                Setting::Made => return Value::Logical(true),
-                Setting::Wrong => {
-                    let text = format!("the setting {name} of the pre-processor cannot have this value");
-                    state.warn(Fault::new(Number::NO_SETTING, text));
-                    return Value::Logical(false);
-                }
-                Setting::Unknown if !common => {
-                    let text = format!("the pre-processor of this machine has no setting {name}");
-                    state.warn(Fault::new(Number::NO_SETTING, text));
-                    return Value::Logical(false);
-                }
-                Setting::Unknown => {}
-            }
-        }
-        let on = arguments.get(at).and_then(Value::as_logical).filter(|_| arguments.len() == at + 1);
-        let has = self.plan.scanner.has_preprocessor();
-        let settings = self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor).filter(|_| has);
-        let slot = settings.and_then(|settings| match name.as_str() {
-            "PROCESS,COMMENTS" => settings.taken_off.get_mut(0),
-            "PROCESS,MESSAGES" => settings.taken_off.get_mut(1),
-            "PROCESS,SYSVARASSIGNMENT" => Some(&mut settings.asks),
-            "USENULL" => Some(&mut settings.null),
-            _ => None,
-        });
-        let message = match (slot, on, owners(&name)) {
-            (Some(slot), Some(on), _) => {
-                *slot = on;
-                return Value::Logical(true);
-            }
-            (Some(_), None, _) => format!("the setting {name} of the pre-processor is .TRUE. or .FALSE."),
-            (None, _, Some(owner)) => format!("{name} is a setting of the pre-processor of {owner}"),
-            (None, ..) => "the pre-processor of this machine has no such setting".to_owned(),
+        let values = arguments.get(at..).unwrap_or_default();
+        let made = self.with_interpreter(|interpreter, kernel| interpreter.setting(kernel, &name, values));
+        let made = match made.unwrap_or(Setting::Unknown) {
+            Setting::Unknown => self.common_setting(&name, values),
+            made => made,
+        };
+        let message = match (made, owners(&name)) {
+            (Setting::Made, _) => return Value::Logical(true),
+            (Setting::Wrong, _) => format!("the setting {name} of the pre-processor cannot have this value"),
+            (Setting::NotLogical, _) => format!("the setting {name} of the pre-processor is .TRUE. or .FALSE."),
+            (Setting::Unknown, Some(owner)) => format!("{name} is a setting of the pre-processor of {owner}"),
+            (Setting::Unknown, None) => "the pre-processor of this machine has no such setting".to_owned(),
         };
         state.warn(Fault::new(Number::NO_SETTING, message));
         Value::Logical(false)
     }
 
-    fn settings(&mut self) -> Option<&mut Settings> {
-        self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor)
-    }
-
-    /// What has no value counts as 0.
-    pub(crate) fn reads_zero(&mut self) -> bool {
-        self.settings().is_some_and(|settings| !settings.null)
-    }
-
-    /// The value kept for a system variable.
-    pub(crate) fn kept_variable(&mut self, index: u32) -> Option<f64> {
-        self.settings()?.kept.get(&index).copied()
-    }
-
-    /// Keeps the value of a system variable, if that is what writing it does.
-    pub(crate) fn keep_variable(&mut self, index: u32, value: f64) -> bool {
-        let Some(settings) = self.settings().filter(|settings| !settings.asks && index >= 1000) else { return false };
-        settings.kept.insert(index, value);
-        true
+    /// A setting that all pre-processors have.
+    fn common_setting(&mut self, name: &str, values: &[Value]) -> Setting {
+        if !self.plan.scanner.has_preprocessor() {
+            return Setting::Unknown;
+        }
+        let settings = self.macros.as_deref_mut().map(|runtime| &mut runtime.store.preprocessor);
+        let slot = settings.and_then(|settings| match name {
+            "PROCESS,COMMENTS" => settings.taken_off.get_mut(0),
+            "PROCESS,MESSAGES" => settings.taken_off.get_mut(1),
+            _ => None,
+        });
+        let Some(slot) = slot else { return Setting::Unknown };
+        let [value] = values else { return Setting::NotLogical };
+        let Some(on) = value.as_logical() else { return Setting::NotLogical };
+        *slot = on;
+        Setting::Made
     }
 }
