@@ -1,29 +1,13 @@
 //! The hand on a running job: cancel, live progress, who answers dialogs, and the test hook that disturbs scheduling.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+
+pub use counterpoint_ports::Stop;
 
 use crate::dialog::operator::Operator;
 use crate::log::event::Wait;
 use crate::system::System;
-
-/// The wish that a job ends. It may exist before the job does, and whatever takes long for the job looks at it.
-#[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    /// Asks for the end; it is never taken back.
-    pub fn ask(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether the end was asked for.
-    #[must_use]
-    #[inline(always)]
-    pub fn asked(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// Shared between the one who runs a job and the one who watches it. Reading progress never slows a kernel.
 #[derive(Default)]

@@ -162,7 +162,8 @@ fn system_variables_are_shown_or_have_a_reason() {
     let excused = |name: &str| {
         mentions(reasons, name) || (3..name.len()).any(|at| reasons.contains(&format!("{}…", &name[..at])))
     };
-    let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../kernel/src/macros/system.tsv"));
+    let table =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../kernel/machine/src/macros/system.tsv"));
     let table = table.unwrap();
     let patterns = table.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split('\t').next());
     let hidden: Vec<&str> =

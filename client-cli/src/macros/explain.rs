@@ -126,15 +126,16 @@ fn statement(name: &str) -> Option<String> {
 }
 
 fn function(name: &str) -> Option<String> {
-    if let Some(Way::Missing(why)) = func::named(name).map(|function| &function.way) {
+    let way = func::named(name).map(|function| function.way);
+    if let Some(Way::Missing(why)) = way {
         return Some(format!("{name}\n\nNot available in macros of the control emulator: {why}.\n"));
     }
     let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
-    Some(match without::why(name) {
-        Some(why) => {
+    Some(match way {
+        Some(Way::Host(function)) if let Some(why) = without::why(function) => {
             format!("{text}\nThe function {why}: it says so once in a run (2910070) and answers as if it failed.\n")
         }
-        None => text,
+        _ => text,
     })
 }
 
@@ -230,7 +231,7 @@ mod tests {
             assert!(advice.as_ref().map_or(nothing, |text| text.len() > 5), "{}", facts.number);
             assert!(!advice.is_some_and(|text| text.contains("](")), "{}: a link in plain text", facts.number);
         }
-        let functions = func::TABLE.iter().map(|function| function.name);
+        let functions = func::all().map(|function| function.name);
         let statements = counterpoint_lang::parse::COMMANDS.iter().copied();
         let variables = system::table().iter().map(|variable| variable.name.as_str());
         for name in functions.chain(statements).chain(variables).chain(identifiers::names()) {

@@ -6,13 +6,13 @@
 use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::Scale;
+use counterpoint_ports::Shares;
 
 use super::Kernel;
 use crate::log::event::{Event, VerdictKind};
 use crate::log::info::Room;
 use crate::log::timeline::bars::Bar;
 use crate::log::toolpath::store::{Curve, Move};
-use crate::options::Limits;
 
 /// Elements that a block may set or look at before it counts as one more.
 const PER_BLOCK: u64 = 256;
@@ -31,42 +31,6 @@ pub(crate) const RESULT: usize = 256;
 const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
 const BAR: u64 = size_of::<Bar>() as u64 / 2;
 const EVENT: u64 = size_of::<Event>() as u64;
-
-/// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
-/// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
-/// than their part of the rest, whatever a program does.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares {
-    /// Variables and files that all kernels share.
-    pub(crate) common: u64,
-    /// Values of the macros of one kernel.
-    pub(crate) macros: u64,
-    /// Everything else of one kernel.
-    pub(crate) rest: u64,
-}
-
-impl Shares {
-    /// The shares of a job with so many kernels.
-    pub(crate) fn of(limits: &Limits, kernels: usize) -> Self {
-        let common = limits.memory / 4;
-        let each = (limits.memory - common) / kernels.max(1) as u64;
-        Self { common, macros: each - each / 3, rest: each / 3 }
-    }
-
-    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
-    pub(crate) fn of_channels(limits: &Limits, channels: usize) -> Self {
-        Self::of(limits, channels + usize::from(channels > 1))
-    }
-
-    /// How much of the rest results and events may take; there is a least that is of any use.
-    pub(crate) fn room(&self) -> Room {
-        Room {
-            path: (self.rest / 2).max(32 << 10),
-            bars: (self.rest / 8).max(16 << 10),
-            waiting: (self.rest / 8).max(64 << 10),
-        }
-    }
-}
 
 /// What a kernel has used up.
 #[derive(Debug, Clone, Copy, Default)]
@@ -153,7 +117,7 @@ impl Kernel<'_> {
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.shares();
-        let (limit, room) = (shares.rest, shares.room());
+        let (limit, room) = (shares.rest, Room::of(&shares));
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
@@ -186,25 +150,6 @@ impl Kernel<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_shares_are_never_more_than_the_memory() {
-        for kernels in 1..20 {
-            let limits = Limits::default();
-            let shares = Shares::of(&limits, kernels);
-            let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
-            assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
-        }
-    }
-
-    #[test]
-    fn results_leave_room_for_the_rest() {
-        for kernels in 1..40 {
-            let shares = Shares::of(&Limits::default(), kernels);
-            let room = shares.room();
-            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
-        }
-    }
 
     #[test]
     fn a_hoard_is_weighed_when_it_could_be_too_much() {

@@ -373,10 +373,10 @@ impl Kernel<'_> {
 
     /// The block with a sequence number: searches forward first, then from the top of the program.
     pub(super) fn find_sequence(&mut self, number: u32) -> Result<Spot, Halt> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let frame = self.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
         let found = frame.and_then(|(file, range, next)| {
-            let blocks = info.source(file).map_or(&[][..], |source| source.sequences(number));
+            let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
             // They are in ascending order.
             let first_from = |from: Spot| {
                 let from = from.max(Spot::line(range.first));

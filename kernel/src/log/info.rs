@@ -6,11 +6,12 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use crate::channel::burden::Shares;
+pub use counterpoint_event::Unit;
+use counterpoint_event::{Letters, Text};
+use counterpoint_ports::Shares;
+use counterpoint_ports::options::Limits;
+
 use crate::log::event::FileId;
-use crate::mcd::source::Source;
-use crate::options::Limits;
-use crate::trace::Letters;
 
 /// Most characters of a block in results.
 pub(crate) const BLOCK_TEXT: usize = 200;
@@ -53,20 +54,23 @@ pub struct Room {
     pub waiting: u64,
 }
 
-impl Default for Room {
-    /// That of a job with one channel and no limits of its own.
-    fn default() -> Self {
-        Shares::of_channels(&Limits::default(), 1).room()
+impl Room {
+    /// How much of a kernel's share results and events may take; there is a least that is of any use.
+    #[must_use]
+    pub fn of(shares: &Shares) -> Self {
+        Self {
+            path: (shares.rest / 2).max(32 << 10),
+            bars: (shares.rest / 8).max(16 << 10),
+            waiting: (shares.rest / 8).max(64 << 10),
+        }
     }
 }
 
-/// Unit of length of a machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimetres.
-    Mm,
-    /// Inches.
-    Inch,
+impl Default for Room {
+    /// That of a job with one channel and no limits of its own.
+    fn default() -> Self {
+        Self::of(&Shares::of_channels(&Limits::default(), 1))
+    }
 }
 
 /// A channel as results need it.
@@ -105,7 +109,7 @@ pub struct File {
     /// Path as the job names it.
     pub name: String,
     /// Text and line index once loaded.
-    pub source: OnceLock<Option<Arc<Source>>>,
+    pub text: OnceLock<Option<Arc<Text>>>,
 }
 
 /// A text without blanks around it, at most `most` characters, the rest as `...`.
@@ -121,7 +125,7 @@ impl Info {
     /// Text of a line without its end of line; empty when the file or line does not exist.
     #[must_use]
     pub fn line_text(&self, file: FileId, line: u32) -> Cow<'_, str> {
-        self.source(file).map_or(Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
+        self.text(file).map_or(Cow::Borrowed(""), |text| String::from_utf8_lossy(text.line(line)))
     }
 
     /// Text of a block as results show it: without blanks around it, at most `most` characters, the rest as `...`.
@@ -137,10 +141,10 @@ impl Info {
         text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
     }
 
-    /// The loaded source of a file.
+    /// The loaded text of a file.
     #[must_use]
-    pub fn source(&self, file: FileId) -> Option<&Source> {
-        self.files.get(usize::from(file)).and_then(|f| f.source.get()).and_then(|s| s.as_deref())
+    pub fn text(&self, file: FileId) -> Option<&Text> {
+        self.files.get(usize::from(file)).and_then(|f| f.text.get()).and_then(|text| text.as_deref())
     }
 
     /// Name of a file, `-` when unknown.
@@ -163,6 +167,20 @@ impl Info {
         match self.channels.get(index) {
             Some(channel) if channel.number == number => Some(index),
             _ => self.channels.iter().position(|c| c.number == number),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_leave_room_for_the_rest() {
+        for kernels in 1..40 {
+            let shares = Shares::of(&Limits::default(), kernels);
+            let room = Room::of(&shares);
+            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
         }
     }
 }

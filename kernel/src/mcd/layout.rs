@@ -7,21 +7,22 @@
 
 use std::sync::{Arc, OnceLock};
 
+use counterpoint_event::{Letters, Text, letters};
+use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
 use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
+use super::sources::Sources;
 use super::syntax::Syntax;
-use crate::channel::burden::Shares;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
-use crate::log::info::{Axis, Channel, File, Info};
+use crate::log::info::{Axis, Channel, File, Info, Room};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
-use crate::trace::{Letters, letters};
 
 /// Characters that the user's parameters of a job may have.
 const MOST_PARAMETERS: usize = 1000;
@@ -32,22 +33,22 @@ pub(crate) fn assign(
     syntax: &'static Syntax,
     files: &dyn Files,
     stop: &Stop,
-) -> Result<Info, Vec<Finding>> {
+) -> Result<(Info, Sources), Vec<Finding>> {
     let mut findings = Vec::new();
     check_options(spec, &mut findings);
-    let table = file_table(spec, syntax, files, stop, &mut findings);
+    let (table, sources) = file_table(spec, syntax, files, stop, &mut findings);
     if spec.programs.is_empty() {
         findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
     }
     let mut channels = channels(&spec.machine);
     if findings.is_empty() {
-        let candidates = candidates(spec, syntax, &table, &mut findings);
+        let candidates = candidates(spec, syntax, (&table, &sources), &mut findings);
         place(spec, candidates, &mut channels, &mut findings);
     }
     if findings.iter().any(|f| f.error) {
         return Err(findings);
     }
-    Ok(Info {
+    let info = Info {
         machine: spec.machine.name.clone(),
         machine_number: spec.machine.number,
         machine_revision: spec.machine.revision,
@@ -56,10 +57,11 @@ pub(crate) fn assign(
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
+        room: Room::of(&Shares::of_channels(&spec.options.limits, channels.len())),
         channels,
         files: table,
-    })
+    };
+    Ok((info, sources))
 }
 
 fn channels(machine: &Machine) -> Vec<Channel> {
@@ -106,14 +108,18 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     }
 }
 
+fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
+    source.as_ref().map(|source| Arc::clone(source.text()))
+}
+
 fn file_table(
     spec: &Spec,
     syntax: &'static Syntax,
     files: &dyn Files,
     stop: &Stop,
     findings: &mut Vec<Finding>,
-) -> Vec<File> {
-    let mut table: Vec<File> = Vec::new();
+) -> (Vec<File>, Sources) {
+    let (mut table, mut sources) = (Vec::new(), Sources::default());
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
     let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
@@ -128,7 +134,8 @@ fn file_table(
                 None
             }
         };
-        table.push(File { name: program.file.clone(), source: OnceLock::from(source) });
+        table.push(File { name: program.file.clone(), text: OnceLock::from(text_of(&source)) });
+        sources.push(Some(source));
     }
     for name in files.list() {
         if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
@@ -136,15 +143,17 @@ fn file_table(
             break;
         }
         if !known.contains(&name) {
-            table.push(File { name, source: OnceLock::new() });
+            table.push(File { name, text: OnceLock::new() });
+            sources.push(None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(File { name, source: OnceLock::from(source) });
+        table.push(File { name, text: OnceLock::from(text_of(&source)) });
+        sources.push(Some(source));
     }
-    table
+    (table, sources)
 }
 
 /// One program to be placed.
@@ -162,14 +171,19 @@ impl Candidate<'_> {
     }
 }
 
-fn candidates<'a>(spec: &'a Spec, syntax: &Syntax, table: &[File], findings: &mut Vec<Finding>) -> Vec<Candidate<'a>> {
+fn candidates<'a>(
+    spec: &'a Spec,
+    syntax: &Syntax,
+    (table, sources): (&[File], &Sources),
+    findings: &mut Vec<Finding>,
+) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
     let callers = Callers::of(&spec.machine, syntax);
     // One more than fit is enough to say that there are too many.
     for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
-        let Some(source) = table.get(index).and_then(|f| f.source.get()).and_then(Option::as_deref) else { continue };
         let file = index as u16;
+        let Some(source) = sources.get(file) else { continue };
         if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
             let text = "the file is empty: a program has at least one block";
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));

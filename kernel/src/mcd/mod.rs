@@ -5,6 +5,7 @@ pub(crate) mod key_words;
 pub(crate) mod layout;
 pub mod program;
 pub mod source;
+pub mod sources;
 pub(crate) mod special;
 pub(crate) mod spot;
 pub mod syntax;

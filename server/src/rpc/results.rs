@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 use counterpoint_kernel::control::Stop;
+use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files as _;
 use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing::Crlf;
-use counterpoint_kernel::mcd::source;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::results_server::Results as Service;
 use tokio_stream::wrappers::ReceiverStream;
@@ -199,7 +199,7 @@ impl Ended {
                     Err(_) => return Err(Refusal::NoResults(id)),
                 },
             };
-            load_sources(&info, &sandbox);
+            load_texts(&info, &sandbox);
             Ok(Self { core, record, info, log })
         })
         .await
@@ -229,9 +229,9 @@ impl Ended {
 }
 
 /// Loads the texts that results quote and that the run did not load.
-fn load_sources(info: &Info, files: &Sandbox) {
+fn load_texts(info: &Info, files: &Sandbox) {
     for file in &info.files {
-        let load = || files.read(&file.name).ok().map(|bytes| Arc::new(source::Source::new(&file.name, bytes)));
-        file.source.get_or_init(load);
+        let load = || files.read(&file.name).ok().map(|bytes| Arc::new(Text::new(bytes, || false)));
+        file.text.get_or_init(load);
     }
 }

@@ -19,10 +19,10 @@ impl Kernel<'_> {
     pub(crate) fn macro_call(&mut self) -> Acted {
         let own = self.flow.code_macro.take();
         let word = own.as_deref().map(|call| (call.register, call.by.value));
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let is_line = self.macros.is_none() && self.channel.text.edited.is_none();
         let held = (!is_line).then(|| self.text_bytes().into_owned());
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let text = held.as_deref().unwrap_or_else(as_read);
         self.channel.block.clear();
         let words = self.with_interpreter(|interpreter, kernel| interpreter.arguments(kernel, text, word));

@@ -53,7 +53,7 @@ impl Programs for Kernel<'_> {
     }
 
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
-        self.channel.env.info.files.get(usize::from(file))?.source.get()?.clone()
+        self.channel.env.sources.shared(file)
     }
 
     fn files(&self) -> Vec<String> {

@@ -1,0 +1,14 @@
+//! What a job is given from outside: its files, options and limits, the answers to its dialogs and its operator, commands of
+//! the operating system, and the request to end.
+//!
+//! Invariant: traits and plain data only; nothing here opens a file, starts a command or waits.
+
+pub mod dialog;
+pub mod files;
+pub mod options;
+mod shares;
+mod stop;
+pub mod system;
+
+pub use shares::Shares;
+pub use stop::Stop;

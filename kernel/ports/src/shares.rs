@@ -1,0 +1,47 @@
+//! How the memory of a job is divided.
+
+use crate::options::Limits;
+
+/// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
+/// parts; of such a part, two thirds are for the values of macros. Results are made coarser so that they take no more
+/// than their part of the rest, whatever a program does.
+#[derive(Debug, Clone, Copy)]
+pub struct Shares {
+    /// Variables and files that all kernels share.
+    pub common: u64,
+    /// Values of the macros of one kernel.
+    pub macros: u64,
+    /// Everything else of one kernel.
+    pub rest: u64,
+}
+
+impl Shares {
+    /// The shares of a job with so many kernels.
+    #[must_use]
+    pub fn of(limits: &Limits, kernels: usize) -> Self {
+        let common = limits.memory / 4;
+        let each = (limits.memory - common) / kernels.max(1) as u64;
+        Self { common, macros: each - each / 3, rest: each / 3 }
+    }
+
+    /// The shares of a job on a machine with so many channels: several of them have a master, which runs macros, too.
+    #[must_use]
+    pub fn of_channels(limits: &Limits, channels: usize) -> Self {
+        Self::of(limits, channels + usize::from(channels > 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shares_are_never_more_than_the_memory() {
+        for kernels in 1..20 {
+            let limits = Limits::default();
+            let shares = Shares::of(&limits, kernels);
+            let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
+            assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
+        }
+    }
+}
