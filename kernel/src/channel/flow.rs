@@ -377,13 +377,8 @@ impl Kernel<'_> {
         let frame = self.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
         let found = frame.and_then(|(file, range, next)| {
             let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
-            // They are in ascending order.
-            let first_from = |from: Spot| {
-                let from = from.max(Spot::line(range.first));
-                let first = blocks.get(blocks.partition_point(|block| *block < from)).copied();
-                first.filter(|block| block.line <= range.last)
-            };
-            first_from(next).or_else(|| first_from(Spot::line(range.first)))
+            let last = Spot { line: range.last, offset: u32::MAX };
+            dialect::next_or_first(blocks, next, Spot::line(range.first), last)
         });
         found.ok_or_else(|| {
             let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::Kernel;
 use super::frames::offsets::EXTENDED;
 use super::state::group;
-use crate::dialect::{NotThere, VACANT, is_vacant};
+use crate::dialect::{Levels, NotThere, VACANT, is_vacant};
 use crate::machine::ident::codes;
 
 /// Local variables #1–#33 of one level.
@@ -17,7 +17,7 @@ type Locals = [f64; 34];
 /// Variables that only this channel sees.
 #[derive(Debug)]
 pub(crate) struct ChannelVariables {
-    levels: Vec<Locals>,
+    levels: Levels<Locals>,
     own: FxHashMap<u32, f64>,
     /// What has no value, and what does not exist, is 0.
     pub(super) reads_zero: bool,
@@ -31,7 +31,7 @@ pub(crate) struct ChannelVariables {
 impl Default for ChannelVariables {
     fn default() -> Self {
         Self {
-            levels: vec![[VACANT; 34]],
+            levels: Levels::new([VACANT; 34]),
             own: FxHashMap::default(),
             reads_zero: false,
             keeps_system: false,
@@ -49,22 +49,20 @@ impl ChannelVariables {
                 *slot = value;
             }
         }
-        self.levels.push(locals);
+        self.levels.enter(locals);
     }
 
     /// Return from a macro call.
     pub(crate) fn leave(&mut self) {
-        if self.levels.len() > 1 {
-            self.levels.pop();
-        }
+        self.levels.leave();
     }
 
     fn local(&self, index: u32) -> f64 {
-        self.levels.last().and_then(|l| l.get(index as usize)).copied().unwrap_or(VACANT)
+        self.levels.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
     fn set_local(&mut self, index: u32, value: f64) {
-        if let Some(slot) = self.levels.last_mut().and_then(|l| l.get_mut(index as usize)) {
+        if let Some(slot) = self.levels.here_mut().get_mut(index as usize) {
             *slot = value;
         }
     }

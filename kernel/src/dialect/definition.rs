@@ -4,8 +4,8 @@
 //! is asked here or done by the [`Interpreter`]; nothing outside this module compares pre-processors.
 
 use super::interpreter::{Interpreter, MacroCall};
-use crate::machine::Machine;
 use crate::mcd::syntax::Syntax;
+use counterpoint_machine::Machine;
 
 /// A control's language for what its programs have besides words.
 pub(crate) trait Dialect: Sync {

@@ -5,12 +5,15 @@
 //! leaves words or text. *Invariants:* an interpreter reaches its kernel only through [`Host`]; the folders of the controls
 //! use what they share (`kept`, `numeric`, `text`) and never each other.
 
+mod contour;
 mod definition;
+mod expression;
 mod fanuc;
 mod heidenhain;
 mod host;
 mod interpreter;
 mod kept;
+mod levels;
 mod numeric;
 mod okuma;
 mod plain;
@@ -23,5 +26,7 @@ pub(crate) use host::{
     Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
 };
 pub(crate) use interpreter::{Interpreter, MacroCall, Remaining, Setting};
+pub(crate) use kept::next_or_first;
+pub(crate) use levels::Levels;
 pub(crate) use numeric::{VACANT, is_vacant};
 pub(crate) use table::{all, of};

@@ -4,8 +4,8 @@
 
 use super::definition::Dialect;
 use super::{fanuc, heidenhain, okuma, plain, siemens};
-use crate::machine::Machine;
-use crate::machine::preprocessor::Preprocessor;
+use counterpoint_machine::Machine;
+use counterpoint_machine::preprocessor::Preprocessor;
 
 /// A new dialect is one line here, one in the table of [`Preprocessor`], and its folder.
 static DIALECTS: [&dyn Dialect; 5] =

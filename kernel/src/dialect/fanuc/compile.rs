@@ -3,7 +3,6 @@
 use super::control::KEY_WORDS;
 use super::cursor::{Error, NESTING, Parser};
 use super::expr::Expr;
-use super::formula::Operand;
 use super::statement::{Line, Statement};
 use crate::mcd::key_words::{Names, key_word};
 
@@ -108,7 +107,7 @@ impl Parser<'_> {
         // Its own brackets are no level.
         self.at += 1;
         let mut ops = Vec::new();
-        self.logical(&mut ops, Operand::Relation)?;
+        self.relation(&mut ops)?;
         if !self.accept(b']') {
             return Err(self.error("']'"));
         }
@@ -124,7 +123,7 @@ impl Parser<'_> {
                 return Err(self.error("'=' after the variable"));
             }
             let mut value = Vec::new();
-            self.logical(&mut value, Operand::Expression)?;
+            self.logical(&mut value)?;
             list.push((self.checked(target)?, self.checked(value)?));
         }
         Ok(Statement::Assign(list))

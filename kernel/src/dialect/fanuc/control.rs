@@ -3,9 +3,9 @@
 use super::{Fanuc, call};
 use crate::dialect::definition::{Dialect, Unknown};
 use crate::dialect::interpreter::{Interpreter, MacroCall};
-use crate::machine::Machine;
 use crate::mcd::key_words::KeyWords;
 use crate::mcd::syntax::{PLAIN, Syntax};
+use counterpoint_machine::Machine;
 
 /// Key words of statements.
 pub(super) const KEY_WORDS: KeyWords = KeyWords {

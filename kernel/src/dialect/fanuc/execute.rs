@@ -9,6 +9,7 @@ use counterpoint_fault as diag;
 use counterpoint_fault::{Acted, Halt};
 
 use super::access::{Abandoned, Access, abandons, eval, eval_at};
+use super::compile::compile;
 use super::expr::{Expr, is_vacant, number, to_step, variable_index};
 use super::loops::Pairs;
 use super::statement::{Item, Name, Statement, TemplateWord};
@@ -103,21 +104,17 @@ impl Fanuc {
     /// Partners of the statements of the running program, found once.
     fn pairs(&mut self, host: &dyn Host) -> Arc<Pairs> {
         let Some((file, range)) = host.program() else { return Arc::default() };
-        if let Some(pairs) = self.pairs.get(&(file, range)) {
-            return Arc::clone(pairs);
-        }
-        let Some(source) = host.source(file) else { return Arc::default() };
-        let mut statements = Vec::new();
-        for line in source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line))) {
-            host.each_block(source.line(line), &mut |offset, text, names| {
-                let compiled = super::compile(text, names);
-                statements.extend(compiled.map(|line_of| (Spot { line, offset: offset as u32 }, line_of.statement)));
-            });
-        }
-        let pairs = Arc::new(Pairs::of(statements.into_iter()));
-        self.pair_bytes += pairs.bytes();
-        self.pairs.insert((file, range), Arc::clone(&pairs));
-        pairs
+        self.pairs.get((file, range), || {
+            let Some(source) = host.source(file) else { return Pairs::default() };
+            let mut statements = Vec::new();
+            for line in source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line))) {
+                host.each_block(source.line(line), &mut |offset, text, names| {
+                    let block = Spot { line, offset: offset as u32 };
+                    statements.extend(compile(text, names).map(|compiled| (block, compiled.statement)));
+                });
+            }
+            Pairs::of(statements.into_iter())
+        })
     }
 
     fn goto(&mut self, host: &mut dyn Host, target: &Expr) -> Result<(), Abandoned> {

@@ -7,7 +7,7 @@
 use counterpoint_fault::Halt;
 
 pub(super) use crate::dialect::numeric::is_vacant;
-use crate::dialect::numeric::{DEGREES, away, cosine, from_bcd, sine, tangent, to_bcd};
+use crate::dialect::numeric::{DEGREES, Function};
 
 /// The value in arithmetic: vacant is zero.
 pub(super) fn number(value: f64) -> f64 {
@@ -91,22 +91,9 @@ pub(super) enum Op {
     Ge,
     Lt,
     Le,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
+    Apply(Function),
     Atan2,
-    Sqrt,
-    Abs,
     Round,
-    Fix,
-    Fup,
-    Ln,
-    Exp,
-    Bin,
-    Bcd,
 }
 
 /// A compiled expression.
@@ -152,9 +139,14 @@ impl Expr {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, to_step(value, variables.steps()));
                 }
-                op if is_unary(*op) => {
+                Op::Neg => {
                     let value = number(pop(&stack, &mut top));
-                    push(&mut stack, &mut top, unary(*op, value)?);
+                    push(&mut stack, &mut top, -value);
+                }
+                Op::Apply(function) => {
+                    let value = number(pop(&stack, &mut top));
+                    let applied = function.value(value).ok_or(Fault::Domain(function.name(), value))?;
+                    push(&mut stack, &mut top, applied);
                 }
                 op => {
                     let right = pop(&stack, &mut top);
@@ -190,53 +182,6 @@ pub(super) fn to_step(value: f64, steps: f64) -> f64 {
 pub(super) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
     if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
-}
-
-fn is_unary(op: Op) -> bool {
-    matches!(
-        op,
-        Op::Neg
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Asin
-            | Op::Acos
-            | Op::Atan
-            | Op::Sqrt
-            | Op::Abs
-            | Op::Round
-            | Op::Fix
-            | Op::Fup
-            | Op::Ln
-            | Op::Exp
-            | Op::Bin
-            | Op::Bcd
-    )
-}
-
-fn unary(op: Op, v: f64) -> Result<f64, Fault> {
-    Ok(match op {
-        Op::Neg => -v,
-        Op::Sin => sine(v),
-        Op::Cos => cosine(v),
-        Op::Tan => tangent(v).ok_or(Fault::Domain("TAN", v))?,
-        Op::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
-        Op::Asin => libm::asin(v) * DEGREES,
-        Op::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
-        Op::Acos => libm::acos(v) * DEGREES,
-        Op::Atan => libm::atan(v) * DEGREES,
-        Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
-        Op::Sqrt => v.sqrt(),
-        Op::Abs => v.abs(),
-        Op::Fix => v.trunc(),
-        Op::Fup => away(v),
-        Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
-        Op::Ln => libm::log(v),
-        Op::Exp => libm::exp(v),
-        Op::Bin => from_bcd(v),
-        Op::Bcd => to_bcd(v),
-        _ => v,
-    })
 }
 
 fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::statement::Statement;
+use crate::dialect::kept::Table;
 use crate::mcd::spot::Spot;
 
 /// Partners of the bracketing statements of a program, by block.
@@ -60,11 +61,6 @@ impl Pairs {
         pairs
     }
 
-    /// Bytes that they take, about.
-    pub(super) fn bytes(&self) -> usize {
-        (self.loops.len() + self.branches.len()) * 36
-    }
-
     /// Partner of a loop statement.
     pub(super) fn of_loop(&self, spot: Spot) -> Option<Spot> {
         self.loops.get(&spot).copied()
@@ -73,5 +69,11 @@ impl Pairs {
     /// Where a block `IF` or `ELSE` leads when its branch is not taken.
     pub(super) fn of_branch(&self, spot: Spot) -> Option<Spot> {
         self.branches.get(&spot).copied()
+    }
+}
+
+impl Table for Pairs {
+    fn bytes(&self) -> usize {
+        (self.loops.len() + self.branches.len()) * 36
     }
 }

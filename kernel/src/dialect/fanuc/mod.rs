@@ -23,19 +23,18 @@ use std::sync::Arc;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 use counterpoint_lang::value::Value;
-use rustc_hash::FxHashMap;
 
 pub(crate) use control::Control;
 
 use super::host::{Host, NotThere};
 use super::interpreter::{Arguments, Interpreter, Remaining, Setting};
-use super::kept::Kept;
+use super::kept::{Kept, Tables};
 use super::numeric::is_vacant;
-use crate::log::event::FileId;
 use crate::mcd::program::Range;
 use crate::mcd::spot::Spot;
 use access::{Abandoned, Access};
 use compile::compile;
+use counterpoint_event::FileId;
 use expr::Fault;
 use loops::Pairs;
 use statement::Line;
@@ -45,9 +44,7 @@ use statement::Line;
 struct Fanuc {
     lines: Kept<Line>,
     /// Partners of loops and branches by program.
-    pairs: FxHashMap<(FileId, Range), Arc<Pairs>>,
-    /// Bytes of those.
-    pair_bytes: usize,
+    pairs: Tables<(FileId, Range), Pairs>,
     /// Text of the block without comments.
     stripped: Vec<u8>,
 }
@@ -160,7 +157,7 @@ impl Interpreter for Fanuc {
     }
 
     fn tables(&self) -> u64 {
-        (self.lines.bytes() + self.pair_bytes) as u64
+        (self.lines.bytes() + self.pairs.bytes()) as u64
     }
 }
 

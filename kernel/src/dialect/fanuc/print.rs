@@ -6,7 +6,7 @@
 use super::cursor::{Error, Parser};
 use super::expr::{is_vacant, to_step};
 use super::statement::Item;
-use crate::machine::model::Output;
+use counterpoint_machine::model::Output;
 
 impl Parser<'_> {
     /// `[text#n[cd]…]` with so many digits in each format.

@@ -3,9 +3,9 @@
 //! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
 //! circle is told either by `CC` before it or by words of its own block, never by both.
 
-use super::geometry::{Point, along, center_by_radius, left, minus, times};
 use super::path::{AXES, Position, Shape, Walk};
 use super::words::{Seen, joined};
+use crate::dialect::contour::{Point, along, center_by_radius, left, minus, times};
 
 impl Walk<'_> {
     /// Direction of a circle: before its words in ISO programs, behind them in others.

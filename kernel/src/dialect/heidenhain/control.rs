@@ -3,8 +3,8 @@
 use super::{Heidenhain, iso};
 use crate::dialect::definition::Dialect;
 use crate::dialect::interpreter::Interpreter;
-use crate::machine::Machine;
 use crate::mcd::syntax::{PLAIN, Syntax};
+use counterpoint_machine::Machine;
 
 static SYNTAX: Syntax = Syntax { needs_interpreter: Some(iso::needs_interpreter), ..PLAIN };
 

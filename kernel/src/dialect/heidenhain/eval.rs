@@ -13,7 +13,7 @@ use super::formula::{Formula, Function, Kind, Name, Op};
 use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
 use crate::dialect::host::{Answer, Host};
-use crate::dialect::numeric::{DEGREES, cosine, sine, tangent};
+use crate::dialect::numeric::DEGREES;
 use counterpoint_fault as diag;
 use counterpoint_fault::Facts;
 
@@ -261,32 +261,18 @@ pub(super) fn given(value: &Value) -> Given {
 
 fn shown(function: Function) -> &'static str {
     match function {
-        Function::Root => "SQRT",
-        Function::Ln => "LN",
+        Function::Common(function) => function.name(),
         Function::Log => "LOG",
-        Function::Asin => "ASIN",
-        Function::Acos => "ACOS",
-        Function::Tan => "TAN",
         _ => "the function",
     }
 }
 
 fn apply(function: Function, value: f64) -> Option<f64> {
     Some(match function {
+        Function::Common(function) => function.value(value)?,
         Function::Minus => -value,
-        Function::Sin => sine(value),
-        Function::Cos => cosine(value),
-        Function::Tan => tangent(value)?,
-        Function::Asin => libm::asin(value) * DEGREES,
-        Function::Acos => libm::acos(value) * DEGREES,
-        Function::Atan => libm::atan(value) * DEGREES,
         Function::Square => value * value,
-        Function::Root => value.sqrt(),
-        Function::Ln => libm::log(value),
         Function::Log => libm::log10(value),
-        Function::Exp => libm::exp(value),
-        Function::Int => value.trunc(),
-        Function::Abs => value.abs(),
         Function::Frac => value.fract(),
         Function::Sign => {
             if value < 0.0 {

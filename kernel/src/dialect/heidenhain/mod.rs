@@ -15,7 +15,6 @@ mod feeds;
 mod flow;
 mod formula;
 mod functions;
-mod geometry;
 mod iso;
 mod lex;
 mod path;
@@ -36,8 +35,9 @@ use rustc_hash::FxHashMap;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use crate::dialect::kept::{Kept, Tables};
+use crate::dialect::levels::Levels;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use flow::{Frame, Labels};
 use lex::Cursor;
@@ -66,9 +66,8 @@ pub(crate) struct Heidenhain {
     variables: Variables,
     path: Path,
     settings: Settings,
-    /// Frames of the kernel but the main program.
-    frames: Vec<Frame>,
-    main: Frame,
+    /// Frames of the kernel.
+    frames: Levels<Frame>,
     /// Kind of the call that has been asked for.
     calling: Option<flow::Kind>,
     /// Program that CALL SELECTED PGM calls.
@@ -81,7 +80,7 @@ pub(crate) struct Heidenhain {
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
     compiled: Kept<Line>,
-    labels: FxHashMap<FileId, Arc<Labels>>,
+    labels: Tables<FileId, Labels>,
 }
 
 impl Heidenhain {
@@ -162,8 +161,7 @@ impl Interpreter for Heidenhain {
 
     fn restart(&mut self, reset: bool) {
         self.variables.begin(reset);
-        self.frames.clear();
-        self.main = Frame::default();
+        self.frames = Levels::default();
         self.calling = None;
         self.path = Path::default();
         self.units = feeds::Units::default();
@@ -180,17 +178,17 @@ impl Interpreter for Heidenhain {
         if kind == flow::Kind::Program {
             self.variables.enter();
         }
-        self.frames.push(Frame { kind, ..Frame::default() });
+        self.frames.enter(Frame { kind, ..Frame::default() });
     }
 
     fn on_repeat(&mut self) {
-        if let Some(frame) = self.frames.last_mut() {
+        if let Some(frame) = self.frames.called_mut() {
             frame.repeats.clear();
         }
     }
 
     fn on_return(&mut self, _: &mut dyn Host) {
-        if self.frames.pop().is_some_and(|frame| frame.kind == flow::Kind::Program) {
+        if self.frames.leave().is_some_and(|frame| frame.kind == flow::Kind::Program) {
             self.variables.leave();
         }
     }
@@ -213,8 +211,7 @@ impl Interpreter for Heidenhain {
     }
 
     fn memory(&self) -> u64 {
-        let labels: usize = self.labels.values().map(|labels| labels.len() * 80).sum();
-        (self.variables.bytes() + self.compiled.bytes() + labels + self.tools.len() * 60) as u64
+        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.len() * 60) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {

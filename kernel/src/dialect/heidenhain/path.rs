@@ -4,8 +4,8 @@
 //! words say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant:
 //! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
-use super::geometry::{Point, direction, minus};
 use super::words::{Seen, joined};
+use crate::dialect::contour::{Point, Way, direction, minus};
 use crate::dialect::host::Host;
 use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
@@ -33,15 +33,6 @@ pub(super) enum Shape {
     Depart(Way),
     /// As G words say, or the last of them.
     Iso,
-}
-
-/// Way to and from a contour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    Straight,
-    Normal,
-    Circle,
-    LineAndCircle,
 }
 
 impl Shape {

@@ -8,7 +8,7 @@
 use counterpoint_lang::value::Value;
 
 use crate::dialect::interpreter::Setting;
-use crate::machine::model::StoredFile;
+use counterpoint_machine::model::StoredFile;
 
 /// Settings of a kernel.
 #[derive(Debug)]

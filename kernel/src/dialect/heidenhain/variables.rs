@@ -9,6 +9,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::formula::{Kind, Name};
+use crate::dialect::levels::Levels;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,8 +72,7 @@ pub(super) struct Variables {
     kept: FxHashMap<u32, f64>,
     texts: FxHashMap<u32, Arc<str>>,
     /// Of the main program and the programs it has called.
-    local: Vec<FxHashMap<u32, f64>>,
-    main: FxHashMap<u32, f64>,
+    local: Levels<FxHashMap<u32, f64>>,
     pub(super) told: Told,
 }
 
@@ -86,14 +86,14 @@ impl Variables {
     pub(super) fn bytes(&self) -> usize {
         let texts: usize = self.texts.values().map(|text| text.len() + 60).sum();
         let local: usize = self.local.iter().map(|values| values.len() * 32).sum();
-        texts + local + (self.q.len() + self.kept.len() + self.main.len()) * 32
+        texts + local + (self.q.len() + self.kept.len()) * 32
     }
 
     fn numbers(&self, kind: Kind) -> Option<&FxHashMap<u32, f64>> {
         match kind {
             Kind::Q => Some(&self.q),
             Kind::Kept => Some(&self.kept),
-            Kind::Local => Some(self.local.last().unwrap_or(&self.main)),
+            Kind::Local => Some(self.local.here()),
             Kind::Text => None,
         }
     }
@@ -127,7 +127,7 @@ impl Variables {
                 self.kept.insert(name.index, value);
             }
             (Kind::Local, Value::Number(value)) => {
-                self.local.last_mut().unwrap_or(&mut self.main).insert(name.index, value);
+                self.local.here_mut().insert(name.index, value);
             }
             _ => return false,
         }
@@ -136,17 +136,16 @@ impl Variables {
 
     /// A called program has local parameters of its own.
     pub(super) fn enter(&mut self) {
-        self.local.push(FxHashMap::default());
+        self.local.enter(FxHashMap::default());
     }
 
     pub(super) fn leave(&mut self) {
-        self.local.pop();
+        self.local.leave();
     }
 
     /// The program begins again.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.local.clear();
-        self.main.clear();
+        self.local = Levels::default();
         if reset {
             self.q.clear();
             self.texts.clear();

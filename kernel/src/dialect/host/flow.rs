@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use counterpoint_fault::{Acted, Halt};
 
-use crate::log::event::FileId;
 use crate::mcd::program::Range;
 use crate::mcd::spot::Spot;
+use counterpoint_event::FileId;
 
 /// A subprogram that the interpreter calls.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +107,7 @@ pub(crate) trait Flow {
     /// Calls a subprogram at the end of the block.
     fn call(&mut self, call: Call);
 
-    /// After every block that moves, [`crate::dialect::Interpreter::on_move`] is asked for a call.
+    /// After every block that moves, the interpreter is asked for a call, or no longer.
     fn calls_modally(&mut self, on: bool);
 
     /// Returns from the subprogram at the end of the block, or ends the main program.

@@ -1,6 +1,6 @@
 //! Axes, frames and modes: where the tool is, and how the program counts.
 
-use crate::machine::ident::CodeId;
+use counterpoint_machine::ident::CodeId;
 
 /// An axis of the channel.
 #[derive(Debug, Clone, PartialEq)]

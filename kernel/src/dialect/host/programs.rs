@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::log::event::FileId;
 use crate::mcd::key_words::Names;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
+use counterpoint_event::FileId;
 use counterpoint_fault::Acted;
 
 /// Where a kernel is.

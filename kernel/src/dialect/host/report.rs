@@ -2,7 +2,7 @@
 
 use counterpoint_fault::{Acted, Facts, Halt};
 
-use crate::machine::model::Output;
+use counterpoint_machine::model::Output;
 
 /// Ways to the log.
 pub(crate) trait Report {

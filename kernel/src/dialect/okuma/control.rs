@@ -4,8 +4,8 @@ use super::programs::{called, program_name, returns};
 use super::{Okuma, line, quick_look};
 use crate::dialect::definition::Dialect;
 use crate::dialect::interpreter::Interpreter;
-use crate::machine::Machine;
 use crate::mcd::syntax::{NamedPrograms, PLAIN, Syntax};
+use counterpoint_machine::Machine;
 
 static SYNTAX: Syntax = Syntax {
     named_programs: Some(NamedPrograms { defined: program_name, called, is_header: line::is_header, returns }),

@@ -27,9 +27,9 @@ pub(crate) use control::Control;
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use crate::dialect::kept::{Kept, Tables};
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};
@@ -53,9 +53,7 @@ pub(crate) struct Okuma {
     /// A line may run again, so what was read is worth keeping.
     caching: bool,
     lines: Kept<line::Line>,
-    indices: FxHashMap<FileId, Arc<Index>>,
-    /// Bytes of those.
-    table_bytes: usize,
+    indices: Tables<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
     /// Calls are carried out; otherwise they stay on the block.
@@ -75,8 +73,7 @@ impl Okuma {
             arguments: None,
             caching: false,
             lines: Kept::default(),
-            indices: FxHashMap::default(),
-            table_bytes: 0,
+            indices: Tables::default(),
             alarm_texts: FxHashMap::default(),
             takes_calls: true,
             takes_names,
@@ -139,13 +136,7 @@ impl Okuma {
 
     /// What a file that is loaded defines.
     fn index(&mut self, host: &dyn Host, file: FileId) -> Arc<Index> {
-        if let Some(index) = self.indices.get(&file) {
-            return Arc::clone(index);
-        }
-        let index = Arc::new(host.source(file).map(|source| Index::of(&source)).unwrap_or_default());
-        self.table_bytes += index.bytes();
-        self.indices.insert(file, Arc::clone(&index));
-        index
+        self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
     }
 
     /// Where a subprogram is; none if it is nowhere to be found.
@@ -276,7 +267,7 @@ impl Interpreter for Okuma {
     }
 
     fn memory(&self) -> u64 {
-        (self.store.bytes() + self.lines.bytes() + self.table_bytes) as u64
+        (self.store.bytes() + self.lines.bytes() + self.indices.bytes()) as u64
     }
 
     fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {

@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::line::{Head, Wanted, is_header, normal, read};
 use super::text::prepare;
+use crate::dialect::kept::{Table, next_or_first};
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
 
@@ -16,7 +17,7 @@ use crate::mcd::source::Source;
 const LIBRARIES: &[&str] = &["ssb", "sub", "lib"];
 
 /// Where the files stored with the machine are.
-const STORED: &str = crate::machine::model::StoredFile::ROOT;
+const STORED: &str = counterpoint_machine::model::StoredFile::ROOT;
 
 /// A program of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,11 +69,6 @@ impl Index {
         index
     }
 
-    /// Bytes that it takes, about.
-    pub(super) fn bytes(&self) -> usize {
-        self.definitions.len() * 60 + self.labels.len() * 100
-    }
-
     /// Lines of a program by its name.
     pub(super) fn program(&self, name: &str) -> Option<Range> {
         let found = self.definitions.iter().find(|definition| definition.name == name)?;
@@ -89,9 +85,13 @@ impl Index {
         let first = own.map_or(1, |definition| definition.first).max(range.first);
         let end = next.map_or(u32::MAX, |definition| definition.first.saturating_sub(1));
         let last = if range.last >= range.first { end.min(range.last) } else { end };
-        let first_from =
-            |from: u32| lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line <= last);
-        first_from(first.max(from.saturating_add(1))).or_else(|| first_from(first))
+        next_or_first(lines, from.saturating_add(1), first, last)
+    }
+}
+
+impl Table for Index {
+    fn bytes(&self) -> usize {
+        self.definitions.len() * 60 + self.labels.len() * 100
     }
 }
 

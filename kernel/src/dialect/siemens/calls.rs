@@ -12,8 +12,8 @@ use super::value::Data;
 use super::variables::{Level, Target, Variable};
 use super::{Fault, Outcome, Siemens, syntax};
 use crate::dialect::host::{Call, Host};
-use crate::log::event::FileId;
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 
 /// A call that is about to begin.

@@ -3,8 +3,8 @@
 use super::{Siemens, needs_interpreter};
 use crate::dialect::definition::{Dialect, Unknown};
 use crate::dialect::interpreter::Interpreter;
-use crate::machine::Machine;
 use crate::mcd::syntax::{PLAIN, Syntax};
+use counterpoint_machine::Machine;
 
 static SYNTAX: Syntax =
     Syntax { numbered_programs: false, needs_interpreter: Some(needs_interpreter), keeps_names: true, ..PLAIN };

@@ -10,10 +10,10 @@ use super::jumps::bare;
 use super::line::{Item, head, read};
 use super::{Fault, Outcome, Siemens};
 use crate::dialect::host::Host;
-use crate::log::event::FileId;
-use crate::machine::model::StoredFile;
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
 
 /// Folders of the control that subprograms are looked for in, in this order.
 const FOLDERS: [&str; 5] = ["spf.dir", "cus.dir", "cma.dir", "cst.dir", "sub.dir"];

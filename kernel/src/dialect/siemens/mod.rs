@@ -33,16 +33,15 @@ mod variables;
 mod words;
 
 use counterpoint_fault::Halt;
-use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::host::Host;
 use super::interpreter::{Interpreter, Remaining, Setting};
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use crate::dialect::kept::{Kept, Tables};
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 use counterpoint_fault::Facts;
 
@@ -87,11 +86,10 @@ pub(crate) struct Siemens {
     defines: FxHashMap<String, String>,
     /// Blocks that were read.
     read: Kept<Result<line::Line, String>>,
-    /// Bytes of those texts, and of the labels and loops below.
+    /// Bytes of those texts.
     define_bytes: usize,
-    table_bytes: usize,
     /// Labels and loops of files.
-    places: FxHashMap<FileId, Arc<jumps::Places>>,
+    places: Tables<FileId, jumps::Places>,
     /// Where subprograms are, by calling file and name.
     found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
     /// Subprograms that were declared by EXTERN.
@@ -225,6 +223,6 @@ impl Interpreter for Siemens {
     fn memory(&self) -> u64 {
         let names = self.externals.len() + self.found.len() + self.timers.len();
         let defines = self.defines.len() * 100 + self.define_bytes;
-        (self.variables.bytes() + names * 100 + defines + self.table_bytes + self.read.bytes()) as u64
+        (self.variables.bytes() + names * 100 + defines + self.places.bytes() + self.read.bytes()) as u64
     }
 }

@@ -13,7 +13,7 @@ use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Fault, Outcome, Siemens, wrong_type};
 use crate::dialect::host::Host;
-use crate::log::event::FileId;
+use counterpoint_event::FileId;
 use counterpoint_fault as diag;
 
 /// Most elements of all variables of a kernel.
