@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use counterpoint_lang::compile;
-use counterpoint_lang::tools;
+use counterpoint_lang::layout;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Macro {
@@ -14,9 +14,9 @@ pub(crate) enum Macro {
     Fmt(Fmt),
     /// Run the last of several files of macros without a machine; the others define functions
     Run(Run),
-    /// Explain a diagnostic by number, or a function, statement, variable or identifier by name
+    /// Explain a diagnostic by name or number, or a function, statement, variable or identifier by name
     Explain {
-        /// 02910011, $FSIN, DECLAR, $TLTAB, CODE_RAPID
+        /// no-feed, 02910011, $FSIN, DECLAR, $TLTAB, CODE_RAPID
         #[arg(value_name = "NUMBER|NAME")]
         what: String,
     },
@@ -97,7 +97,7 @@ pub(crate) enum Style {
     C,
 }
 
-impl From<Style> for tools::Style {
+impl From<Style> for layout::Style {
     fn from(style: Style) -> Self {
         match style {
             Style::Standard => Self::Standard,

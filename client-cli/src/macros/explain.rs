@@ -1,11 +1,12 @@
-//! `macro explain`: what a number or a name means.
+//! `explain` and `macro explain`: what a number or a name means.
 //!
 //! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
 
+use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
+use counterpoint_lang::explain::{self, Entry};
 use counterpoint_lang::func::{self, Way};
-use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
@@ -16,7 +17,8 @@ use crate::say;
 
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
-pub(super) fn explain(what: &str) -> Result<u8, Error> {
+/// Prints what is known of a number or a name.
+pub(crate) fn explain(what: &str) -> Result<u8, Error> {
     // A word such as CYCLE may name a kind of macro, too.
     let names = || match (kind(what), named(what)) {
         (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
@@ -31,9 +33,9 @@ pub(super) fn explain(what: &str) -> Result<u8, Error> {
     }
 }
 
-/// The page of a number.
+/// The page of a number or of its word.
 fn page(what: &str) -> Option<String> {
-    let number: u32 = what.trim().parse().ok()?;
+    let number = what.trim().parse().ok().or_else(|| diag::number(&what.trim().to_lowercase()))?;
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
@@ -47,7 +49,7 @@ fn alarm_name(word: &str) -> Option<(&str, u32)> {
     Some((letters, digits.parse().ok().filter(|_| plain)?))
 }
 
-/// The pages of the diagnostics that an alarm of a control stands for: they name it. Zeros before the number may be
+/// The pages of the diagnostics that name an alarm of a control. Zeros before the number may be
 /// left out, and so may the letters.
 fn alarm(what: &str) -> Option<String> {
     let word = what.trim().to_uppercase().replace('/', "");
@@ -95,7 +97,7 @@ fn without_links(text: &str) -> String {
     out + rest
 }
 
-/// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
+/// The name in upper case, as the tables write it; a function or variable also without its dollar sign.
 fn named(what: &str) -> Option<String> {
     let bare = what.trim();
     if !bare.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -221,10 +223,12 @@ mod tests {
 
     #[test]
     fn everything_there_is_can_be_explained() {
-        for (number, ..) in counterpoint_lang::diag::TABLE {
-            assert!(page(&number.to_string()).is_some(), "{number}");
+        for row in counterpoint_lang::diag::TABLE {
+            assert!(page(row.name).is_some(), "{}", row.name);
+            assert_eq!(page(&row.number.to_string()), page(row.name));
         }
-        for facts in counterpoint_kernel::diag::ALL {
+        for facts in diag::ALL {
+            assert_eq!(page(&facts.number.to_string()), page(facts.name));
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
             let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**Remedy.** Nothing"));
             let advice = remedy(facts.number);

@@ -12,12 +12,13 @@
 
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
 use counterpoint_lang::func;
-use counterpoint_lang::host::{Answer, Domain, SystemVariable, Test};
+use counterpoint_lang::host::SystemVariable;
+use counterpoint_lang::layout::{self, Style};
 use counterpoint_lang::parse;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, Style};
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang_standalone::{Answer, Domain, Standalone};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -77,8 +78,8 @@ fn options(example: &Example) -> Options {
 }
 
 /// The double with everything a block gives it.
-fn host(example: &Example) -> Test {
-    let mut host = Test::new();
+fn host(example: &Example) -> Standalone {
+    let mut host = Standalone::new();
     host.variable("$TAPEN", Some(Kind::Text), false);
     let table = SystemVariable { name: "$TLTAB".to_owned(), kind: None, writable: true, indices: 2 };
     let domain = Domain { indices: vec![Some(9), Some(20)], ..Domain::default() };
@@ -89,7 +90,7 @@ fn host(example: &Example) -> Test {
     for (kind, text) in &example.expected {
         let lines = text.lines();
         match kind.as_str() {
-            "program" => host.program = lines.map(str::to_owned).collect(),
+            "program" => host.program.blocks = lines.map(str::to_owned).collect(),
             "console" => host.typed = lines.map(str::to_owned).collect(),
             "settings" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
@@ -97,7 +98,7 @@ fn host(example: &Example) -> Test {
             }
             "variables" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
-                host.nc_variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
+                host.program.variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
             }
             "macros" => lines
                 .filter_map(|line| line.split_once(' '))
@@ -115,7 +116,7 @@ fn host(example: &Example) -> Test {
             }),
             kind => {
                 if let Some(name) = kind.strip_prefix("file ") {
-                    host.files.insert(name.to_owned(), text.clone());
+                    host.disk.files.insert(name.to_owned(), text.clone());
                 }
             }
         }
@@ -143,20 +144,20 @@ fn run(example: &Example) -> BTreeMap<&'static str, String> {
         }
         vm::close_all(&mut state, &mut host);
     }
-    diagnostics.append(&mut host.diagnostics);
+    diagnostics.append(&mut host.output.diagnostics);
     let (mut shown, mut messages) = (String::new(), String::new());
     for diagnostic in diagnostics {
         let _ = writeln!(messages, "{diagnostic}");
         let _ = writeln!(shown, "{} {}", diagnostic.number, diagnostic.line);
     }
     let joined = |lines: &[String]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    let styled = |style| tools::format(&example.text, style).unwrap_or_default();
+    let styled = |style| layout::format(&example.text, style).unwrap_or_default();
     BTreeMap::from([
-        ("output", joined(&host.printed)),
-        ("commands", joined(&host.commands)),
+        ("output", joined(&host.output.printed)),
+        ("commands", joined(&host.output.commands)),
         ("diagnostics", shown),
         ("messages", messages),
-        ("trace", joined(&host.traced)),
+        ("trace", joined(&host.output.traced)),
         ("standard", styled(Style::Standard)),
         ("c", styled(Style::C)),
     ])
@@ -196,8 +197,8 @@ fn formatting_is_stable_and_keeps_the_meaning() {
     for entry in std::fs::read_dir(folder).unwrap() {
         for example in examples(&std::fs::read_to_string(entry.unwrap().path()).unwrap()) {
             for style in [Style::Standard, Style::C] {
-                let Ok(once) = tools::format(&example.text, style) else { continue };
-                assert_eq!(tools::format(&once, style).unwrap(), once);
+                let Ok(once) = layout::format(&example.text, style) else { continue };
+                assert_eq!(layout::format(&once, style).unwrap(), once);
                 let lines = once.lines().count() == example.text.lines().count();
                 let again = Example { text: once, ..example_of(&example) };
                 let (before, after) = (run(&example), run(&again));

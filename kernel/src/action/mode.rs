@@ -1,16 +1,16 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::log::event::Kind;
+use crate::log::event::{Function, Kind};
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
+use crate::state::block::Firing;
 use counterpoint_fault::Acted;
 
 /// A modal state.
 pub(super) fn mode(kernel: &mut Kernel<'_>, text: &'static str) -> Acted {
     if kernel.channel.acting.mode_changed {
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -42,7 +42,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
             _ => format!("comp diam {side}"),
         };
         super::cutter::switched(kernel, code)?;
-        kernel.emit(0, Kind::Mode { text: text.into() });
+        kernel.emit(0, Kind::mode(text));
         kernel.tell_tool();
     }
     Ok(())
@@ -53,7 +53,7 @@ pub(super) fn function(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -
     kernel.take(data::FUNCTION);
     if row.seconds <= 0.0 {
         let (letter, value) = kernel.written(row, firing);
-        kernel.emit(0, Kind::Function { letter, value });
+        kernel.emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())
 }
@@ -66,6 +66,6 @@ pub(super) fn additive(kernel: &mut Kernel<'_>, on: bool) -> Acted {
         (true, None) => "am on".to_owned(),
         (false, _) => "am off".to_owned(),
     };
-    kernel.emit(0, Kind::Mode { text: text.into() });
+    kernel.emit(0, Kind::mode(text));
     Ok(())
 }

@@ -8,15 +8,14 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use super::Kernel;
-use super::custom_calls::Callee;
-use super::flow::Frame;
+use super::flow::{Callee, Frame};
 use crate::diag;
 use crate::dialect::{Call, Interpreter, Remaining};
 use crate::mcd::spot::Spot;
 
 impl Kernel<'_> {
     /// A block that is more than plain words.
-    pub(super) fn statement_line(&mut self, text: &[u8]) -> Acted {
+    pub(crate) fn statement_line(&mut self, text: &[u8]) -> Acted {
         if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
@@ -24,7 +23,7 @@ impl Kernel<'_> {
         match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, text)) {
             Some(remaining) => match remaining? {
                 Remaining::Nothing => Ok(()),
-                Remaining::Words => self.act_block(),
+                Remaining::Words => self.made_words(),
                 Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
             },
             None => {
@@ -45,8 +44,8 @@ impl Kernel<'_> {
         if text.trim().as_bytes() != whole.trim_ascii() {
             self.trace_left(text);
         }
-        if self.macros.is_some() {
-            return self.text_block(text);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.block.left)(self, text);
         }
         if text.trim().is_empty() {
             return Ok(());
@@ -55,10 +54,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
         scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        if self.channel.env.trace.is_some() {
-            self.trace_words();
-        }
-        let acted = self.act_block();
+        let acted = self.words();
         // The next block has a text of its own.
         self.channel.text.edited = read;
         acted
@@ -79,7 +75,7 @@ impl Kernel<'_> {
     }
 
     /// What the interpreter has read of programs no longer holds.
-    pub(super) fn forget_lines(&mut self) {
+    pub(crate) fn forget_lines(&mut self) {
         match self.dialect.interpreter.as_deref_mut() {
             Some(interpreter) => interpreter.forget_lines(),
             None => self.dialect.is_stale = true,
@@ -87,47 +83,47 @@ impl Kernel<'_> {
     }
 
     /// A word jumps within the program.
-    pub(super) fn interpreter_jump(&mut self, target: Spot) {
+    pub(crate) fn interpreter_jump(&mut self, target: Spot) {
         if !self.flow.loops.is_empty() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_jump(kernel, target));
         }
     }
 
-    pub(super) fn interpreter_start(&mut self) {
+    pub(crate) fn interpreter_start(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_start(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_call(&mut self) {
+    pub(crate) fn interpreter_call(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_call(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_repeat(&mut self) {
+    pub(crate) fn interpreter_repeat(&mut self) {
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.on_repeat();
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_return(&mut self) {
+    pub(crate) fn interpreter_return(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.on_return(kernel));
         }
     }
 
     /// Calls a text that the interpreter has found, or that a startup macro may find.
-    pub(super) fn call_text(&mut self, call: Call) -> Acted {
+    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }

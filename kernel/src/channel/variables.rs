@@ -6,10 +6,10 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use super::frames::offsets::EXTENDED;
-use super::state::group;
 use crate::dialect::{Levels, NotThere, VACANT, is_vacant};
 use crate::machine::ident::codes;
+use crate::state::frames::offsets::EXTENDED;
+use crate::state::modal::group;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -157,8 +157,8 @@ impl Kernel<'_> {
     fn system(&self, index: u32) -> Option<f64> {
         let axis =
             |base: u32| self.channel.state.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
-        let at = |i: usize| self.programmed().get(i).copied();
-        let machine = |i: usize| self.machine_point(&self.channel.state.place.position).get(i).copied();
+        let at = |i: usize| self.channel.programmed().get(i).copied();
+        let machine = |i: usize| self.channel.machine_point(&self.channel.state.place.position).get(i).copied();
         match index {
             3001 => Some((self.channel.at.clock / 1_000_000) as f64),
             3002 => Some(self.channel.at.clock as f64 / 3.6e12),
@@ -175,7 +175,7 @@ impl Kernel<'_> {
                 self.channel
                     .state
                     .modal
-                    .value(super::state::feed_of(self.channel.state.modal.code(group::FEED)).0)
+                    .value(crate::state::modal::feed_of(self.channel.state.modal.code(group::FEED)).0)
                     .unwrap_or(0.0),
             ),
             4119 => Some(self.channel.state.spindle.command.rpm),

@@ -19,7 +19,7 @@ use super::syntax::Syntax;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
-use crate::log::info::{Axis, Channel, File, Info, Room};
+use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
@@ -57,7 +57,7 @@ pub(crate) fn assign(
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        room: Room::of(&Shares::of_channels(&spec.options.limits, channels.len())),
+        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
         channels,
         files: table,
     };

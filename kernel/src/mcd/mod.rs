@@ -9,3 +9,4 @@ pub mod sources;
 pub(crate) mod special;
 pub(crate) mod spot;
 pub mod syntax;
+pub(crate) mod tape;

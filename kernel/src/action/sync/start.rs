@@ -28,7 +28,7 @@ pub(super) fn start(kernel: &mut Kernel<'_>, by: u16) -> Acted {
 }
 
 fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
-    kernel.emit(0, Kind::Mode { text: format!("sync mark={} {what}", spec.text()).into() });
+    kernel.emit(0, Kind::mode(format!("sync mark={} {what}", spec.text())));
 }
 
 /// Lets the other head go on, now or when it comes.
@@ -63,7 +63,7 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
         return Ok(());
     };
     let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::channel::burden::RESULT);
+    kernel.channel.burden.result(crate::state::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);

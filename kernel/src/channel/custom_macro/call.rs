@@ -8,11 +8,11 @@ use super::code_calls::By;
 use super::modal::ModalCall;
 use crate::action::subprogram::passes;
 use crate::channel::Kernel;
-use crate::channel::block::odd;
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::diag;
 use crate::dialect::MacroCall;
+use crate::state::block::odd;
 
 impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
@@ -20,7 +20,7 @@ impl Kernel<'_> {
         let own = self.flow.code_macro.take();
         let word = own.as_deref().map(|call| (call.register, call.by.value));
         let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
-        let is_line = self.macros.is_none() && self.channel.text.edited.is_none();
+        let is_line = self.plan.hooks.is_none() && self.channel.text.edited.is_none();
         let held = (!is_line).then(|| self.text_bytes().into_owned());
         let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let text = held.as_deref().unwrap_or_else(as_read);

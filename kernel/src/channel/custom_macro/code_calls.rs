@@ -11,7 +11,7 @@ use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use crate::channel::Kernel;
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::diag;
 use crate::dialect::{MacroCall, NotThere};
@@ -53,7 +53,7 @@ pub(crate) struct CodeCalls {
 }
 
 impl CodeCalls {
-    pub(in crate::channel) fn new(machine: &Machine) -> Option<Box<Self>> {
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let rows = machine.subprograms.calls.clone();
         let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
         (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
@@ -70,7 +70,7 @@ impl CodeCalls {
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
     #[cold]
-    pub(in crate::channel) fn calls_by_code(&mut self) -> bool {
+    pub(crate) fn calls_by_code(&mut self) -> bool {
         let plan = self.plan;
         let Some(calls) = plan.code_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
@@ -101,7 +101,7 @@ impl Kernel<'_> {
     fn calling_word<'c>(&self, calls: &'c CodeCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
-            let kind = if Some(word.register) == self.plan.g { WordKind::G } else { WordKind::Other };
+            let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
             fits.then_some((at, call, program, By { kind, variable: call.variable, value: word.value }))
         })
@@ -118,7 +118,7 @@ impl Kernel<'_> {
 
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
-        let source = self.plan.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
+        let source = self.plan.data.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
         let at =
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };
@@ -127,7 +127,7 @@ impl Kernel<'_> {
     }
 
     /// Hands the value of the word over to the program that it calls.
-    pub(in crate::channel) fn hand_over(&mut self, by: &By) -> Acted {
+    pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
         match by.variable {
             Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
                 NotThere::Halt(halt) => halt,

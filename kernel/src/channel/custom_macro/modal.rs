@@ -6,17 +6,17 @@
 
 use super::code_calls::By;
 use crate::channel::Kernel;
-use crate::channel::block::Word;
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::dialect::MacroCall;
+use crate::state::block::Word;
 
 /// A macro that blocks call.
 #[derive(Debug)]
 pub(crate) struct ModalCall {
-    pub(super) what: Callee,
-    pub(super) passes: u32,
-    pub(super) arguments: Vec<(u8, f64)>,
+    pub(crate) what: Callee,
+    pub(crate) passes: u32,
+    pub(crate) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
     pub(super) each: bool,
     /// Macro calls that were running when it was made.
@@ -29,7 +29,7 @@ impl Kernel<'_> {
     /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal calls
     /// does so at once.
     #[cold]
-    pub(in crate::channel) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
+    pub(crate) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
         let call = self.dialect.kind.macro_call(g);
         if call == Some(MacroCall::End) {
             self.flow.modal_call = None;
@@ -40,12 +40,12 @@ impl Kernel<'_> {
     /// A G word of the block calls by itself.
     pub(super) fn has_own_call(&self) -> bool {
         let calls = |value| self.dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
-        let is_call = |word: &Word| Some(word.register) == self.plan.g && calls(word.value);
+        let is_call = |word: &Word| Some(word.register) == self.plan.registers.g && calls(word.value);
         self.channel.block.words.iter().any(is_call)
     }
 
     /// Macro calls that are running.
-    pub(in crate::channel) fn call_level(&self) -> usize {
+    pub(crate) fn call_level(&self) -> usize {
         self.flow.frames.iter().filter(|frame| frame.own_variables).count()
     }
 
@@ -64,7 +64,7 @@ impl Kernel<'_> {
 
     /// Calls behind a block that has moved.
     #[cold]
-    pub(in crate::channel) fn call_modally(&mut self) {
+    pub(crate) fn call_modally(&mut self) {
         let level = self.call_level();
         let Some(call) = self.flow.modal_call.as_deref() else { return };
         if call.level > level {

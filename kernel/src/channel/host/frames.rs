@@ -3,26 +3,26 @@
 use counterpoint_motion::frame::affine::Affine;
 
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::Table;
-use crate::channel::state::group;
 use crate::dialect::{AxisPlace, Frames, Modes};
 use crate::machine::ident::codes;
 use crate::machine::model::Dimension;
+use crate::state::frames::offsets::Table;
+use crate::state::modal::group;
 
 impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
         let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
-        let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
+        let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
 }
 
 impl Frames for Kernel<'_> {
     fn axes(&self) -> Vec<AxisPlace> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
-        let counted = self.counted();
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let counted = self.channel.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
         let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
             |((at, axis), ((work, machine), from))| {
@@ -42,8 +42,8 @@ impl Frames for Kernel<'_> {
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
         let axes =
             self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
@@ -76,13 +76,13 @@ impl Frames for Kernel<'_> {
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
-        let values = self.offset_values(Table::Work, number);
+        let values = self.channel.offset_values(Table::Work, number);
         let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
-        let mut offset = self.offset_values(Table::Work, number);
+        let mut offset = self.channel.offset_values(Table::Work, number);
         for (at, (slot, value)) in offset.iter_mut().zip(values).enumerate() {
             *slot = value * self.program_factor(at);
         }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use counterpoint_fault::Acted;
 
 use crate::channel::Kernel;
-use crate::channel::block::Block;
 use crate::channel::scan::Scanner;
 use crate::dialect::{Place, Programs};
 use crate::log::event::FileId;
@@ -13,16 +12,20 @@ use crate::mcd::key_words::Names;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
+use crate::state::block::Block;
 
 impl Kernel<'_> {
     /// The scanner for the text of the block in process.
     fn scanner(&self) -> &Scanner {
         let plan = self.plan;
-        let Some(runtime) = self.macros.as_deref() else { return &plan.scanner };
+        if plan.hooks.is_none() {
+            return &plan.scanner;
+        }
+        let runtime = &*self.macros;
         let own = match &plan.unmarked {
-            _ if runtime.issued => &runtime.unmarked,
-            Some(scanner) if runtime.made => return scanner,
-            _ => &runtime.scanner,
+            _ if runtime.block.issued => &runtime.reading.unmarked,
+            Some(scanner) if runtime.block.made => return scanner,
+            _ => &runtime.reading.switched,
         };
         own.as_deref().unwrap_or(&plan.scanner)
     }
@@ -32,8 +35,7 @@ impl Programs for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         Place {
             file: self.channel.at.file,
             line: self.channel.at.line,
@@ -80,7 +82,7 @@ impl Programs for Kernel<'_> {
         let (plan, own) = (self.plan, self.block_scanner());
         own.as_deref().unwrap_or(&plan.scanner).strip(text, into, &mut self.channel.block);
         let messages = self.channel.block.messages.as_slice().into();
-        if displays && self.macros.is_none() {
+        if displays && self.plan.hooks.is_none() {
             self.show_messages(text);
         }
         self.channel.block.messages.clear();
@@ -89,7 +91,7 @@ impl Programs for Kernel<'_> {
 
     fn display_again(&mut self, text: &[u8], messages: &[(u32, u32)]) {
         // A machine with macros has seen to them before.
-        if self.macros.is_none() {
+        if self.plan.hooks.is_none() {
             self.channel.block.messages.extend_from_slice(messages);
             self.show_messages(text);
         }

@@ -5,7 +5,7 @@ use counterpoint_fault::{Acted, Facts, Halt};
 use crate::channel::Kernel;
 use crate::diag;
 use crate::dialect::Report;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::machine::model::Output;
 
 impl Report for Kernel<'_> {
@@ -14,11 +14,11 @@ impl Report for Kernel<'_> {
     }
 
     fn log_message(&mut self, text: &str) {
-        self.emit(0, Kind::Message { text: text.into(), printed: false });
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn handles_messages(&self, text: &[u8]) -> bool {
-        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
@@ -35,7 +35,7 @@ impl Report for Kernel<'_> {
     }
 
     fn continues_after(&self, facts: &'static Facts) -> bool {
-        self.goes_on_at(facts)
+        self.channel.goes_on_at(facts)
     }
 
     fn output(&self) -> &Output {

@@ -15,7 +15,7 @@ impl Values for Kernel<'_> {
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = Kernel::shared(self, |order| match value {
             Some(value) => {

@@ -1,12 +1,12 @@
 //! Words of the machine for the interpreter.
 
 use crate::channel::Kernel;
-use crate::channel::block::{Word, odd};
 use crate::diag;
 use crate::dialect::{MadeWord, Words};
 use crate::log::info::Unit;
 use crate::machine::number::written;
 use crate::mcd::key_words::Number;
+use crate::state::block::{Word, odd};
 
 impl Words for Kernel<'_> {
     fn is_register(&self, name: &str) -> bool {
@@ -96,7 +96,7 @@ impl Words for Kernel<'_> {
             Some(number) => self.read(register, number),
             None => {
                 let of = self.channel.env.machine.registers.get(usize::from(register));
-                let refused = self.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                let refused = self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
                 let wrong = refused && value < 0.0;
                 self.channel.block.odd |= u8::from(wrong) * odd::SIGN;
                 value
@@ -116,9 +116,6 @@ impl Words for Kernel<'_> {
     fn words_are_made(&mut self) {
         if self.channel.env.trace.is_some() {
             self.trace_preprocessed();
-            if self.macros.is_none() {
-                self.trace_words();
-            }
         }
     }
 

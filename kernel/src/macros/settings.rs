@@ -1,0 +1,14 @@
+//! Settings that all pre-processors have, as macros made them with `$FCEPP`.
+
+/// What macros have set.
+#[derive(Debug)]
+pub(crate) struct Settings {
+    /// Comments and messages are taken off the block.
+    pub(crate) taken_off: [bool; 2],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { taken_off: [true; 2] }
+    }
+}
