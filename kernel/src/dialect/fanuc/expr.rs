@@ -56,7 +56,7 @@ pub(super) trait Variables {
         Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
     }
 
-    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address behind an address.
+    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address after an address.
     fn steps(&self) -> f64 {
         1.0
     }

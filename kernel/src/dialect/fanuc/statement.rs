@@ -10,7 +10,7 @@ pub(super) struct Line {
     pub(super) sequence: Option<u32>,
     /// What it does.
     pub(super) statement: Statement,
-    /// Place of the statement, behind the sequence number.
+    /// Place of the statement, after the sequence number.
     pub(super) place: (u32, u32),
     /// Place of a program name in angle brackets.
     pub(super) name: Option<(u32, u32)>,

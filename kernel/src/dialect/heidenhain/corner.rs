@@ -1,7 +1,7 @@
 //! Corners, and ways to and from a contour.
 //!
 //! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: only corners between straight
-//! lines are made; a way to the contour takes the direction of the path block behind it; radius compensation begins on
+//! lines are made; a way to the contour takes the direction of the path block after it; radius compensation begins on
 //! the first line of an approach and ends on the last line of a departure, after an arc on the next straight line.
 //! Invariant: a corner that cannot be made is left sharp and reported.
 

@@ -181,7 +181,7 @@ impl<'a> Evaluator<'a> {
             Asked::Unknown if !Variables::exists(name) => {
                 self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}"))
             }
-            Asked::Unknown => match self.variables.told(name) {
+            Asked::Unknown => match self.variables.of_control(name) {
                 Some(value) => Ok(Some(value)),
                 None => {
                     let what = if name.kind == Kind::Text { "an empty text" } else { "0" };

@@ -1,4 +1,4 @@
-//! Formulas: what stands behind the equal sign of a Q parameter.
+//! Formulas: what stands after the equal sign of a Q parameter.
 //!
 //! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act
 //! on the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from

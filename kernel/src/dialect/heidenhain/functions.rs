@@ -138,7 +138,7 @@ fn applied(mut formula: Formula, function: Function) -> Formula {
     formula
 }
 
-/// What stands behind the equal sign of FN 0 to FN 8 and FN 13.
+/// What stands after the equal sign of FN 0 to FN 8 and FN 13.
 fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if number == 0 {
         return Formula::parse(cursor);

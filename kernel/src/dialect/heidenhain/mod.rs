@@ -56,7 +56,7 @@ const CONTINUED: u32 = 1000;
 struct Line {
     number: Option<u32>,
     statement: Statement,
-    /// Line behind the last one of the block.
+    /// Line after the last one of the block.
     next: u32,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct Heidenhain {
     cycle: cycles::State,
     shifts: shifts::Shifts,
     units: feeds::Units,
-    /// Lengths and radii that TOOL DEF has told.
+    /// Lengths and radii that TOOL DEF has set.
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
@@ -195,7 +195,7 @@ impl Interpreter for Heidenhain {
 
     fn variable(&mut self, _: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(None) };
-        let value = self.variables.get(name).or_else(|| self.variables.told(name));
+        let value = self.variables.get(name).or_else(|| self.variables.of_control(name));
         Ok(value.filter(|_| Variables::exists(name)).map(|value| eval::given(&value)))
     }
 

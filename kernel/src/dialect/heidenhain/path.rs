@@ -179,7 +179,7 @@ pub(super) fn actual(host: &dyn Host) -> Position {
     out
 }
 
-/// Carries out a path block: the blocks that are left of it.
+/// Executes a path block: the blocks that are left of it.
 pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);
@@ -245,7 +245,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The block as it is, with words of the pre-processor behind.
+    /// The block as it is, with words of the pre-processor after.
     pub(super) fn verbatim(&mut self, more: &[Seen]) -> String {
         let mut head = self.step.shape.head().to_owned();
         let has_motion = self.step.seen.iter().any(|word| {

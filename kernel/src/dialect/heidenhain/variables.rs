@@ -1,7 +1,7 @@
 //! Q, QL, QR and QS parameters.
 //!
 //! Facts: Heidenhain pre-processor pages: Q and QS 0 to 1999, QL and QR 0 to 499; release notes: Q108 to Q111 and Q113
-//! are told by the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
+//! come from the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
 //! labels in it included, QR outlives a restart of the program. Invariant: an index in here is one that exists.
 
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(super) enum Value {
 
 /// What the control tells by Q parameters of its own.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Told {
+pub(super) struct ControlState {
     /// Tool called last.
     pub(super) tool: Option<f64>,
     /// Radius of the tool: what TOOL DEF says, with the allowance of TOOL CALL.
@@ -29,13 +29,13 @@ pub(super) struct Told {
     pub(super) length: Option<f64>,
     /// Tool axis, 0 = X.
     pub(super) tool_axis: Option<usize>,
-    /// M3, M4, M5 behind M3, M5 behind M4: 0 to 3.
+    /// M3, M4, M5 after M3, M5 after M4: 0 to 3.
     pub(super) spindle: Option<u8>,
     pub(super) coolant: bool,
     pub(super) inch: bool,
 }
 
-impl Told {
+impl ControlState {
     /// Value of a parameter that the control sets.
     fn get(&self, index: u32) -> Option<f64> {
         Some(match index {
@@ -73,7 +73,7 @@ pub(super) struct Variables {
     texts: FxHashMap<u32, Arc<str>>,
     /// Of the main program and the programs it has called.
     local: Levels<FxHashMap<u32, f64>>,
-    pub(super) told: Told,
+    pub(super) control: ControlState,
 }
 
 impl Variables {
@@ -107,8 +107,8 @@ impl Variables {
     }
 
     /// What the control itself says of a parameter that was not set.
-    pub(super) fn told(&self, name: Name) -> Option<Value> {
-        if name.kind == Kind::Q { self.told.get(name.index).map(Value::Number) } else { None }
+    pub(super) fn of_control(&self, name: Name) -> Option<Value> {
+        if name.kind == Kind::Q { self.control.get(name.index).map(Value::Number) } else { None }
     }
 
     /// Sets a parameter that exists to a value of its kind; whether that is so.
@@ -149,7 +149,7 @@ impl Variables {
         if reset {
             self.q.clear();
             self.texts.clear();
-            self.told = Told::default();
+            self.control = ControlState::default();
         }
     }
 }

@@ -122,7 +122,7 @@ impl<'e> Eval<'e> {
     }
 
     /// A variable with the values of its indices.
-    pub(super) fn told(&mut self, variable: &Variable) -> Result<String, Stop> {
+    pub(super) fn asked_name(&mut self, variable: &Variable) -> Result<String, Stop> {
         match variable {
             Variable::Local(name) => Ok(name.to_string()),
             Variable::Common(family, index) => Ok(format!("{}{}", family.prefix(), self.value(index)?)),

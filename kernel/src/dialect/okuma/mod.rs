@@ -1,7 +1,7 @@
 //! Okuma user task.
 //!
 //! Facts: reference control-emulator.md 4.3, 5.4, 5.7. A block is made ready (`text`), read (`line`, `expr`) and
-//! carried out (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
+//! executed (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
 //! names are. Invariant: a line that runs again is not read again.
 
 mod control;
@@ -56,7 +56,7 @@ pub(crate) struct Okuma {
     indices: Tables<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
-    /// Calls are carried out; otherwise they stay on the block.
+    /// Calls are executed; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
     takes_names: bool,
@@ -108,7 +108,7 @@ impl Okuma {
         }
     }
 
-    /// The text of a block with the lines that go on with it, and the line behind them.
+    /// The text of a block with the lines that continue it, and the line after them.
     fn continued(&mut self, host: &mut dyn Host, text: &[u8]) -> Option<(Vec<u8>, u32)> {
         let place = host.place();
         let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
@@ -127,7 +127,7 @@ impl Okuma {
         (next > place.line + 1).then_some((whole, next))
     }
 
-    /// Plain words too are for the pre-processor where lines go on with those above them.
+    /// Plain words too are for the pre-processor where lines continue those above them.
     fn watch(&mut self, host: &mut dyn Host, file: FileId) {
         if self.index(host, file).continues {
             host.watch(true);

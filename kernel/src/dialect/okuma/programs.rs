@@ -34,7 +34,7 @@ pub(super) struct Index {
     pub(super) definitions: Vec<Definition>,
     /// Lines by sequence number or name without N, ascending.
     labels: FxHashMap<String, Vec<u32>>,
-    /// Lines go on with those above them.
+    /// Lines continue those above them.
     pub(super) continues: bool,
 }
 
@@ -101,7 +101,7 @@ fn head(text: &[u8]) -> Option<Head> {
     if !matches!(start, b'N' | b'n' | b'O' | b'o') {
         return None;
     }
-    // Only the head is wanted, so nothing behind it may be a mistake.
+    // Only the head is wanted, so nothing after it may be a mistake.
     let line = read(prepare(cut(text)), Wanted { subprograms: true }).ok()?;
     line.head.into_iter().find(|head| !matches!(head, Head::Mark(_)))
 }

@@ -1,7 +1,7 @@
 //! What a block of the pre-processor does.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
-//! a modal call calls behind every block that moves in the program that said it, with the values its arguments had
+//! a modal call calls after every block that moves in the program that said it, with the values its arguments had
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
@@ -69,7 +69,7 @@ impl Okuma {
         Ok(some(left))
     }
 
-    /// Marks, sequence number and name of a program: whether the rest of the block is carried out.
+    /// Marks, sequence number and name of a program: whether the rest of the block is executed.
     fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut String) -> bool {
         let mut skipped = false;
         for head in &line.head {
@@ -246,7 +246,7 @@ impl Okuma {
         (variable, text, raw): (&Variable, &str, &str),
         left: &mut String,
     ) -> Acted {
-        let asked = match Eval::new(&mut self.store, host).told(variable) {
+        let asked = match Eval::new(&mut self.store, host).asked_name(variable) {
             Ok(asked) => asked,
             Err(Stop::Keep) => raw.to_owned(),
             Err(Stop::Halt(halt)) => return Err(halt),

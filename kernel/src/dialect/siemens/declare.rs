@@ -1,4 +1,4 @@
-//! DEF and REDEF, carried out.
+//! DEF and REDEF, executed.
 //!
 //! Facts: reference control-emulator.md 5.4 and 8.5. Decisions: the first definition of the job gives a variable of all
 //! channels its value; a definition of the channel that comes again leaves the value; a definition of a program that

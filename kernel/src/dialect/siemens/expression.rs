@@ -305,7 +305,7 @@ pub(super) fn parameter(name: &str) -> Option<i64> {
     digits.parse().ok()
 }
 
-/// Indices behind a name in capital letters.
+/// Indices after a name in capital letters.
 pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, String> {
     if let Some(number) = parameter(name) {
         return Ok(Name { name: "R".to_owned(), index: vec![Expression::Int(number)] });

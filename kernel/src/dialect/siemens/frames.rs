@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set by
 //! blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work offset of
-//! its number. Invariant: what the machine has no words for is told, and then nothing of the frame is set.
+//! its number. Invariant: what the machine has no words for is reported, and then nothing of the frame is set.
 
 use rustc_hash::FxHashMap;
 
@@ -37,7 +37,7 @@ pub(super) fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
             return Ok(at);
         }
     }
-    wrong_type(format!("{} is no geometry axis", axis.told()))
+    wrong_type(format!("{} is no geometry axis", axis.described()))
 }
 
 fn parts(frame: &Frame) -> Outcome<Parts> {

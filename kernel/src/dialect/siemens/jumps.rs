@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4. A file is looked through once, as it stands. Decisions: GOTO looks onwards
 //! first, then from the beginning; a jump stays in its program, and in a part that is repeated. Invariant: partners are
-//! found without running anything, so a jump out of a loop leaves nothing behind.
+//! found without running anything, so a jump out of a loop leaves nothing after.
 
 use std::sync::Arc;
 
@@ -180,7 +180,7 @@ impl Siemens {
         }
     }
 
-    /// Goes on at a line, which has to be in the text that runs, or directly behind it.
+    /// Goes on at a line, which has to be in the text that runs, or directly after it.
     pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
@@ -189,7 +189,7 @@ impl Siemens {
         Ok(host.go_to(line)?)
     }
 
-    /// Carries out a jump; false if its target is missing and that is no mistake.
+    /// Executes a jump; false if its target is missing and that is no mistake.
     pub(super) fn jump(&mut self, host: &mut dyn Host, jump: &Jump) -> Outcome<bool> {
         let place = host.place();
         let places = self.places(host, place.file);
@@ -239,7 +239,7 @@ impl Siemens {
         })
     }
 
-    /// The line of a label for REPEAT and CALL BLOCK: before this block, else behind it.
+    /// The line of a label for REPEAT and CALL BLOCK: before this block, else after it.
     pub(super) fn label_line(&mut self, host: &mut dyn Host, label: &Label, place: &Place) -> Outcome<u32> {
         let label = self.label(host, label)?;
         let places = self.places(host, place.file);

@@ -1,7 +1,7 @@
 //! Siemens 840D.
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9. A block is read once (`line`, kept by file and line) and
-//! carried out item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
+//! executed item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
 //! program is an alarm with a text, never a silence; what is no statement, variable or subprogram stays as text for the
 //! tables of the machine.
 
@@ -47,12 +47,12 @@ use counterpoint_fault::Facts;
 
 pub(crate) use control::Control;
 
-/// What keeps a block from being carried out.
+/// What keeps a block from being executed.
 #[derive(Debug)]
 enum Fault {
     /// The channel stops.
     Halt(Halt),
-    /// An alarm that is still to be told.
+    /// An alarm that is still to be reported.
     Alarm(&'static Facts, String),
 }
 
@@ -133,7 +133,7 @@ fn returns(text: &[u8]) -> bool {
 
 impl Siemens {
     /// A fault becomes an alarm.
-    fn told<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
+    fn reported<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
         match outcome {
             Ok(done) => Ok(done),
             Err(Fault::Halt(halt)) => Err(halt),
@@ -172,7 +172,7 @@ impl Interpreter for Siemens {
             Ok(()) => self.carry_out(host, &String::from_utf8_lossy(text)),
             Err(fault) => Err(fault),
         };
-        Ok(self.told(host, outcome)?.into())
+        Ok(self.reported(host, outcome)?.into())
     }
 
     fn restart(&mut self, reset: bool) {
@@ -195,14 +195,14 @@ impl Interpreter for Siemens {
 
     fn on_return(&mut self, host: &mut dyn Host) {
         let outcome = self.leave(host);
-        if let Err(halt) = self.told(host, outcome) {
+        if let Err(halt) = self.reported(host, outcome) {
             self.halted = Some(halt);
         }
     }
 
     fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let outcome = self.definition_files(host);
-        self.told(host, outcome)?;
+        self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(None) };
         let read = self.quietly(|this| this.read_for_macro(host, &name))?;
         Ok(read.flatten().map(|data| data.value()))
@@ -210,7 +210,7 @@ impl Interpreter for Siemens {
 
     fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
         let outcome = self.definition_files(host);
-        self.told(host, outcome)?;
+        self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(false) };
         let set = self.quietly(|this| this.set_for_macro(host, &name, value))?;
         Ok(set.unwrap_or(false))

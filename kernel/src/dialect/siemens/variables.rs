@@ -367,7 +367,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// Sets what stands behind `=`.
+    /// Sets what stands after `=`.
     pub(super) fn assign(&mut self, host: &mut dyn Host, target: &Target, value: &Assigned) -> Outcome<()> {
         match value {
             Assigned::One(..) if target.whole => missing(format!("{} is an array, it needs its indices", target.name)),
@@ -456,7 +456,7 @@ impl Target {
         self.whole
     }
 
-    /// An element so many behind this one.
+    /// An element so many after this one.
     pub(super) fn element(&self, behind: usize) -> Self {
         Self { at: self.at + behind, whole: false, ..self.clone() }
     }
@@ -466,6 +466,6 @@ impl Target {
 pub(super) fn as_frame(value: Data) -> Outcome<Frame> {
     match value {
         Data::Frame(frame) => Ok(*frame),
-        other => wrong_type(format!("{} is no frame", other.told())),
+        other => wrong_type(format!("{} is no frame", other.described())),
     }
 }

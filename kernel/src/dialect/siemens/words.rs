@@ -110,7 +110,7 @@ impl Siemens {
     }
 }
 
-/// A letter with a number behind it.
+/// A letter with a number after it.
 fn splits(address: &str) -> bool {
     address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
 }
