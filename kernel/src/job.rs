@@ -92,7 +92,8 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let (info, sources) = match crate::mcd::layout::assign(&spec, files, stop) {
+        let syntax = crate::dialect::of(&spec.machine).syntax();
+        let (info, sources) = match crate::mcd::layout::assign(&spec, syntax, files, stop) {
             _ if stop.asked() => return Err(cancelled()),
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),

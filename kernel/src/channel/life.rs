@@ -45,7 +45,7 @@ impl Kernel<'_> {
         self.initial_frame();
         self.load(file)?;
         self.tell_leader(file, range);
-        self.interpreter_started();
+        self.interpreter_start();
         self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 

@@ -4,20 +4,12 @@
 //! its own block; G66.1 calls with the words of every block, which does nothing else; inside a macro that was called
 //! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
 
-use super::Kernel;
-use super::flow::Callee;
-use super::flow::Pending;
-use super::word_calls::By;
+use super::code_calls::By;
+use crate::channel::Kernel;
+use crate::channel::flow::Callee;
+use crate::channel::flow::Pending;
+use crate::dialect::MacroCall;
 use crate::state::block::Word;
-
-/// Calls once.
-const CALL: f64 = 65.0;
-/// Calls behind blocks that move.
-const CALL_MOVES: f64 = 66.0;
-/// Calls with the words of every block.
-const CALL_EACH: f64 = 66.1;
-/// Ends modal calls.
-pub(crate) const END_CALLS: f64 = 67.0;
 
 /// A macro that blocks call.
 #[derive(Debug)]
@@ -26,40 +18,33 @@ pub(crate) struct ModalCall {
     pub(crate) passes: u32,
     pub(crate) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
-    pub(crate) each: bool,
-    /// Macro calls that were going on when it was said.
-    pub(crate) level: usize,
-    /// The word that said it, if that calls by itself.
-    pub(crate) by: Option<By>,
+    pub(super) each: bool,
+    /// Macro calls that were running when it was made.
+    pub(super) level: usize,
+    /// The word that made it, if that calls by itself.
+    pub(super) by: Option<By>,
 }
 
 impl Kernel<'_> {
-    /// A G word of the pre-processor that calls macros; the one that ends modal calls does so at once.
+    /// A G word of the dialect that calls macros, which a block without a code for it may have; the one that ends modal calls
+    /// does so at once.
     #[cold]
-    pub(crate) fn calls_by(&mut self, value: f64) -> bool {
-        if !self.plan.scanner.has_macros() {
-            return false;
-        }
-        if value == END_CALLS {
+    pub(crate) fn macro_call_of(&mut self, g: f64) -> Option<MacroCall> {
+        let call = self.dialect.kind.macro_call(g);
+        if call == Some(MacroCall::End) {
             self.flow.modal_call = None;
         }
-        [CALL, CALL_MOVES, CALL_EACH, END_CALLS].contains(&value)
+        call
     }
 
-    /// How a G word calls: `None` for none, else whether it is modal, and for each block.
-    pub(crate) fn way_of_call(value: f64) -> Option<(bool, bool)> {
-        let modal = value == CALL_MOVES || value == CALL_EACH;
-        (modal || value == CALL).then_some((modal, value == CALL_EACH))
-    }
-
-    /// A G word of the block calls by the pre-processor itself.
-    pub(crate) fn has_own_call(&self) -> bool {
-        let is_call =
-            |word: &Word| Some(word.register) == self.plan.registers.g && Self::way_of_call(word.value).is_some();
+    /// A G word of the block calls by itself.
+    pub(super) fn has_own_call(&self) -> bool {
+        let calls = |value| self.dialect.kind.macro_call(value).is_some_and(|call| call != MacroCall::End);
+        let is_call = |word: &Word| Some(word.register) == self.plan.registers.g && calls(word.value);
         self.channel.block.words.iter().any(is_call)
     }
 
-    /// Macro calls that are going on.
+    /// Macro calls that are running.
     pub(crate) fn call_level(&self) -> usize {
         self.flow.frames.iter().filter(|frame| frame.own_variables).count()
     }
@@ -83,7 +68,7 @@ impl Kernel<'_> {
         let level = self.call_level();
         let Some(call) = self.flow.modal_call.as_deref() else { return };
         if call.level > level {
-            // The macro that has said it is over.
+            // The macro that made it has ended.
             self.flow.modal_call = None;
             return;
         }

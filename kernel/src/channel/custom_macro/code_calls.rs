@@ -10,9 +10,11 @@
 use counterpoint_fault::Acted;
 use std::sync::Arc;
 
-use super::Kernel;
-use super::flow::Callee;
-use super::flow::Pending;
+use crate::channel::Kernel;
+use crate::channel::flow::Callee;
+use crate::channel::flow::Pending;
+use crate::diag;
+use crate::dialect::{MacroCall, NotThere};
 use crate::machine::Machine;
 use crate::machine::ident::data;
 use crate::machine::model::{CallHow, NestedCalls, WordCall};
@@ -35,23 +37,22 @@ pub(crate) struct By {
 
 /// A macro that a word of the block calls.
 #[derive(Debug)]
-pub(crate) struct WordMacro {
-    pub(crate) register: u8,
-    pub(crate) program: u32,
-    /// The call is modal, and for each block.
-    pub(crate) way: (bool, bool),
-    pub(crate) by: By,
+pub(crate) struct CodeMacro {
+    pub(super) register: u8,
+    pub(super) program: u32,
+    pub(super) how: MacroCall,
+    pub(super) by: By,
 }
 
 /// The words of a machine.
 #[derive(Debug)]
-pub(crate) struct WordCalls {
+pub(crate) struct CodeCalls {
     /// Their registers, bit by register.
     registers: u128,
     rows: Vec<WordCall>,
 }
 
-impl WordCalls {
+impl CodeCalls {
     pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let rows = machine.subprograms.calls.clone();
         let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
@@ -69,17 +70,21 @@ impl WordCalls {
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
     #[cold]
-    pub(crate) fn calls_by_word(&mut self) -> bool {
+    pub(crate) fn calls_by_code(&mut self) -> bool {
         let plan = self.plan;
-        let Some(calls) = plan.word_calls.as_deref() else { return false };
+        let Some(calls) = plan.code_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
         if !has_any || self.has_own_call() || self.calls_each_block() {
             return false;
         }
         if let Some((_, call, program, by)) = self.calling_word(calls, true) {
-            let way = (call.how != CallHow::Macro, call.how == CallHow::Blocks);
+            let how = match call.how {
+                CallHow::Moves => MacroCall::AfterMoves,
+                CallHow::Blocks => MacroCall::EachBlock,
+                CallHow::Macro | CallHow::Subprogram => MacroCall::Once,
+            };
             let register = call.register;
-            self.flow.word_call = Some(Box::new(WordMacro { register, program, way, by }));
+            self.flow.code_macro = Some(Box::new(CodeMacro { register, program, how, by }));
             return true;
         }
         while let Some((at, call, program, by)) = self.calling_word(calls, false) {
@@ -93,7 +98,7 @@ impl Kernel<'_> {
     }
 
     /// The first word that calls a macro, or a subprogram, and may do so here.
-    fn calling_word<'c>(&self, calls: &'c WordCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
+    fn calling_word<'c>(&self, calls: &'c CodeCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
             let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
@@ -124,7 +129,13 @@ impl Kernel<'_> {
     /// Hands the value of the word over to the program that it calls.
     pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
         match by.variable {
-            Some(variable) => self.set_variable(variable, by.value).map_err(|fault| self.fault(&fault)),
+            Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
+                NotThere::Halt(halt) => halt,
+                NotThere::Missing | NotThere::ReadOnly => {
+                    let text = format!("variable #{variable} cannot be written in '{}'", self.block_text());
+                    self.alarm(&diag::MACRO_VARIABLE, text)
+                }
+            }),
             None => Ok(()),
         }
     }

@@ -4,7 +4,7 @@
 
 /// Whether a block is anything but plain words: `=` or a bracket, letters side by side (key words and names), the name
 /// of a program, a line of the file's own, or a comment that is a message.
-pub(crate) fn concerns(text: &[u8]) -> bool {
+pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     let (mut at, mut letter) = (0, false);
     let start = text.trim_ascii_start();
     if matches!(start.first(), Some(b'O' | b'o' | b'$')) {
@@ -44,15 +44,15 @@ pub(super) fn is_message(inside: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::concerns;
+    use super::needs_interpreter;
 
     #[test]
     fn plain_words_are_left_alone() {
         for text in ["", "N100 G01 X10.5 Z-3 (LA1=5 [X])", "/1 G0 X1", "G1X5Z3F.2", "%", "(RTS)", "X5 (open", "M02"] {
-            assert!(!concerns(text.as_bytes()), "{text}");
+            assert!(!needs_interpreter(text.as_bytes()), "{text}");
         }
         for text in ["LA1=5", "X[5]", "RTS", "N10 GOTO N20", "NLAP1 G0", "O1000", " OABC", "$A.MIN%", "(msg , HI)"] {
-            assert!(concerns(text.as_bytes()), "{text}");
+            assert!(needs_interpreter(text.as_bytes()), "{text}");
         }
     }
 }

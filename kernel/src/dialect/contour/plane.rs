@@ -1,27 +1,27 @@
 //! Points and directions of the working plane.
 //!
-//! Invariant: what cannot be told is none, never a number that is none.
+//! *Invariant:* what does not exist is none, never a number that is not finite.
 
 use crate::dialect::numeric::{cosine, sine};
 
 /// A point or a vector.
-pub(super) type Point = [f64; 2];
+pub(in crate::dialect) type Point = [f64; 2];
 
-pub(super) fn minus(a: Point, b: Point) -> Point {
+pub(in crate::dialect) fn minus(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-pub(super) fn times(a: Point, factor: f64) -> Point {
+pub(in crate::dialect) fn times(a: Point, factor: f64) -> Point {
     [a[0] * factor, a[1] * factor]
 }
 
 /// A point some way from another.
-pub(super) fn along(from: Point, direction: Point, way: f64) -> Point {
+pub(in crate::dialect) fn along(from: Point, direction: Point, way: f64) -> Point {
     [from[0] + direction[0] * way, from[1] + direction[1] * way]
 }
 
 /// Turned to the left by a quarter.
-pub(super) fn left(a: Point) -> Point {
+pub(in crate::dialect) fn left(a: Point) -> Point {
     [-a[1], a[0]]
 }
 
@@ -39,13 +39,13 @@ pub(super) fn length(a: Point) -> f64 {
 }
 
 /// Direction of a vector that has one.
-pub(super) fn direction(a: Point) -> Option<Point> {
+pub(in crate::dialect) fn direction(a: Point) -> Option<Point> {
     let length = length(a);
     (length.is_finite() && length > 1e-9).then(|| times(a, 1.0 / length))
 }
 
 /// Centre of a circle by its ends and radius; a negative radius takes the longer way.
-pub(super) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: bool) -> Option<Point> {
+pub(in crate::dialect) fn center_by_radius(from: Point, to: Point, radius: f64, clockwise: bool) -> Option<Point> {
     let chord = minus(to, from);
     let half = length(chord) / 2.0;
     let across = left(direction(chord)?);
@@ -67,7 +67,7 @@ pub(super) fn touch(from: Point, center: Point, radius: f64, clockwise: bool) ->
 }
 
 /// A vector turned by degrees, to the left.
-pub(super) fn turned(a: Point, degrees: f64) -> Point {
+pub(in crate::dialect) fn turned(a: Point, degrees: f64) -> Point {
     let (sine, cosine) = (sine(degrees), cosine(degrees));
     [a[0] * cosine - a[1] * sine, a[0] * sine + a[1] * cosine]
 }
