@@ -152,12 +152,12 @@ impl Host for Kernel<'_> {
     }
 
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_command(state, command)
     }
 
     fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_function(state, function, arguments)
     }
 
@@ -218,11 +218,11 @@ impl Host for Kernel<'_> {
 
 impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
-    fn going_on(&mut self, state: &mut State) -> Outcome<()> {
+    fn check_running(&mut self, state: &mut State) -> Outcome<()> {
         if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
-    /// Says that something is not possible in this kind of macro.
+    /// Refuses what is not available in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }

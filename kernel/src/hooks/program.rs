@@ -30,7 +30,7 @@ impl Kernel<'_> {
         self.went_on(done)
     }
 
-    /// Program Shutdown, when the program has come to its end or stands on an alarm.
+    /// Program Shutdown, when the program has ended or an alarm has stopped it.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
         if self.plan.hooks.is_none() || !matches!(halt, Halt::End(_) | Halt::Alarm) {
             return halt;
@@ -47,8 +47,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts
-    /// as a block, so that a macro that restarts for ever comes to a limit.
+    /// Continues with the file that Program Shutdown named, and returns how that program ended; none if no file was
+    /// named. A restart counts as a block, so that a macro that restarts indefinitely reaches a limit.
     pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
         let runtime = &mut *self.macros;
         let Restart { file, line, reset } = runtime.course.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
@@ -74,7 +74,7 @@ impl Kernel<'_> {
         self.start_over(file, range, name.into(), reset)
     }
 
-    /// Begins another program in place of the one that has ended.
+    /// Starts the next program after the previous one has ended.
     pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         if reset {
             self.channel.state.modal = Modal::new(self.channel.env.machine);
@@ -209,8 +209,8 @@ impl Kernel<'_> {
         self.macros.course.identifying = on;
     }
 
-    /// Value of an expression that a macro gave in place of something that nobody knows; the same text again would be
-    /// asked for ever, so what nobody knows in it stays `unknown`.
+    /// Evaluates the expression that a macro returned in place of an unknown text. The macro is not asked again: what is
+    /// unknown in the expression stays `unknown`.
     fn value_of_text(&mut self, text: &str, unknown: Fault) -> Result<f64, Fault> {
         let Ok(line) = compile(format!("#1=[{text}]").as_bytes(), Names::default()) else { return Err(unknown) };
         let Statement::Assign(list) = line.statement else { return Err(unknown) };
