@@ -65,6 +65,9 @@ impl Kernel<'_> {
 
     /// `$TLSORT` as a column: 0 for none, negative for the listing only.
     pub(crate) fn tool_sort(&self) -> i64 {
+        if self.plan.hooks.is_none() {
+            return 0;
+        }
         let value = self.macros.variables.store.get(names().tool_sort).as_real();
         value.map_or(0, |column| column as i64)
     }
