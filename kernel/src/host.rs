@@ -126,7 +126,7 @@ impl Variables for Kernel<'_> {
 
 impl Blocks for Kernel<'_> {
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_command(state, command)
     }
 }
@@ -155,7 +155,7 @@ impl Dialog for Kernel<'_> {
         if self.hook(Hook::Diagnostic).is_none() {
             return self.issue(what, message, origin);
         }
-        // Whatever stops the run here is met again by the next thing the macro asks for.
+        // A halt raised here surfaces at the macro's next call of the host.
         let _ = self.meanwhile(state, |kernel| {
             kernel.issue(what, message, origin);
             Ok(())
@@ -173,7 +173,7 @@ impl Dialog for Kernel<'_> {
 
 impl Host for Kernel<'_> {
     fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_function(state, function, arguments)
     }
 
@@ -184,11 +184,11 @@ impl Host for Kernel<'_> {
 
 impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
-    fn going_on(&mut self, state: &mut State) -> Outcome<()> {
+    fn check_running(&mut self, state: &mut State) -> Outcome<()> {
         if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
-    /// Says that something is not possible in this kind of macro.
+    /// Refuses what is not available in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }

@@ -94,8 +94,8 @@ pub(crate) struct Flow {
     pub(crate) tables: usize,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
-    /// Definitions run into and texts of no program that have been told of, by file and line.
-    pub(crate) told: Vec<(FileId, u32)>,
+    /// Definitions run into and texts of no program that have been reported, by file and line.
+    pub(crate) reported: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
 }

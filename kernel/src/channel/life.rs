@@ -44,7 +44,7 @@ impl Kernel<'_> {
         self.initial_codes();
         self.initial_frame();
         self.load(file)?;
-        self.tell_leader(file, range);
+        self.report_leader(file, range);
         self.interpreter_start();
         self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
@@ -58,9 +58,9 @@ impl Kernel<'_> {
             Halt::Blocked => (Terminal::Stopped, Phase::Blocked, State::Blocked),
         };
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
-            self.tell_order();
+            self.report_order();
         }
-        self.tell_softened(halt);
+        self.report_softened(halt);
         if let Halt::End(Some(stop)) = halt {
             self.emit(0, Kind::Stop(stop));
         }

@@ -29,7 +29,7 @@ impl Kernel<'_> {
         self.went_on(done)
     }
 
-    /// Program Shutdown, when the program has come to its end or stands on an alarm.
+    /// Program Shutdown, when the program has ended or an alarm has stopped it.
     pub(crate) fn end_macros(&mut self, halt: Halt) -> Halt {
         if self.plan.hooks.is_none() || !matches!(halt, Halt::End(_) | Halt::Alarm) {
             return halt;
@@ -46,8 +46,8 @@ impl Kernel<'_> {
         }
     }
 
-    /// Goes on with the file that Program Shutdown named; how that ended, or none if it named none. A restart counts
-    /// as a block, so that a macro that restarts for ever comes to a limit.
+    /// Continues with the file that Program Shutdown named, and returns how that program ended; none if no file was
+    /// named. A restart counts as a block, so that a macro that restarts indefinitely reaches a limit.
     pub(crate) fn restarted(&mut self, halt: Halt) -> Option<Halt> {
         let runtime = &mut *self.macros;
         let Restart { file, line, reset } = runtime.course.restart.take().filter(|_| matches!(halt, Halt::End(_)))?;
@@ -73,7 +73,7 @@ impl Kernel<'_> {
         self.start_over(file, range, name.into(), reset)
     }
 
-    /// Begins another program in place of the one that has ended.
+    /// Starts the next program after the previous one has ended.
     pub(crate) fn start_over(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
         if reset {
             self.channel.state.modal = Modal::new(self.channel.env.machine);

@@ -29,7 +29,7 @@ impl Kernel<'_> {
         Called { what, passes, block }
     }
 
-    /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
+    /// Runs the startup macro for a pass: none if the call is ignored, else where the subprogram is.
     pub(crate) fn subprogram_startup(
         &mut self,
         called: &Called,
@@ -92,7 +92,7 @@ impl Kernel<'_> {
                 if let Some(frame) = self.flow.frames.last_mut() {
                     frame.repeats = 0;
                 }
-                self.give_back(None)
+                self.return_from(None)
             }
         }
     }

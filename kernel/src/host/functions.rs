@@ -161,7 +161,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// The answer of a function that has nothing to work on, which is told once for each function.
+    /// Answers for a function that has nothing to work on, and reports that once for each function.
     fn without(&mut self, state: &mut State, function: HostFn) -> Value {
         let Some(why) = without::why(function) else { return nothing(function) };
         let asked = &mut self.macros.outside.asked;
@@ -172,7 +172,7 @@ impl Kernel<'_> {
         nothing(function)
     }
 
-    /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
+    /// `$FCERST`: continues with another file after the shutdown macro has ended.
     fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
         if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
             return Self::not_here(HostFn::Restart.name());
@@ -330,7 +330,7 @@ impl Kernel<'_> {
     }
 }
 
-/// Indices behind the name of a variable.
+/// Indices after the name of a variable.
 fn indices(arguments: &[Value], from: usize) -> Vec<f64> {
     arguments.get(from..).unwrap_or_default().iter().filter_map(Value::as_real).collect()
 }

@@ -92,7 +92,7 @@ pub(crate) struct Outside {
     pub(crate) leaving: bool,
 }
 
-/// Where the run goes on after the shutdown macro.
+/// Where the run continues after the shutdown macro.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Restart {
     /// File of the job.

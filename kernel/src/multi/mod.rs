@@ -331,7 +331,7 @@ impl<'a> Shop<'a> {
         let ports = Ports { coordinator, control, progress, emitter };
         let mut kernel = Kernel::new(Setup { env, ports, plan }, channel).with_macros(job.macros());
         for ((program, name, channel), at) in given.get().into_iter().flatten().zip(1..) {
-            kernel.tell_program(at, program, name, *channel);
+            kernel.set_program_of(at, program, name, *channel);
         }
         kernel
     }

@@ -18,7 +18,7 @@ impl Kernel<'_> {
         self.flow.frames.last_mut()
     }
 
-    /// Carries out what the block asked for at its end.
+    /// Executes the block's deferred call, return or end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
         self.channel.check_stop()?;
@@ -39,7 +39,7 @@ impl Kernel<'_> {
             Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
             Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
             Some(Pending::CallText(call)) => self.call_text(*call),
-            Some(Pending::Return(target)) => self.give_back(target),
+            Some(Pending::Return(target)) => self.return_from(target),
             Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
         }?;
         match self.flow.pending {
@@ -80,7 +80,7 @@ impl Kernel<'_> {
             let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
             return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
         };
-        self.tell_heading(file, range);
+        self.report_heading(file, range);
         if let Some(by) = &by {
             self.hand_over(by)?;
         }
@@ -182,7 +182,7 @@ impl Kernel<'_> {
     }
 
     /// Return of a subprogram, or of the main program.
-    pub(crate) fn give_back(&mut self, target: Option<u32>) -> Acted {
+    pub(crate) fn return_from(&mut self, target: Option<u32>) -> Acted {
         if self.flow.frames.len() <= 1 {
             return self.main_return(target);
         }
@@ -237,7 +237,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Jumps to a sequence number.
+    /// Jumps to the sequence number: searches forward first, then from the top of the program.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
         if self.flow.frames.is_empty() {
             return Ok(());
@@ -262,7 +262,7 @@ impl Kernel<'_> {
         })
     }
 
-    /// Goes on at a line of the current program; a jump back ends a pass of a loop.
+    /// Continues at a line of the current program; a jump back ends a pass of a loop.
     pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
         self.jump_to(Spot::line(line))
     }
