@@ -42,7 +42,7 @@ impl Kernel<'_> {
 
     /// The word that supplies a value is in a smaller unit and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
-        let sources = self.plan.sources.get(usize::from(id.0)).into_iter().flatten();
+        let sources = self.plan.data.sources.get(usize::from(id.0)).into_iter().flatten();
         let found = sources.filter_map(|source| Some((source.mul, self.channel.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();
@@ -53,7 +53,7 @@ impl Kernel<'_> {
 fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
     let rpm = match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
-        Some(Turning::Surface(surface)) => surface.rpm(kernel.radius(&kernel.channel.state.place.position)),
+        Some(Turning::Surface(surface)) => surface.rpm(kernel.channel.radius(&kernel.channel.state.place.position)),
         None => {
             let text = format!("dwell in revolutions while the spindle stands in '{}'", kernel.block_text());
             kernel.diagnose(&diag::SPINDLE_STANDS, text);
@@ -81,7 +81,7 @@ fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {
         kernel.diagnose(&diag::DWELL_NOT_POSITIVE, text);
         return Ok(());
     }
-    let ns = Kernel::ns(seconds);
+    let ns = crate::state::channel::nanoseconds(seconds);
     kernel.emit(ns, Kind::Dwell(Dwell));
     kernel.advance(ns);
     Ok(())

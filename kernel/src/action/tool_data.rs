@@ -6,14 +6,13 @@
 //! its end are told in the order of `$TLSORT`.
 
 use counterpoint_lang::value::Value;
-use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::Radii;
-use crate::channel::state::group;
+use crate::host::tools::column;
 use crate::log::event::{Kind, ToolData};
 use crate::machine::ident::codes;
-use crate::macros::host::tools::column;
+use crate::state::frames::offsets::Radii;
+use crate::state::modal::group;
 
 /// Tools that are told of; the tool table of macros has fewer rows.
 const MOST: usize = 1000;
@@ -21,15 +20,12 @@ const MOST: usize = 1000;
 /// Characters of a name.
 const LONGEST_NAME: usize = 80;
 
-/// What was told last, by tool.
-pub(crate) type Told = FxHashMap<u32, ToolData>;
-
 impl Kernel<'_> {
     /// The tool in use has been loaded, or another offset is in force.
     pub(crate) fn tell_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
-        if self.channel.state.place.tool != 0 && !(nothing && self.macros.is_none()) {
+        if self.channel.state.place.tool != 0 && !(nothing && self.plan.hooks.is_none()) {
             self.tell(self.tool_data(self.channel.state.place.tool));
         }
     }
@@ -38,14 +34,14 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn tell_tools(&mut self) {
         for at in 0.. {
-            let Some(tool) = self.macros.as_deref().and_then(|runtime| runtime.tools.get(at)).copied() else { break };
+            let Some(tool) = self.macros.tools.loaded.get(at).copied() else { break };
             self.tell(self.tool_data(tool));
         }
     }
 
     /// The program is over: the order of its tools, if `$TLSORT` asks for one.
     pub(crate) fn tell_order(&mut self) {
-        if self.macros.as_deref_mut().is_some_and(|runtime| std::mem::take(&mut runtime.tools_changed)) {
+        if std::mem::take(&mut self.macros.tools.changed) {
             self.tell_tools();
         }
         let column = self.tool_sort().abs();
@@ -53,7 +49,7 @@ impl Kernel<'_> {
             return;
         }
         for (place, at) in (1..).zip(self.sorted_tools(column)) {
-            let tool = self.macros.as_deref().and_then(|runtime| runtime.tools.get(usize::from(at))).copied();
+            let tool = self.macros.tools.loaded.get(usize::from(at)).copied();
             if let Some(tool) = tool {
                 self.tell(ToolData { place, ..self.tool_data(tool) });
             }
@@ -98,14 +94,14 @@ impl Kernel<'_> {
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);
         if self.channel.env.machine.tool.offset_digits > 0 {
-            return (None, some(self.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
+            return (None, some(self.channel.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
         }
         let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
         let number = self.channel.state.place.compensation.diameter;
         if !on || number == 0 {
             return (None, None);
         }
-        let radius = |table| some(self.offset_radius(table, number));
+        let radius = |table| some(self.channel.offset_radius(table, number));
         (radius(Radii::Cutter).map(|radius| radius * 2.0), radius(Radii::Corner))
     }
 }

@@ -3,16 +3,13 @@
 //! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. Invariant: what such a pre-processor leaves is a text, which
 //! is split into words as any block is; on a kernel with macros it goes on to Pre-Processor Shutdown.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::{Frame, Pending};
-use super::frames::offsets::Table;
-use super::state::group;
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
@@ -23,11 +20,14 @@ use crate::machine::model::Dimension;
 use crate::machine::number::written;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use crate::state::frames::offsets::Table;
+use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
     /// A block that is not plain words.
-    pub(super) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
+    pub(crate) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
         if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
@@ -55,8 +55,8 @@ impl Kernel<'_> {
         if text.trim().as_bytes() != whole.trim_ascii() {
             self.trace_left(text);
         }
-        if self.macros.is_some() {
-            return self.text_block(text);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.block.left)(self, text);
         }
         if text.trim().is_empty() {
             return Ok(());
@@ -65,10 +65,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
         scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        if self.channel.env.trace.is_some() {
-            self.trace_words();
-        }
-        let acted = self.act_block();
+        let acted = self.words();
         // The next block has a text of its own.
         self.channel.text.edited = read;
         acted
@@ -77,7 +74,7 @@ impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
         let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
-        let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
+        let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
 
@@ -89,41 +86,41 @@ impl Kernel<'_> {
         Some(done)
     }
 
-    pub(super) fn interpreter_started(&mut self) {
+    pub(crate) fn interpreter_started(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_entered(&mut self) {
+    pub(crate) fn interpreter_entered(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.entered(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_again(&mut self) {
+    pub(crate) fn interpreter_again(&mut self) {
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.again();
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_left(&mut self) {
+    pub(crate) fn interpreter_left(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.left(kernel));
         }
     }
 
     /// Calls a text that the interpreter has found, or that a startup macro may find.
-    pub(super) fn call_text(&mut self, call: Call) -> Acted {
+    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -144,8 +141,7 @@ impl Host for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         Place {
             file: self.channel.at.file,
             line: self.channel.at.line,
@@ -203,7 +199,7 @@ impl Host for Kernel<'_> {
     }
 
     fn tells_messages(&self, text: &[u8]) -> bool {
-        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
@@ -226,7 +222,7 @@ impl Host for Kernel<'_> {
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = Kernel::shared(self, |order| match value {
             Some(value) => {
@@ -250,7 +246,7 @@ impl Host for Kernel<'_> {
     }
 
     fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
-        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let asked = self.macros.course.identifying;
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
         Ok(match self.ask_identification(code, text, assigned)? {
@@ -295,8 +291,8 @@ impl Host for Kernel<'_> {
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
         let axes =
             self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
@@ -324,9 +320,9 @@ impl Host for Kernel<'_> {
     }
 
     fn axes(&self) -> Vec<AxisPlace> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
-        let counted = self.counted();
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let counted = self.channel.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
         let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
             |((at, axis), ((work, machine), from))| {
@@ -377,13 +373,13 @@ impl Host for Kernel<'_> {
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
-        let values = self.offset_values(Table::Work, number);
+        let values = self.channel.offset_values(Table::Work, number);
         let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
-        let mut offset = self.offset_values(Table::Work, number);
+        let mut offset = self.channel.offset_values(Table::Work, number);
         for (at, (slot, value)) in offset.iter_mut().zip(values).enumerate() {
             *slot = value * self.program_factor(at);
         }

@@ -6,11 +6,11 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use super::frames::offsets::EXTENDED;
-use super::state::group;
 use crate::diag;
 use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
 use crate::machine::ident::codes;
+use crate::state::frames::offsets::EXTENDED;
+use crate::state::modal::group;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -21,7 +21,7 @@ pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
     /// Steps of one unit that ROUND rounds to in the expression being evaluated.
-    pub(super) steps: f64,
+    pub(crate) steps: f64,
 }
 
 impl Default for ChannelVariables {
@@ -66,13 +66,13 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 
 impl Variables for Kernel<'_> {
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        let value = if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
+        let value = if self.plan.hooks.is_some() && index >= 1000 && !self.is_common(index) {
             self.identified(index)
         } else {
             self.get_known(index)
         };
         match value {
-            Err(fault @ Fault::NoVariable(_)) if self.goes_on_at(&diag::MACRO_VARIABLE) => {
+            Err(fault @ Fault::NoVariable(_)) if self.channel.goes_on_at(&diag::MACRO_VARIABLE) => {
                 self.fault(&fault);
                 Ok(0.0)
             }
@@ -169,8 +169,8 @@ impl Kernel<'_> {
     fn system(&self, index: u32) -> Option<f64> {
         let axis =
             |base: u32| self.channel.state.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
-        let at = |i: usize| self.programmed().get(i).copied();
-        let machine = |i: usize| self.machine_point(&self.channel.state.place.position).get(i).copied();
+        let at = |i: usize| self.channel.programmed().get(i).copied();
+        let machine = |i: usize| self.channel.machine_point(&self.channel.state.place.position).get(i).copied();
         match index {
             3001 => Some((self.channel.at.clock / 1_000_000) as f64),
             3002 => Some(self.channel.at.clock as f64 / 3.6e12),
@@ -187,7 +187,7 @@ impl Kernel<'_> {
                 self.channel
                     .state
                     .modal
-                    .value(super::state::feed_of(self.channel.state.modal.code(group::FEED)).0)
+                    .value(crate::state::modal::feed_of(self.channel.state.modal.code(group::FEED)).0)
                     .unwrap_or(0.0),
             ),
             4119 => Some(self.channel.state.spindle.command.rpm),

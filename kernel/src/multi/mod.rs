@@ -30,7 +30,7 @@ use rounds::Round;
 use crate::channel::Kernel;
 use crate::channel::carried::{Carried, Lived};
 use crate::channel::emit::{Emitter, Target};
-use crate::channel::parts::{Environment, Ports, Setup};
+use crate::channel::parts::{Ports, Setup};
 use crate::channel::plan::Plan;
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
@@ -39,6 +39,7 @@ use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
 use crate::mcd::program::Range;
+use crate::state::channel::Environment;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
@@ -52,7 +53,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 
 /// Runs a job whose events go into its results, channel by channel.
 fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> (Outcome, WrittenFiles) {
-    let plan = Plan::new(&job.spec().machine, &job.spec().options.opskip);
+    let plan = Plan::new(&job.spec().machine, &job.spec().options.opskip, job.macros().map(|_| &crate::hooks::POINTS));
     let (given, mut count, mut round) = (OnceLock::new(), 0, Some(Round::default()));
     let mut written = WrittenFiles::new();
     while let Some(mut now) = round.take() {
@@ -109,7 +110,7 @@ impl Log<'_> {
 /// Runs a job whose events become one ordered log.
 fn ordered(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> (Outcome, WrittenFiles) {
     let machine = &*job.spec().machine;
-    let plan = Plan::new(machine, &job.spec().options.opskip);
+    let plan = Plan::new(machine, &job.spec().options.opskip, job.macros().map(|_| &crate::hooks::POINTS));
     let (given, mut round) = (OnceLock::new(), Some(Round::default()));
     let mut written = WrittenFiles::new();
     let mut log = Log { sink, count: 0, refused: false };

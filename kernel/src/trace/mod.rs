@@ -11,25 +11,14 @@ mod lines;
 
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
+pub use counterpoint_event::event::trace::{ACTION, BLOCK, DWELL, LISTING};
+
 use crate::channel::Kernel;
-use crate::channel::burden::shortened;
 use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
-
-/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask
-/// for.
-pub const LISTING: char = 'L';
-
-/// Begin of the control of the listing that gives the text of the next block, which is not the line of a file.
-pub const BLOCK: &str = "block ";
-
-/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
-pub const ACTION: char = 'A';
-
-/// Begin of a dwell in revolutions, in place of the seconds of the event that follows.
-pub const DWELL: &str = "| dwell rev=";
+use crate::state::burden::shortened;
 
 impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
@@ -80,7 +69,7 @@ impl Kernel<'_> {
     fn trace_head_sequence(&mut self) {
         let Some(register) = self.own_sequence() else { return };
         let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
-        let id = if self.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        let id = if self.channel.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
         if let Some(value) = word {
             self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
         }

@@ -1,0 +1,161 @@
+//! What a channel remembers of its cycle.
+//!
+//! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
+//! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
+
+use crate::log::event::{FeedUnit, Position};
+use crate::machine::Machine;
+use crate::machine::ident::kind::cycle::Kind;
+use crate::machine::ident::{CodeId, codes};
+
+/// A height: a position, or a distance from another height, as programmed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Height {
+    pub(crate) value: f64,
+    pub(crate) relative: bool,
+}
+
+impl Height {
+    /// The position; a distance counts from `base`.
+    pub(crate) fn from(self, base: f64) -> f64 {
+        if self.relative { base + self.value } else { self.value }
+    }
+}
+
+/// Webs after the first one.
+pub(crate) const FURTHER_WEBS: usize = 3;
+
+/// The cycle of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cycle {
+    /// A code of its own carries out cycles; cycle codes only define them.
+    pub(crate) activator: bool,
+    /// Row of the code that cancels.
+    pub(crate) off: u16,
+    /// A cycle is in effect (`$CYMCH`).
+    pub(crate) running: bool,
+    /// A macro has set values for the cycle that is to begin.
+    prepared: bool,
+    /// Block on which a cycle code acted last.
+    pub(crate) block: u64,
+    /// `$CYTYPE`
+    pub(crate) number: f64,
+    pub(crate) code: Option<CodeId>,
+    /// Role and channel axis that it works along.
+    pub(crate) axis: Option<(usize, usize)>,
+    /// Level along the axis when it began.
+    pub(crate) initial: f64,
+    /// Level that heights count from under a code that carries out.
+    pub(crate) reference: f64,
+    pub(crate) clear: Option<Height>,
+    pub(crate) depth: Option<Height>,
+    pub(crate) retract: Option<Height>,
+    pub(crate) bottom: Option<Height>,
+    /// Start and depth of further webs.
+    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
+    /// Type of a tap as programmed.
+    pub(crate) tap: Option<f64>,
+    /// The feed is the cycle's own, not that of the feed mode.
+    pub(crate) own_feed: bool,
+    pub(crate) feed: (Option<f64>, FeedUnit),
+    /// First step, its decrement, smallest step, way back: geometry units.
+    pub(crate) step: Option<f64>,
+    pub(crate) decrement: f64,
+    pub(crate) least: f64,
+    pub(crate) step_back: f64,
+    /// Dwell at depth, per step, at the top: positive seconds, negative revolutions.
+    pub(crate) dwell: [f64; 3],
+    /// Shift of oriented boring, and its parts along X, Y, Z.
+    pub(crate) shift: f64,
+    pub(crate) shifts: [Option<f64>; 3],
+    pub(crate) orient: f64,
+    pub(crate) ratio: f64,
+    /// `$CYRIGID`
+    pub(crate) rigid: f64,
+    /// `$CYDIR`
+    pub(crate) direction: f64,
+}
+
+impl Cycle {
+    /// No cycle yet.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let row = |id| machine.codes.iter().position(|row| row.id == id && row.enable);
+        let off = row(codes::CYCLE_OFF).and_then(|row| u16::try_from(row).ok()).unwrap_or(u16::MAX);
+        Self::blank(row(codes::CYCLE_ON).is_some(), off, machine)
+    }
+
+    fn blank(activator: bool, off: u16, machine: &Machine) -> Self {
+        Self {
+            activator,
+            off,
+            running: false,
+            prepared: false,
+            block: 0,
+            number: 0.0,
+            code: None,
+            axis: None,
+            initial: 0.0,
+            reference: 0.0,
+            clear: None,
+            depth: None,
+            retract: None,
+            bottom: None,
+            webs: Default::default(),
+            tap: None,
+            own_feed: false,
+            feed: (None, FeedUnit::PerMinute),
+            step: None,
+            decrement: 0.0,
+            least: machine.cycles.min_step,
+            step_back: machine.cycles.step_back,
+            dwell: [0.0; 3],
+            shift: 0.0,
+            shifts: [None; 3],
+            orient: 0.0,
+            ratio: 1.0,
+            rigid: 0.0,
+            direction: 0.0,
+        }
+    }
+
+    /// Forgets the values of the last cycle, unless one is in effect; then a macro may set new ones.
+    pub(crate) fn prepare(&mut self, machine: &Machine) {
+        if self.running || self.prepared {
+            return;
+        }
+        let Self { number, code, axis, rigid, block, least, .. } = *self;
+        let blank = Self::blank(self.activator, self.off, machine);
+        *self = Self { prepared: true, number, code, axis, rigid, block, least, ..blank };
+    }
+
+    /// A cycle code acts: begins a cycle, or goes on with another kind.
+    pub(crate) fn begin(&mut self, machine: &Machine, kind: Kind, code: CodeId, (axis, level): ((usize, usize), f64)) {
+        self.running &= !self.activator;
+        self.prepare(machine);
+        if !self.running || self.axis != Some(axis) {
+            self.initial = level;
+            self.reference = level;
+        }
+        self.running = !self.activator;
+        self.prepared = false;
+        (self.number, self.code, self.axis) = (kind.number(), Some(code), Some(axis));
+        self.direction = kind.direction();
+    }
+
+    /// The work frame has changed: levels where the tool has been stay where they are.
+    pub(crate) fn reframed(&mut self, old: &Position, new: &Position) {
+        let change = |axis: usize| Some(old.get(axis)? - new.get(axis)?);
+        if let Some(change) = self.axis.and_then(|(_, axis)| change(axis)) {
+            self.initial += change;
+            self.reference += change;
+        }
+    }
+
+    /// The cycle is over; its values can still be read.
+    pub(crate) fn end(&mut self) {
+        self.running = false;
+        self.prepared = false;
+        self.number = 0.0;
+        self.rigid = 0.0;
+    }
+}

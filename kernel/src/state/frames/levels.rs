@@ -1,0 +1,41 @@
+//! The level where a cycle began is a place of the machine, whatever happens to the frames while it is active.
+//!
+//! Invariant: without an active cycle nothing is done.
+
+use crate::log::event::Position;
+use crate::state::channel::Channel;
+
+/// Where the levels of an active cycle are in the machine.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Levels {
+    axis: usize,
+    initial: Position,
+    reference: Position,
+}
+
+impl Channel<'_> {
+    /// The levels of an active cycle, taken before frames change.
+    pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
+        let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
+        let [initial, reference] = [self.state.cycle.initial, self.state.cycle.reference].map(|level| {
+            let mut at = self.programmed();
+            if let Some(slot) = at.get_mut(axis) {
+                *slot = level;
+            }
+            let work = self.work_point(&at);
+            self.machine_point(&work)
+        });
+        Some(Levels { axis, initial, reference })
+    }
+
+    /// Puts them back after the change.
+    pub(crate) fn keep_levels(&mut self, levels: Option<Levels>) {
+        let Some(Levels { axis, initial, reference }) = levels else { return };
+        let [initial, reference] = [initial, reference].map(|machine| {
+            let work = self.point_of_machine(&machine);
+            self.program_point(&work).get(axis).copied().filter(|level| level.is_finite())
+        });
+        self.state.cycle.initial = initial.unwrap_or(self.state.cycle.initial);
+        self.state.cycle.reference = reference.unwrap_or(self.state.cycle.reference);
+    }
+}

@@ -1,0 +1,284 @@
+//! From the programmed point to the machine point and back.
+//!
+//! | point | is | here |
+//! |---|---|---|
+//! | programmed | what the words say, in the local frame | [`Channel::programmed`] |
+//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Channel::work_point`] |
+//! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
+//!
+//! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
+//! the axes of the machine (tool tip control) is in [`Channel::machine_point`] and its inverse
+//! [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
+//! rapids all ask these two. What changes programmed words before they are points is in [`Channel::work_point`] and
+//! [`Channel::programmed`]; polar interpolation is there, since events name the axes.
+//!
+//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point of the
+//! work frame that the program has reached.
+//!
+//! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
+//! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
+
+mod distance;
+pub(crate) mod levels;
+pub(crate) mod offsets;
+pub(crate) mod polar;
+pub(crate) mod shift;
+pub(crate) mod tip;
+mod travel;
+mod values;
+
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Local;
+
+use super::channel::Channel;
+use super::position::Place;
+use crate::log::event::Position;
+
+/// Differences below this are none.
+const NOISE: f64 = 1e-9;
+const PER_UNIT: f64 = 1e9;
+
+/// Largest coordinate whose noise is taken away.
+const FINE: f64 = 1e6;
+
+/// What lies between the words of the program and the axes, beside the plain shift.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Frames {
+    /// The local frame.
+    pub(crate) local: Local,
+    /// Polar interpolation.
+    pub(crate) polar: Option<polar::Polar>,
+    /// Tool tip control.
+    pub(crate) tip: Option<Box<tip::Tip>>,
+    /// Compensation of the cutter radius.
+    pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
+    /// What incremental words travel beside their distance, by axis.
+    pub(crate) ways: Option<Box<Position>>,
+    /// The last point that the program reached: in the work frame, and as programmed.
+    reached: Option<[Position; 2]>,
+}
+
+impl Frames {
+    /// Nothing is active any more.
+    fn is_idle(&self) -> bool {
+        self.local.is_empty()
+            && self.polar.is_none()
+            && self.tip.is_none()
+            && self.cutter.is_none()
+            && self.ways.is_none()
+    }
+
+    /// Axis that says the distance across while words are coordinates of the part.
+    fn across(&self, place: &Place) -> Option<usize> {
+        let x = place.cartesian.first().copied().flatten().map(usize::from);
+        self.polar.filter(|polar| polar.cartesian && Some(polar.linear) == x).map(|polar| polar.rotary)
+    }
+
+    /// A programmed point as the local frame sees it; the distance across counts as Y.
+    pub(crate) fn seen(&self, place: &Place, programmed: &Position) -> Point {
+        let mut point = place.geometry(programmed);
+        if let Some(across) = self.across(place).and_then(|axis| programmed.get(axis)) {
+            point[1] = *across;
+        }
+        point
+    }
+
+    /// Puts what the local frame makes of a point back.
+    fn put(&self, place: &Place, position: &mut Position, mut point: Point) {
+        if let Some(slot) = self.across(place).and_then(|axis| position.get_mut(axis)) {
+            *slot = clean(point[1], *slot);
+            point[1] = place.geometry(position)[1];
+        }
+        place.put(position, point);
+    }
+}
+
+impl Place {
+    /// X, Y, Z of a position as geometry; 0 for an axis that the channel does not have.
+    pub(crate) fn geometry(&self, position: &Position) -> Point {
+        self.cartesian.map(|axis| {
+            let at = axis.map(usize::from).and_then(|axis| Some((position.get(axis)?, self.axes.get(axis)?)));
+            at.map_or(0.0, |(value, axis)| value * axis.scale)
+        })
+    }
+
+    /// Which of the X, Y and Z axes the channel has.
+    pub(crate) fn has_axes(&self) -> [bool; 3] {
+        self.cartesian.map(|axis| axis.is_some())
+    }
+
+    /// Factor from programmed values to geometry of the X, Y or Z axis.
+    pub(crate) fn scale_of(&self, role: usize) -> f64 {
+        let axis = self.cartesian.get(role).copied().flatten().map(usize::from);
+        axis.and_then(|axis| self.axes.get(axis)).map_or(1.0, |axis| axis.scale)
+    }
+
+    /// Puts geometry into a position.
+    fn put(&self, position: &mut Position, point: Point) {
+        for (axis, value) in self.cartesian.iter().zip(point) {
+            let axis = axis.map(usize::from);
+            if let Some((slot, axis)) = axis.and_then(|axis| Some((position.get_mut(axis)?, self.axes.get(axis)?))) {
+                *slot = clean(value / axis.scale, *slot);
+            }
+        }
+    }
+}
+
+/// A coordinate without the noise of its computation; `old` if it has not changed.
+pub(crate) fn clean(value: f64, old: f64) -> f64 {
+    if (value - old).abs() < NOISE {
+        old
+    } else if value.abs() < FINE {
+        (value * PER_UNIT).round() / PER_UNIT
+    } else {
+        value
+    }
+}
+
+impl Channel<'_> {
+    /// The programmed point where the channel stands.
+    #[inline(always)]
+    pub(crate) fn programmed(&self) -> Position {
+        match &self.state.place.frames {
+            None => self.state.place.position,
+            Some(frames) => self.programmed_point(frames, &self.contour()),
+        }
+    }
+
+    /// Where the program is in the work frame: beside the tool's place under compensation of the cutter radius.
+    pub(crate) fn contour(&self) -> Position {
+        let cutter = self.state.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
+        cutter.map_or(self.state.place.position, |cutter| cutter.contour)
+    }
+
+    /// The programmed point of a point of the work frame.
+    #[cold]
+    fn programmed_point(&self, frames: &Frames, work: &Position) -> Position {
+        if let Some([reached, programmed]) = &frames.reached
+            && reached == work
+        {
+            return *programmed;
+        }
+        let mut point = *work;
+        if let Some(polar) = frames.polar {
+            polar.to_program(&self.state.place, &mut point);
+        }
+        let seen = frames.seen(&self.state.place, &point);
+        frames.put(&self.state.place, &mut point, frames.local.to_program(seen));
+        point
+    }
+
+    /// A programmed point as the local frame sees it.
+    pub(crate) fn seen(&self, programmed: &Position) -> Point {
+        let frames = self.state.place.frames.as_deref();
+        frames
+            .map_or_else(|| self.state.place.geometry(programmed), |frames| frames.seen(&self.state.place, programmed))
+    }
+
+    /// A point of the work frame as the local frame sees it from outside.
+    pub(crate) fn seen_from_work(&self, work: &Position) -> Point {
+        let mut point = *work;
+        if let Some(polar) = self.polar() {
+            polar.to_program(&self.state.place, &mut point);
+        }
+        self.seen(&point)
+    }
+
+    /// Carries out what changes the way from the work frame to the axes: they stay where they are, and the contour too.
+    pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
+        let machine = self.machine_point(&self.state.place.position);
+        let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));
+        change(self);
+        self.state.place.position = self.point_of_machine(&machine);
+        let contour = contour.map(|contour| self.point_of_machine(&contour));
+        if let (Some(cutter), Some(contour)) = (self.cutter(), contour) {
+            cutter.contour = contour;
+        }
+        self.frames_changed();
+    }
+
+    /// Any point of the work frame as it would be programmed.
+    pub(crate) fn program_point(&self, work: &Position) -> Position {
+        self.state.place.frames.as_deref().map_or(*work, |frames| self.programmed_point(frames, work))
+    }
+
+    /// The point of the work frame that the program means.
+    #[inline(always)]
+    pub(crate) fn work_point(&mut self, programmed: &Position) -> Position {
+        if self.state.place.frames.is_none() { *programmed } else { self.reach(programmed) }
+    }
+
+    #[cold]
+    fn reach(&mut self, programmed: &Position) -> Position {
+        let place = &self.state.place;
+        let Some(frames) = place.frames.as_deref() else { return *programmed };
+        let mut work = *programmed;
+        frames.put(place, &mut work, frames.local.to_work(frames.seen(place, programmed)));
+        for (slot, stands) in work.iter_mut().zip(self.contour()) {
+            *slot = clean(*slot, stands);
+        }
+        if let Some(polar) = frames.polar {
+            polar.to_axes(place, &mut work);
+        }
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+            frames.reached = Some([work, *programmed]);
+        }
+        work
+    }
+
+    /// Where the axes are at a point of the work frame.
+    #[inline(always)]
+    pub(crate) fn machine_point(&self, work: &Position) -> Position {
+        let mut machine = *work;
+        for (slot, shift) in machine.iter_mut().zip(&self.state.place.shift) {
+            *slot += shift;
+        }
+        if let Some(frames) = self.state.place.frames.as_deref()
+            && let Some(tip) = &frames.tip
+        {
+            tip.to_machine(&self.state.place, work, &mut machine);
+        }
+        machine
+    }
+
+    /// The point of the work frame where the axes are here.
+    #[inline(always)]
+    pub(crate) fn point_of_machine(&self, machine: &Position) -> Position {
+        let mut work = *machine;
+        for (slot, shift) in work.iter_mut().zip(&self.state.place.shift) {
+            *slot -= shift;
+        }
+        if let Some(frames) = self.state.place.frames.as_deref()
+            && let Some(tip) = &frames.tip
+        {
+            tip.to_work(&self.state.place, machine, &mut work);
+        }
+        work
+    }
+
+    /// The same, with the axes that stay exactly where they stand.
+    pub(crate) fn way_of_machine(&self, machine: &Position) -> Position {
+        let mut work = self.point_of_machine(machine);
+        for (slot, stands) in work.iter_mut().zip(&self.state.place.position) {
+            if (*slot - stands).abs() < NOISE {
+                *slot = *stands;
+            }
+        }
+        work
+    }
+
+    /// The frames, made if there are none.
+    pub(crate) fn frames(&mut self) -> &mut Frames {
+        self.state.place.frames.get_or_insert_default()
+    }
+
+    /// Something about the frames has changed: the machine stands still, the programmed point is what changes.
+    pub(crate) fn frames_changed(&mut self) {
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+            frames.reached = None;
+        }
+        if self.state.place.frames.as_deref().is_some_and(Frames::is_idle) {
+            self.state.place.frames = None;
+        }
+    }
+}

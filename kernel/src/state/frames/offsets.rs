@@ -1,0 +1,170 @@
+//! Offsets of the control while it runs: those of the machine definition, and what macros have set since.
+//!
+//! Values are by channel axis, as programmed. Base values are added whatever the number, of fixtures even when none is
+//! active. Invariant: an offset that nobody has set is that of the definition; one that does not exist is zero. Facts:
+//! reference functions.md 12.
+
+use std::collections::BTreeMap;
+
+use crate::log::event::{MAX_AXES, Position};
+use crate::state::channel::Channel;
+
+/// Number of the base values.
+pub(crate) const BASE: u32 = 0;
+
+/// The first extended work offset has this number plus one.
+pub(crate) const EXTENDED: u32 = 6;
+
+/// Extended work offsets of a range.
+pub(crate) const RANGE: u32 = 300;
+
+/// Largest value of an offset.
+const BOUND: f64 = 1e9;
+
+/// Most offsets that macros set.
+const MOST: usize = 10_000;
+
+/// What macros have set, by number.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Offsets {
+    work: BTreeMap<u32, Position>,
+    length: BTreeMap<u32, Position>,
+    wear: BTreeMap<u32, Position>,
+    worn_radius: BTreeMap<u32, f64>,
+    radius: BTreeMap<u32, f64>,
+    corner: BTreeMap<u32, f64>,
+}
+
+/// A table of offsets with a value per axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Table {
+    Work,
+    Length,
+    /// Wear, which is added to the length.
+    Wear,
+}
+
+/// A table of radii.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Radii {
+    /// For the compensation of paths.
+    Cutter,
+    /// Of the corner; on a lathe the same as the other.
+    Corner,
+    /// Wear, which is added to the radius for the compensation of paths.
+    Wear,
+}
+
+impl Offsets {
+    /// A value of the tool offset has been set.
+    pub(crate) fn has_tool(&self, number: u32) -> bool {
+        self.length.contains_key(&number) || self.radius.contains_key(&number)
+    }
+
+    /// A work offset has been set.
+    pub(crate) fn has_work(&self, number: u32) -> bool {
+        self.work.contains_key(&number)
+    }
+}
+
+impl Channel<'_> {
+    /// Values of an offset.
+    pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
+        let set = self.state.place.offsets.as_deref().and_then(|offsets| {
+            let table = match table {
+                Table::Work => &offsets.work,
+                Table::Length => &offsets.length,
+                Table::Wear => &offsets.wear,
+            };
+            table.get(&number)
+        });
+        if let Some(values) = set {
+            return *values;
+        }
+        let values = match table {
+            Table::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
+            Table::Length => self.env.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
+            Table::Wear => None,
+        };
+        let mut position = [0.0; MAX_AXES];
+        for (slot, axis) in position.iter_mut().zip(&self.state.place.axes) {
+            *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
+        }
+        position
+    }
+
+    /// Stores an offset, which is not in force before the frame is made anew; `false` when there is no room for it or it
+    /// is out of all bounds.
+    pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
+            return false;
+        }
+        let offsets = self.state.place.offsets.get_or_insert_default();
+        let slot = match table {
+            Table::Work => &mut offsets.work,
+            Table::Length => &mut offsets.length,
+            Table::Wear => &mut offsets.wear,
+        };
+        if slot.len() >= MOST && !slot.contains_key(&number) {
+            return false;
+        }
+        slot.insert(number, values);
+        true
+    }
+
+    /// Length and wear of an offset together.
+    pub(crate) fn worn_length(&self, number: u32) -> Position {
+        let mut values = self.offset_values(Table::Length, number);
+        if self.state.place.offsets.is_some() {
+            for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
+                *slot += wear;
+            }
+        }
+        values
+    }
+
+    /// Radius and wear of an offset together, for the compensation of paths.
+    pub(crate) fn worn_radius(&self, number: u32) -> f64 {
+        self.offset_radius(Radii::Cutter, number) + self.offset_radius(Radii::Wear, number)
+    }
+
+    fn radii(&self, table: Radii) -> Radii {
+        if self.env.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
+    }
+
+    /// A radius, without the base value.
+    pub(crate) fn offset_radius(&self, table: Radii, number: u32) -> f64 {
+        let table = self.radii(table);
+        let set = self.state.place.offsets.as_deref().and_then(|offsets| {
+            let table = match table {
+                Radii::Cutter => &offsets.radius,
+                Radii::Corner => &offsets.corner,
+                Radii::Wear => &offsets.worn_radius,
+            };
+            table.get(&number)
+        });
+        set.copied().unwrap_or_else(|| {
+            let own = self.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
+            own.map_or(0.0, |own| own.radius)
+        })
+    }
+
+    /// Sets a radius; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset_radius(&mut self, table: Radii, number: u32, value: f64) -> bool {
+        let table = self.radii(table);
+        if value.is_nan() || value.abs() > BOUND {
+            return false;
+        }
+        let offsets = self.state.place.offsets.get_or_insert_default();
+        let slot = match table {
+            Radii::Cutter => &mut offsets.radius,
+            Radii::Corner => &mut offsets.corner,
+            Radii::Wear => &mut offsets.worn_radius,
+        };
+        if slot.len() >= MOST && !slot.contains_key(&number) {
+            return false;
+        }
+        slot.insert(number, value);
+        true
+    }
+}

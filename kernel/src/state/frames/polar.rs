@@ -1,0 +1,187 @@
+//! Polar interpolation: points of the part that one linear and one rotary axis reach together.
+//!
+//! The part has coordinates of its own, the first one along the linear axis when the interpolation begins, the second
+//! one across, both as geometry (radii). Positions stay those of the real axes; the program says coordinates
+//! (Cartesian), or radius and angle (polar), and moves are straight or round on the part. Facts: reference
+//! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
+
+use super::{Frames, NOISE, clean};
+use crate::log::event::Position;
+use crate::state::channel::Channel;
+use crate::state::position::Place;
+use counterpoint_motion::frame::affine::turn;
+
+/// Distances from the centre below this have no direction.
+const CENTRE: f64 = 1e-9;
+
+/// The axes of the interpolation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Polar {
+    /// Channel axis that goes to the centre and away.
+    pub(crate) linear: usize,
+    /// Channel axis that turns.
+    pub(crate) rotary: usize,
+    /// Words are coordinates.
+    pub(crate) cartesian: bool,
+    /// Angle of the rotary axis in the machine frame where the first coordinate points along the linear axis.
+    zero: f64,
+    /// Side of the centre where the linear axis works, 1 or −1.
+    side: f64,
+}
+
+/// A position of an axis without the noise of its computation; finer than a coordinate, which is computed from it again.
+fn fine(value: f64, old: f64) -> f64 {
+    const PER_UNIT: f64 = 1e12;
+    if (value - old).abs() < NOISE {
+        old
+    } else if value.abs() < 1e3 {
+        (value * PER_UNIT).round() / PER_UNIT
+    } else {
+        value
+    }
+}
+
+/// Degrees from one direction to another, −180 to 180; 0 if one of them is none.
+pub(crate) fn between([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> f64 {
+    if ax.hypot(ay) < CENTRE || bx.hypot(by) < CENTRE {
+        return 0.0;
+    }
+    libm::atan2(ax * by - ay * bx, ax * bx + ay * by).to_degrees()
+}
+
+/// Degrees that a way of short steps goes round the centre.
+pub(crate) fn round_the_centre(points: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let mut sum = 0.0;
+    let mut last: Option<[f64; 2]> = None;
+    for point in points {
+        sum += last.map_or(0.0, |last| between(last, point));
+        last = Some(point);
+    }
+    sum
+}
+
+impl Polar {
+    /// Interpolation that begins where the axes stand.
+    pub(crate) fn new(place: &Place, linear: usize, rotary: usize, cartesian: bool) -> Self {
+        let at = |of: &Position, axis: usize| of.get(axis).copied().unwrap_or(0.0);
+        let zero = at(&place.position, rotary) + at(&place.shift, rotary);
+        let side = if at(&place.position, linear) < 0.0 { -1.0 } else { 1.0 };
+        Self { linear, rotary, cartesian, zero, side }
+    }
+
+    /// The angle of the rotary axis in the work frame where the first coordinate points along the linear axis.
+    fn zero(&self, place: &Place) -> f64 {
+        if self.cartesian { self.zero - place.shift.get(self.rotary).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
+    fn scale(&self, place: &Place) -> f64 {
+        place.axes.get(self.linear).map_or(1.0, |axis| axis.scale)
+    }
+
+    /// The point of the part that the axes reach.
+    pub(crate) fn part(&self, place: &Place, real: &Position) -> [f64; 2] {
+        let at = |axis: usize| real.get(axis).copied().unwrap_or(0.0);
+        let radius = at(self.linear) * self.scale(place);
+        let (sine, cosine) = turn(at(self.rotary) - self.zero(place));
+        [radius * cosine, radius * sine]
+    }
+
+    /// Puts the axes to a point of the part. `round`: degrees of the way round the centre from where they stand.
+    pub(crate) fn reach(&self, place: &Place, real: &mut Position, [x, y]: [f64; 2], round: f64) {
+        let stands = place.position.get(self.rotary).copied().unwrap_or(0.0);
+        let distance = x.hypot(y);
+        if let Some(slot) = real.get_mut(self.linear) {
+            *slot = fine(self.side * distance / self.scale(place), *slot);
+        }
+        let Some(slot) = real.get_mut(self.rotary) else { return };
+        if distance < CENTRE {
+            *slot = stands;
+            return;
+        }
+        let angle = libm::atan2(self.side * y, self.side * x).to_degrees() + self.zero(place);
+        let turns = ((stands + round - angle) / 360.0).round();
+        *slot = fine(angle + 360.0 * turns, stands);
+    }
+
+    /// Puts the axes to a point of the part, straight from where they stand.
+    pub(crate) fn reach_straight(&self, place: &Place, real: &mut Position, to: [f64; 2]) {
+        let from = self.part(place, &place.position);
+        self.reach(place, real, to, between(from, to));
+    }
+
+    /// Coordinates instead of the axes.
+    pub(crate) fn to_program(self, place: &Place, point: &mut Position) {
+        if !self.cartesian {
+            return;
+        }
+        let [x, y] = self.part(place, point);
+        if let Some(slot) = point.get_mut(self.linear) {
+            *slot = clean(x / self.scale(place), *slot);
+        }
+        if let Some(slot) = point.get_mut(self.rotary) {
+            *slot = clean(y, 0.0);
+        }
+    }
+
+    /// The axes instead of coordinates.
+    pub(crate) fn to_axes(self, place: &Place, point: &mut Position) {
+        if !self.cartesian {
+            return;
+        }
+        let at = |axis: usize| point.get(axis).copied().unwrap_or(0.0);
+        let to = [at(self.linear) * self.scale(place), at(self.rotary)];
+        self.reach_straight(place, point, to);
+    }
+}
+
+impl Channel<'_> {
+    /// Polar interpolation, if it is active.
+    pub(crate) fn polar(&self) -> Option<Polar> {
+        self.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
+    }
+
+    /// Change of each coordinate that the feed counts: under polar interpolation those of the part.
+    #[inline(always)]
+    pub(crate) fn feed_changes(&self, from: &Position, to: &Position) -> Position {
+        let changes = self.changes(from, to);
+        if self.state.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
+    }
+
+    #[cold]
+    fn part_changes(&self, mut changes: Position, from: &Position, to: &Position) -> Position {
+        if self.tip().is_some() {
+            // The feed is that of the tip; where it stands, that of the rotary axes.
+            let linear =
+                changes.iter().zip(&self.state.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
+            for (slot, _) in changes.iter_mut().zip(&self.state.place.axes).filter(|(_, axis)| axis.rotary && linear) {
+                *slot = 0.0;
+            }
+        }
+        let Some(polar) = self.polar() else { return changes };
+        let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));
+        for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {
+            if let Some(slot) = changes.get_mut(axis) {
+                *slot = b - a;
+            }
+        }
+        changes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_round_the_centre() {
+        assert_eq!(between([1.0, 0.0], [0.0, 2.0]), 90.0);
+        assert_eq!(between([1.0, 0.0], [0.0, 0.0]), 0.0);
+        let circle = (0..=36).map(|at| {
+            let (sine, cosine) = turn(f64::from(at) * 15.0);
+            [cosine, sine]
+        });
+        assert!((round_the_centre(circle) - 540.0).abs() < 1e-9);
+        assert_eq!(round_the_centre(std::iter::empty()), 0.0);
+        assert!(between([f64::NAN, 0.0], [1.0, 0.0]).is_nan());
+    }
+}

@@ -1,0 +1,197 @@
+//! Tool tip control: the program says where the tip of the tool is on the part, whatever the rotary axes do.
+//!
+//! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow. Facts:
+//! reference control-emulator.md 6.8. Invariant: switching it never moves the machine.
+
+use crate::log::event::{MAX_AXES, Position};
+use crate::machine::ident::{DataId, data};
+use crate::state::channel::Channel;
+use crate::state::position::Place;
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
+
+/// Active tool tip control.
+#[derive(Debug, Clone)]
+pub(crate) struct Tip {
+    pub(crate) chain: Chain,
+    /// Part of the shift that is the tool, by channel axis.
+    tool: Position,
+    /// It began with a length offset of its own and ends with it.
+    pub(crate) with_length: bool,
+}
+
+/// Settings that stay when it is switched off.
+#[derive(Debug, Clone)]
+pub(crate) struct Settings {
+    /// `$TCPFMT`
+    pub(crate) format: u8,
+    /// `$TCPSET`
+    pub(crate) method: u8,
+    /// Rotary axes that a macro has chosen.
+    pub(crate) chosen: Vec<usize>,
+    /// Rotary axes as a macro has changed them.
+    pub(crate) changed: Vec<Joint>,
+    /// Tool direction that a macro has given.
+    pub(crate) direction: Option<Point>,
+    /// Words of the orientation that came last, by format.
+    pub(crate) words: [Point; 7],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { format: 0, method: 1, chosen: Vec::new(), changed: Vec::new(), direction: None, words: [[0.0; 3]; 7] }
+    }
+}
+
+/// The axis turns the part.
+fn is_table(id: DataId) -> bool {
+    [data::AXIS_AT, data::AXIS_BT, data::AXIS_CT, data::AXIS_CT2].contains(&id)
+}
+
+fn at(position: &Position, axis: usize) -> f64 {
+    position.get(axis).copied().unwrap_or(0.0)
+}
+
+/// Nearest whole number of turns; between two of them the smaller one, whatever the noise.
+fn turns(of: f64) -> f64 {
+    (of.abs() - 0.5 - 1e-9).ceil().max(0.0).copysign(of)
+}
+
+impl Place {
+    /// Difference of two positions, axis by axis.
+    fn less(&self, of: &Position, by: &Position) -> Position {
+        let mut out = [0.0; MAX_AXES];
+        for ((slot, of), by) in out.iter_mut().zip(of).zip(by) {
+            *slot = of - by;
+        }
+        out
+    }
+}
+
+impl Tip {
+    /// The linear axes at a point of the work frame; `machine` has the rotary axes already.
+    pub(crate) fn to_machine(&self, place: &Place, work: &Position, machine: &mut Position) {
+        let fixture = place.geometry(&place.less(&place.shift, &self.tool));
+        let part = plus(place.geometry(work), fixture);
+        let angles = *machine;
+        let linear = self.chain.linear(part, place.geometry(&self.tool), |axis| at(&angles, axis));
+        place.put(machine, linear);
+    }
+
+    /// The point of the work frame where the axes are.
+    pub(crate) fn to_work(&self, place: &Place, machine: &Position, work: &mut Position) {
+        let fixture = place.geometry(&place.less(&place.shift, &self.tool)).map(|value| -value);
+        let linear = place.geometry(machine);
+        let tip = self.chain.tip(linear, place.geometry(&self.tool), |axis| at(machine, axis));
+        if let Some(tip) = tip {
+            place.put(work, plus(tip, fixture));
+        }
+    }
+}
+
+fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
+    [a + x, b + y, c + z]
+}
+
+impl Channel<'_> {
+    /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, else the first two.
+    pub(crate) fn chain(&self) -> Chain {
+        let settings = &self.state.others.tip;
+        let joint = |(index, axis): (usize, &crate::state::position::Axis)| {
+            let own = self.env.machine.axes.get(axis.machine)?;
+            let made = Joint { axis: index, vector: own.vector, center: own.center };
+            let chosen = settings.chosen.is_empty() || settings.chosen.contains(&index);
+            let changed = settings.changed.iter().find(|changed| changed.axis == index).copied();
+            (axis.rotary && chosen).then(|| (axis.data, changed.unwrap_or(made)))
+        };
+        let joints: Vec<(DataId, Joint)> = self.state.place.axes.iter().enumerate().filter_map(joint).take(2).collect();
+        let side = |table: bool| joints.iter().filter(|(id, _)| is_table(*id) == table).map(|(_, j)| *j).collect();
+        let tool = settings.direction.unwrap_or(self.env.machine.tool_direction);
+        Chain { tables: side(true), heads: side(false), tool }
+    }
+
+    /// Active tool tip control.
+    pub(crate) fn tip(&self) -> Option<&Tip> {
+        self.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
+    }
+
+    /// Switches it on; `false` if the channel has no axes for it. The machine stands still.
+    pub(crate) fn start_tip(&mut self, with_length: bool) -> bool {
+        let chain = self.chain();
+        if !chain.is_possible() || self.state.place.has_axes().contains(&false) {
+            return false;
+        }
+        let tool = self.tool_shift();
+        let levels = self.cycle_levels();
+        self.standing(|channel| channel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
+        self.keep_levels(levels);
+        true
+    }
+
+    /// Switches it off; `false` if it was. The machine stands still.
+    pub(crate) fn end_tip(&mut self) -> bool {
+        if self.tip().is_none() {
+            return false;
+        }
+        let levels = self.cycle_levels();
+        self.standing(|channel| {
+            if let Some(frames) = channel.state.place.frames.as_deref_mut() {
+                frames.tip = None;
+            }
+        });
+        self.keep_levels(levels);
+        true
+    }
+
+    /// Takes over new offsets of the tool, and new settings; the point of the program is found again by the caller.
+    pub(crate) fn refresh_tip(&mut self) {
+        if self.tip().is_none() {
+            return;
+        }
+        let (chain, tool) = (self.chain(), self.tool_shift());
+        if let Some(tip) = self.state.place.frames.as_deref_mut().and_then(|frames| frames.tip.as_deref_mut()) {
+            (tip.chain, tip.tool) = (chain, tool);
+        }
+    }
+
+    /// Direction of the tool on the part with the axes at a position of the work frame.
+    pub(crate) fn tool_direction(&self, work: &Position) -> Point {
+        let chain = self.chain();
+        let direction = chain.direction(|axis| at(work, axis) + at(&self.state.place.shift, axis));
+        direction.unwrap_or([0.0, 0.0, 1.0])
+    }
+
+    /// The same in the local frame.
+    pub(crate) fn local_direction(&self, work: &Position) -> Point {
+        let direction = self.tool_direction(work);
+        let back = self.state.place.frames.as_deref().and_then(|frames| frames.local.map().inverse());
+        back.and_then(|back| unit(back.direction(direction))).unwrap_or(direction)
+    }
+
+    /// Puts the angles of a solution next to where the axes stand, in the work frame.
+    pub(crate) fn near(&self, solution: &Angles) -> Angles {
+        let near = |(axis, angle): &(usize, Option<f64>)| {
+            let stands = at(&self.state.place.position, *axis);
+            let angle = angle.map_or(stands, |angle| {
+                let angle = angle - at(&self.state.place.shift, *axis);
+                angle + 360.0 * turns((stands - angle) / 360.0)
+            });
+            (*axis, Some(super::clean(angle, stands)))
+        };
+        solution.iter().map(near).collect()
+    }
+
+    /// How far the axes would have to turn.
+    pub(crate) fn turned(&self, solution: &Angles) -> f64 {
+        solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.state.place.position, *axis)).abs()).sum()
+    }
+
+    /// The axes stay within their limits.
+    pub(crate) fn within(&self, solution: &Angles) -> bool {
+        solution.iter().all(|(axis, angle)| {
+            let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);
+            let limits = self.state.place.axes.get(*axis).and_then(|axis| axis.limits);
+            limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
+        })
+    }
+}

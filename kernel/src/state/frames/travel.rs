@@ -1,0 +1,60 @@
+//! Changes of frames that incremental words travel.
+//!
+//! On some controls an incremental word counts from the value that its axis was programmed to, not from where the axis
+//! stands: behind a change of the frame, of the work offset or of the tool length the change is travelled with it
+//! (Siemens SD42440 and SD42442). The key is `[control] frame_increments`. Invariants: an absolute word takes the change
+//! of its axis away; axes without a word keep it; rotary axes have none.
+
+use super::NOISE;
+use crate::log::event::{MAX_AXES, Position};
+use crate::state::channel::Channel;
+
+impl Channel<'_> {
+    /// What incremental words count from, where that is not where the axes stand after a change of frames.
+    pub(crate) fn counts_from(&self) -> Option<Position> {
+        self.env.machine.habits.frame_increments.then(|| self.counted())
+    }
+
+    /// The values that the axes were programmed to.
+    pub(crate) fn counted(&self) -> Position {
+        let mut from = self.programmed();
+        if let Some(ways) = self.state.place.frames.as_deref().and_then(|frames| frames.ways.as_deref()) {
+            for (slot, way) in from.iter_mut().zip(ways) {
+                *slot += way;
+            }
+        }
+        from
+    }
+
+    /// A frame has changed: what there is to travel since then.
+    pub(crate) fn keep_ways(&mut self, before: Option<Position>) {
+        let Some(before) = before else { return };
+        let after = self.programmed();
+        let mut ways = [0.0; MAX_AXES];
+        let axes = self.state.place.axes.iter();
+        for (((slot, axis), before), after) in ways.iter_mut().zip(axes).zip(before).zip(after) {
+            let way = before - after;
+            *slot = if axis.rotary || way.abs() < NOISE { 0.0 } else { way };
+        }
+        let ways = ways.iter().any(|way| *way != 0.0).then(|| Box::new(ways));
+        if ways.is_some() || self.state.place.frames.is_some() {
+            self.frames().ways = ways;
+            self.frames_changed();
+        }
+    }
+
+    /// Axes that were programmed have no way left.
+    pub(crate) fn ways_travelled(&mut self, coded: u8) {
+        let Some(frames) = self.state.place.frames.as_deref_mut() else { return };
+        let Some(ways) = frames.ways.as_deref_mut() else { return };
+        for (at, way) in ways.iter_mut().enumerate() {
+            if coded & 1 << at != 0 {
+                *way = 0.0;
+            }
+        }
+        if ways.iter().all(|way| *way == 0.0) {
+            frames.ways = None;
+            self.frames_changed();
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The values of the local frame: all parts of a kind taken together, in programmed units.
+//!
+//! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
+//! before away again; of rotations and centres the newest counts.
+
+use crate::state::channel::Channel;
+use counterpoint_motion::frame::affine::Point;
+use counterpoint_motion::frame::local::Part;
+
+/// The values of the frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FrameValues {
+    pub(crate) translation: Point,
+    pub(crate) rotation: Point,
+    pub(crate) order: &'static str,
+    pub(crate) angle: f64,
+    pub(crate) scale: Point,
+    pub(crate) mirror: Point,
+    pub(crate) center: Point,
+}
+
+impl Channel<'_> {
+    /// The values of the local frame.
+    pub(crate) fn frame_values(&self) -> FrameValues {
+        let mut values = FrameValues {
+            translation: [0.0; 3],
+            rotation: [0.0; 3],
+            order: "",
+            angle: 0.0,
+            scale: [1.0; 3],
+            mirror: [0.0; 3],
+            center: [0.0; 3],
+        };
+        let Some(local) = self.state.place.frames.as_deref().map(|frames| &frames.local) else { return values };
+        for given in local.parts(Part::Translate) {
+            each(&mut values.translation, given.values, |all, one| all + one);
+        }
+        for given in local.parts(Part::Scale) {
+            each(&mut values.scale, given.values, |all, one| all * one);
+        }
+        for given in local.parts(Part::Mirror) {
+            each(&mut values.mirror, given.values, |all, one| f64::from(u8::from(all != one)));
+        }
+        if let Some(given) = local.parts(Part::Rotate).last() {
+            (values.rotation, values.order, values.angle) = (given.values, given.order, given.angle);
+        }
+        values.center = local.center().unwrap_or_default();
+        for (role, (shift, center)) in values.translation.iter_mut().zip(&mut values.center).enumerate() {
+            let scale = self.state.place.scale_of(role);
+            (*shift, *center) = (*shift / scale, *center / scale);
+        }
+        values
+    }
+}
+
+fn each(all: &mut Point, one: Point, with: impl Fn(f64, f64) -> f64) {
+    for (slot, value) in all.iter_mut().zip(one) {
+        *slot = with(*slot, value);
+    }
+}

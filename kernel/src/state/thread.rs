@@ -1,0 +1,120 @@
+//! What a channel remembers of its threads and threading cycles.
+//!
+//! Invariant: settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
+//! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
+
+use crate::machine::Machine;
+use crate::machine::ident::kind::thread::Kind;
+
+/// What is known about the threads of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Threads {
+    /// Starts of the last thread.
+    pub(crate) starts: f64,
+    /// Its cycles.
+    pub(crate) cycle: ThreadCycle,
+}
+
+impl Threads {
+    /// No thread yet.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        Self { starts: 1.0, cycle: ThreadCycle::new(machine) }
+    }
+}
+
+/// Threading cycles of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ThreadCycle {
+    /// The cycle that acted last, and on which block.
+    pub(crate) kind: Option<Kind>,
+    pub(crate) block: u64,
+    /// A macro has set depth, step or passes of the cycle to come.
+    prepared: bool,
+    /// `$THMODE`
+    pub(crate) mode: u8,
+    /// Whole depth, first step: radius values.
+    pub(crate) depth: Option<f64>,
+    pub(crate) step: Option<f64>,
+    /// Number of passes, if it is told.
+    pub(crate) cuts: Option<f64>,
+    /// Passes that were made without being told.
+    pub(crate) made: u32,
+    /// Smallest step.
+    pub(crate) least: f64,
+    pub(crate) finish_cuts: f64,
+    pub(crate) finish: f64,
+    /// Angle of the nose, degrees.
+    pub(crate) nose: f64,
+    pub(crate) chamfer: bool,
+    /// Its length along the thread, 0 = by the lead.
+    pub(crate) chamfer_length: f64,
+    /// Its length in leads, if it was told like this.
+    pub(crate) chamfer_leads: Option<f64>,
+    /// Its angle to the thread, degrees.
+    pub(crate) chamfer_angle: f64,
+    /// End of threads of one pass along X and Z, as programmed, and their taper; they last as long as their code.
+    pub(crate) end: [Option<f64>; 2],
+    pub(crate) taper: f64,
+}
+
+impl ThreadCycle {
+    /// Settings of the machine.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let threads = &machine.threads;
+        Self {
+            kind: None,
+            block: 0,
+            prepared: false,
+            mode: threads.infeed,
+            depth: None,
+            step: None,
+            cuts: None,
+            made: 0,
+            least: threads.min_step,
+            finish_cuts: f64::from(threads.finish_cuts),
+            finish: threads.finish,
+            nose: threads.nose,
+            chamfer: threads.chamfer,
+            chamfer_length: threads.chamfer_length,
+            chamfer_leads: None,
+            chamfer_angle: threads.chamfer_angle,
+            end: [None; 2],
+            taper: 0.0,
+        }
+    }
+
+    /// A macro sets something of the cycle to come.
+    pub(crate) fn prepare(&mut self) {
+        if !self.prepared {
+            self.forget();
+            self.prepared = true;
+        }
+    }
+
+    /// A cycle begins.
+    pub(crate) fn begin(&mut self) {
+        if !self.prepared {
+            self.forget();
+        }
+        self.prepared = false;
+    }
+
+    fn forget(&mut self) {
+        (self.depth, self.step, self.cuts) = (None, None, None);
+    }
+
+    /// The kind that acts on a block.
+    pub(crate) fn acting(&self, block: u64) -> Option<Kind> {
+        self.kind.filter(|_| self.block == block)
+    }
+
+    /// A length of the chamfer, 0 = by the lead.
+    pub(crate) fn set_chamfer(&mut self, length: f64) {
+        (self.chamfer_length, self.chamfer_leads) = (length, None);
+    }
+
+    /// `$THCUTS`
+    pub(crate) fn passes(&self) -> f64 {
+        self.cuts.unwrap_or(f64::from(self.made))
+    }
+}
