@@ -7,12 +7,13 @@
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
 use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang::func;
-use counterpoint_lang::host::{Answer, Domain, SystemVariable, Test};
+use counterpoint_lang::host::SystemVariable;
+use counterpoint_lang::layout::{self, Style};
 use counterpoint_lang::parse;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, Style};
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang_standalone::{Answer, Domain, Standalone};
 use counterpoint_mdspec::{Check, Example, Fences, Role, Suite, counted, severity_name};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -59,8 +60,8 @@ fn options(example: &Example) -> Options {
 }
 
 /// The double with everything a block gives it.
-fn host(example: &Example) -> Test {
-    let mut host = Test::new();
+fn host(example: &Example) -> Standalone {
+    let mut host = Standalone::new();
     host.variable("$TAPEN", Some(Kind::Text), false);
     let table = SystemVariable { name: "$TLTAB".to_owned(), kind: None, writable: true, indices: 2 };
     let domain = Domain { indices: vec![Some(9), Some(20)], ..Domain::default() };
@@ -72,7 +73,7 @@ fn host(example: &Example) -> Test {
         let text = &fence.body.text;
         let lines = text.lines();
         match fence.kind.as_str() {
-            "program" => host.program = lines.map(str::to_owned).collect(),
+            "program" => host.program.blocks = lines.map(str::to_owned).collect(),
             "console" => host.typed = lines.map(str::to_owned).collect(),
             "settings" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
@@ -80,7 +81,7 @@ fn host(example: &Example) -> Test {
             }
             "variables" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
-                host.nc_variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
+                host.program.variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
             }
             "macros" => lines
                 .filter_map(|line| line.split_once(' '))
@@ -96,7 +97,7 @@ fn host(example: &Example) -> Test {
                 let values = values.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
                 host.answer(name, Answer { button, values });
             }),
-            "file" => drop(host.files.insert(fence.words.clone(), text.clone())),
+            "file" => drop(host.disk.files.insert(fence.words.clone(), text.clone())),
             _ => {}
         }
     }
@@ -131,18 +132,18 @@ fn run(example: &Example, text: &str) -> Found {
         }
         vm::close_all(&mut state, &mut host);
     }
-    diagnostics.append(&mut host.diagnostics);
+    diagnostics.append(&mut host.output.diagnostics);
     let messages = diagnostics.iter().fold(String::new(), |mut text, diagnostic| {
         let _ = writeln!(text, "{diagnostic}");
         text
     });
     let joined = |lines: &[String]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    let styled = |style| tools::format(text, style).unwrap_or_default();
+    let styled = |style| layout::format(text, style).unwrap_or_default();
     let texts = BTreeMap::from([
-        ("output", joined(&host.printed)),
-        ("commands", joined(&host.commands)),
+        ("output", joined(&host.output.printed)),
+        ("commands", joined(&host.output.commands)),
         ("messages", messages),
-        ("trace", joined(&host.traced)),
+        ("trace", joined(&host.output.traced)),
         ("standard", styled(Style::Standard)),
         ("c", styled(Style::C)),
     ]);
@@ -178,8 +179,8 @@ fn check(example: &Example, check: &mut Check<'_>) {
 fn formatted(example: &Example) -> Result<(), String> {
     let text = example.text("macro");
     for style in [Style::Standard, Style::C] {
-        let Ok(once) = tools::format(text, style) else { continue };
-        let twice = tools::format(&once, style).unwrap_or_default();
+        let Ok(once) = layout::format(text, style) else { continue };
+        let twice = layout::format(&once, style).unwrap_or_default();
         let (before, after) = (run(example, text), run(example, &once));
         let places = |found: &Found| found.diagnostics.iter().map(|d| (d.number, d.line)).collect::<Vec<_>>();
         let same_lines = once.lines().count() == text.lines().count();

@@ -13,6 +13,7 @@ use crate::geometry::Loop;
 use counterpoint_event::event::fields::{Field, Fields, Presence, Record, Value};
 use counterpoint_event::event::{Event, Kind, Motion, MotionKind};
 use counterpoint_event::info::{Axis, Info};
+use counterpoint_fault as diag;
 
 /// Appends the event as one JSON object and a newline. `seq` is its number in the log, from 1.
 pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
@@ -23,7 +24,7 @@ pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
     event.head(seq, &mut object);
     event.kind.fields(&mut object);
     if let Kind::Diagnostic(diagnostic) = &event.kind
-        && let Some(name) = counterpoint_fault::name(diagnostic.number)
+        && let Some(name) = diag::name(diagnostic.number)
     {
         object.name("name");
         serial(object.out, name);

@@ -18,6 +18,7 @@ pub use crate::tools::Tool;
 use crate::told::{Told, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
+use counterpoint_fault as diag;
 use tally::Tally;
 
 /// Diagnostics that a summary lists; the log holds them all.
@@ -239,7 +240,7 @@ impl Findings {
         let (file, block) = self.place(told.file, told.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
-            name: counterpoint_fault::name(diagnostic.number).unwrap_or_default().to_owned(),
+            name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
             channel: told.channel,
             file,

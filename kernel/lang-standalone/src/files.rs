@@ -1,17 +1,26 @@
-//! Files of the double: in memory, or those of the outside.
+//! Files: in memory, or those of the outside.
 
-use super::Test;
-use super::outside::Outside;
-use crate::host::folder::{Facts, Folder, NOT_FOUND, Shelf, stored};
 use std::collections::BTreeMap;
 
-/// Where they are.
-struct Disk<'a> {
+use counterpoint_lang::host::{Facts, Folder, NOT_FOUND, Shelf, stored};
+
+use crate::outside::Outside;
+
+/// Files in memory, the folder of the run and its current folder.
+#[derive(Debug, Default)]
+pub struct Disk {
+    /// Files by name.
+    pub files: BTreeMap<String, String>,
+    folder: Folder,
+}
+
+/// Where the files are.
+struct Storage<'a> {
     files: &'a mut BTreeMap<String, String>,
     outside: Option<&'a mut Box<dyn Outside>>,
 }
 
-impl Disk<'_> {
+impl Storage<'_> {
     fn outside(&mut self, path: &str) -> Option<&mut Box<dyn Outside>> {
         if stored(path) { None } else { self.outside.as_deref_mut() }
     }
@@ -23,7 +32,7 @@ impl Disk<'_> {
     }
 }
 
-impl Shelf for Disk<'_> {
+impl Shelf for Storage<'_> {
     fn read(&mut self, path: &str) -> Result<String, i32> {
         match self.outside(path) {
             Some(outside) => outside.read(path),
@@ -67,20 +76,13 @@ impl Shelf for Disk<'_> {
     }
 }
 
-impl Test {
+impl Disk {
     /// Does something with the folder of the run and its files.
-    pub(super) fn with_files<R>(&mut self, work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R) -> R {
-        let mut disk = Disk { files: &mut self.files, outside: self.outside.as_mut() };
-        work(&mut self.folder, &mut disk)
-    }
-
-    /// Text of a file.
-    pub(super) fn load(&mut self, path: &str) -> Result<String, i32> {
-        self.with_files(|folder, shelf| folder.load(shelf, path))
-    }
-
-    /// Removes the temporary files of the run.
-    pub fn clean(&mut self) {
-        self.with_files(Folder::clean);
+    pub(crate) fn with<R>(
+        &mut self,
+        outside: Option<&mut Box<dyn Outside>>,
+        work: impl FnOnce(&mut Folder, &mut dyn Shelf) -> R,
+    ) -> R {
+        work(&mut self.folder, &mut Storage { files: &mut self.files, outside })
     }
 }

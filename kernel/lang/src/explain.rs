@@ -33,7 +33,7 @@ pub fn functions() -> &'static [Entry] {
             }
             _ => None,
         };
-        rows(include_str!("../../data/functions.tsv")).filter_map(entry).collect()
+        rows(include_str!("../data/functions.tsv")).filter_map(entry).collect()
     })
 }
 
@@ -45,7 +45,7 @@ pub fn statements() -> &'static [Entry] {
             [name, form, about] => Some(Entry { name, form, result: None, about }),
             _ => None,
         };
-        rows(include_str!("../../data/statements.tsv")).filter_map(entry).collect()
+        rows(include_str!("../data/statements.tsv")).filter_map(entry).collect()
     })
 }
 

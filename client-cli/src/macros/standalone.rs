@@ -1,30 +1,28 @@
 //! A host without a machine that has the tables of this control.
 
-use counterpoint_lang::host::{Domain, Test};
+use counterpoint_kernel::diag;
+use counterpoint_kernel::machine::ident::codes;
+use counterpoint_kernel::machine::macros::{identifiers, system};
 use counterpoint_lang::value::Value;
-
-use super::{identifiers, system};
-use crate::ident::codes;
-use counterpoint_fault as diag;
+use counterpoint_lang_standalone::{Domain, Standalone};
 
 /// A host that knows the control's variables, identifiers, modal groups and diagnostics, but no machine and no program.
-#[must_use]
-pub fn standalone() -> Test {
-    let mut test = Test::bare();
+pub(super) fn standalone() -> Standalone {
+    let mut host = Standalone::bare();
     for variable in system::table() {
         let nullable = matches!(variable.first, Value::Null);
         let domain = Domain { indices: variable.indices.clone(), values: variable.range, nullable };
-        test.system_variable(variable.symbol(), variable.first.clone(), domain);
+        host.system_variable(variable.symbol(), variable.first.clone(), domain);
     }
-    test.foreign_variables(system::product_of);
-    test.only_identifiers(identifiers::names().map(str::to_owned), identifiers::canonical);
+    host.foreign_variables(system::product_of);
+    host.only_identifiers(identifiers::names().map(str::to_owned), identifiers::canonical);
     for facts in codes::TABLE.iter().filter(|facts| facts.group != 0) {
-        test.group(facts.name, facts.group);
+        host.group(facts.name, facts.group);
     }
     for facts in diag::ALL {
-        test.add_diagnostic(facts.number, facts.severity, facts.title);
+        host.add_diagnostic(facts.number, facts.severity, facts.title);
     }
-    test
+    host
 }
 
 #[cfg(test)]
@@ -32,11 +30,11 @@ mod tests {
     use super::*;
     use counterpoint_lang::compile::Strong;
     use counterpoint_lang::diag::Number;
-    use counterpoint_lang::tools::{self, RunOptions};
+    use counterpoint_lang_standalone::{RunOptions, check_all};
 
     fn found(text: &str) -> Vec<(Number, Option<String>)> {
         let files = [("m".to_owned(), text.to_owned())];
-        let found = tools::check_all(&files, &mut standalone(), Strong::Off);
+        let found = check_all(&files, &mut standalone(), Strong::Off);
         found.into_iter().flatten().map(|diagnostic| (diagnostic.number, diagnostic.help)).collect()
     }
 
@@ -60,9 +58,9 @@ mod tests {
         assert_eq!(found("A=$TLTAB(1)")[0].0, Number::WRONG_COUNT);
     }
 
-    fn run(text: &str) -> Test {
+    fn run(text: &str) -> Standalone {
         let mut host = standalone();
-        tools::run(&[("m".to_owned(), text.to_owned())], &mut host, RunOptions::default());
+        counterpoint_lang_standalone::run(&[("m".to_owned(), text.to_owned())], &mut host, RunOptions::default());
         host
     }
 
@@ -76,22 +74,29 @@ mod tests {
             };
             let name = format!("{}{indices}", variable.name);
             let host = run(&format!("V={name}\nPPRINT/'!(*)',V"));
-            assert!(host.diagnostics.is_empty() && host.printed.len() == 1, "{name}: {:?}", host.diagnostics);
+            assert!(
+                host.output.diagnostics.is_empty() && host.output.printed.len() == 1,
+                "{name}: {:?}",
+                host.output.diagnostics
+            );
             if variable.access != system::Access::Read {
                 let text = format!("{name}={name}\nPPRINT/'!(*)',{name}");
                 let again = run(&text);
-                assert_eq!(again.printed.len(), 1, "{name}: {:?}", again.diagnostics);
+                assert_eq!(again.output.printed.len(), 1, "{name}: {:?}", again.output.diagnostics);
             }
         }
     }
 
     #[test]
     fn indices_and_values_have_limits() {
-        let numbers = |text: &str| run(text).diagnostics.iter().map(|d| d.number).collect::<Vec<_>>();
+        let numbers = |text: &str| run(text).output.diagnostics.iter().map(|d| d.number).collect::<Vec<_>>();
         assert_eq!(numbers("$SMODE=4")[0], Number::BAD_VALUE);
         assert_eq!(numbers("A=$OPSKIPL(10)")[0], Number::OUT_OF_RANGE);
         assert_eq!(numbers("$TLTAB(0,1)=1")[0], Number::OUT_OF_RANGE);
-        assert_eq!(run("$TLTAB(21,3)='x'\nPPRINT/'!(*) !(*)',$TLTAB(21,3),$TLTAB(21,4)").printed, ["x $NULL"]);
-        assert_eq!(run("A=$FCESAC(CODE_RAPID)\nPPRINT/'!(*)',$FCEGAC(CODE_INTERP_LINEAR)").printed, ["CODE_RAPID"]);
+        assert_eq!(run("$TLTAB(21,3)='x'\nPPRINT/'!(*) !(*)',$TLTAB(21,3),$TLTAB(21,4)").output.printed, ["x $NULL"]);
+        assert_eq!(
+            run("A=$FCESAC(CODE_RAPID)\nPPRINT/'!(*)',$FCEGAC(CODE_INTERP_LINEAR)").output.printed,
+            ["CODE_RAPID"]
+        );
     }
 }

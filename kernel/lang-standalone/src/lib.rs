@@ -1,23 +1,41 @@
-//! Checking, formatting, running and explaining, as a command line or an editor needs it.
+//! Macros without a machine: checked, and run against a host that keeps everything in memory.
 //!
-//! Invariant: formatting changes no meaning, keeps every comment, and formatting twice is formatting once.
+//! Serves `macro check` and `macro run` of the command line, and tests of macros.
 
-pub mod explain;
+mod answers;
+mod files;
+mod identifiers;
+mod model;
 mod order;
+mod output;
+mod outside;
+mod program;
+mod registers;
+mod standalone;
+mod tables;
+mod variables;
 
-pub use crate::layout::{Style, format, standard_line};
+pub use answers::Answer;
+pub use files::Disk;
+pub use identifiers::Spelling;
+pub use output::Output;
+pub use outside::{Outside, Stream};
+pub use program::NcProgram;
+pub use standalone::Standalone;
+pub use variables::Domain;
 
-use crate::compile::{self, Options, Place, Program, Strong};
-use crate::diag::Diagnostic;
-use crate::host::{Host, Test};
-use crate::source::Source;
-use crate::vm::{self, End, Limits, State};
+use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
+use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::host::Dialog;
+use counterpoint_lang::source::Source;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{self, End, Limits, State};
 
 /// All diagnostics of a file.
 #[must_use]
 pub fn check(text: &str, name: &str) -> Vec<Diagnostic> {
     let options = Options { uninitialised: true, ..Options::default() };
-    compile::add(&mut Program::new(), &mut Test::new(), Source::new(name, text), options).diagnostics
+    compile::add(&mut Program::new(), &mut Standalone::new(), Source::new(name, text), options).diagnostics
 }
 
 /// A name and a text.
@@ -26,7 +44,7 @@ pub type File = (String, String);
 /// All diagnostics of files (name and text) that are used together, in their order. They know each other's functions and
 /// shared variables. Under strong declaration the last one is a macro, those before it declare.
 #[must_use]
-pub fn check_all(files: &[File], host: &mut Test, strong: Strong) -> Vec<Vec<Diagnostic>> {
+pub fn check_all(files: &[File], host: &mut Standalone, strong: Strong) -> Vec<Vec<Diagnostic>> {
     let mut program = Program::new();
     let mut found = vec![Vec::new(); files.len()];
     for at in order::order(files) {
@@ -60,7 +78,7 @@ pub struct RunOptions {
 
 /// Runs the last of `files` (name and text); the others define functions. Everything that is printed, traced and found
 /// goes to the host as it happens, findings of the checker first. Tells whether there was an error.
-pub fn run(files: &[File], host: &mut Test, options: RunOptions) -> bool {
+pub fn run(files: &[File], host: &mut Standalone, options: RunOptions) -> bool {
     let mut program = Program::new();
     let mut state = State::new(options.limits);
     let (mut failed, mut macros) = (false, Vec::new());
@@ -85,4 +103,9 @@ pub fn run(files: &[File], host: &mut Test, options: RunOptions) -> bool {
     vm::close_all(&mut state, host);
     host.clean();
     state.failed
+}
+
+/// An argument as a text.
+fn text(arguments: &[Value], position: usize) -> &str {
+    arguments.get(position).and_then(Value::as_text).unwrap_or("")
 }

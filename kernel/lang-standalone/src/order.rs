@@ -4,10 +4,10 @@
 //! the given order stays.
 
 use super::File;
-use crate::ast::{Scope, StatementKind};
-use crate::lex::{self, Token};
-use crate::parse;
-use crate::source::Source;
+use counterpoint_lang::ast::{Scope, StatementKind};
+use counterpoint_lang::lex::{self, Token};
+use counterpoint_lang::parse;
+use counterpoint_lang::source::Source;
 use std::collections::HashSet;
 
 /// What a file defines for others, and every name it uses.
@@ -37,7 +37,7 @@ fn names(file: &File) -> Names {
 }
 
 /// Positions of the files in the order of their use.
-pub(super) fn order(files: &[File]) -> Vec<usize> {
+pub(crate) fn order(files: &[File]) -> Vec<usize> {
     let all: Vec<Names> = files.iter().map(names).collect();
     let needs = |at: usize, other: usize| {
         at != other

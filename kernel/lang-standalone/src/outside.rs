@@ -1,9 +1,9 @@
-//! Where the double's lines go and where its files are.
+//! Where lines go and where files are.
 //!
-//! Invariant: the double itself touches nothing but memory; whoever runs macros for real gives it an [`Outside`].
+//! Invariant: without an [`Outside`] nothing but memory is touched.
 
-use crate::diag::Diagnostic;
-use crate::host::Shelf;
+use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::host::Shelf;
 
 /// Kinds of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Stream {
 
 /// A console, and files below one folder.
 pub trait Outside: Shelf + std::fmt::Debug {
-    /// Takes a line; false if nobody takes lines any more, which ends the run.
+    /// Takes a line; false if it takes no more lines, which ends the run.
     fn line(&mut self, stream: Stream, text: &str) -> bool;
 
     /// Takes a diagnostic.
