@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use xtask::tidy;
+use xtask::{deny, tidy};
 
 const HELP: &str = "\
 Usage: cargo xtask TASK
@@ -12,6 +12,7 @@ Usage: cargo xtask TASK
   spec    Run the specification pages and scenarios only
   bench   Run the benchmarks of the kernel
   tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
+  deny    Check licences, banned crates and sources of everything that is built (deny.toml)
   doc     Build the documentation of the code, with warnings as errors
 ";
 
@@ -40,8 +41,9 @@ fn complain(text: &str) {
     eprintln!("{text}");
 }
 
-fn tidied(update: bool) -> bool {
-    match tidy::check(&root(), update) {
+/// Prints what a check found; whether it found nothing.
+fn is_clean(findings: Result<Vec<String>, String>) -> bool {
+    match findings {
         Ok(findings) => {
             findings.iter().for_each(|finding| complain(finding));
             findings.is_empty()
@@ -64,8 +66,9 @@ fn main() -> ExitCode {
             cargo(&kernel) && cargo(&["test", "--package", "counterpoint-lang", "--test", "spec"])
         }
         ["bench"] => cargo(&["bench", "--package", "counterpoint-kernel"]),
-        ["tidy"] => tidied(false),
-        ["tidy", "--update"] => tidied(true),
+        ["tidy"] => is_clean(tidy::check(&root(), false)),
+        ["tidy", "--update"] => is_clean(tidy::check(&root(), true)),
+        ["deny"] => is_clean(deny::check(&root())),
         ["doc"] => run("cargo", &["doc", "--workspace", "--no-deps"], Some(("RUSTDOCFLAGS", "-D warnings"))),
         _ => {
             complain(HELP);
