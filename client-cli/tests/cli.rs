@@ -5,6 +5,10 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use counterpoint_server::access::Role;
+use counterpoint_server::options::{Guard, Options};
+use counterpoint_server::service;
+
 fn counterpoint(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
     command.args(arguments).env_remove("COUNTERPOINT_SERVER").stdin(Stdio::null()).output().unwrap()
@@ -246,12 +250,37 @@ fn a_server_that_cannot_be_reached_is_an_error_at_once() {
             status.contains("no server answers at http://127.0.0.1:1") && status.contains("counterpointd"),
             "{status}"
         );
-        let output = counterpoint(&[command, "job", "--server", "https://127.0.0.1:1"]);
-        let status = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(code(&output), 2, "{status}");
-        assert!(status.contains("https") && status.contains("not supported yet"), "{status}");
         assert_eq!(code(&counterpoint(&[command, "job", "--server", "localhost:1"])), 2);
     }
+}
+
+#[test]
+fn the_token_and_the_authorities_come_from_the_environment() {
+    let folder = tempfile::tempdir().unwrap();
+    let access = folder.path().join("access.toml");
+    let (token, row) = counterpoint_server::access::token::create("t", "t", Role::Read, None).unwrap();
+    std::fs::write(&access, row).unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let guard = Guard { access, ..Guard::default() };
+    let options = Options {
+        guard,
+        listen: "127.0.0.1:0".parse().unwrap(),
+        data: folder.path().join("data"),
+        ..Options::default()
+    };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    let list = |url: &str, name: &str, value: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+        let output = command.args(["jobs", "--server", url]).env(name, value).stdin(Stdio::null()).output().unwrap();
+        (code(&output), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_eq!(list(&url, "COUNTERPOINT_TOKEN", &token), (0, String::new()));
+    let (status, talk) = list(&url, "COUNTERPOINT_TOKEN", "cpt_00");
+    assert!(status == 3 && talk.contains("token is not known"), "{status} {talk}");
+    let (status, talk) = list("https://127.0.0.1:1", "COUNTERPOINT_CA", "no-such.pem");
+    assert!(status != 0 && talk.contains("'no-such.pem' does not exist"), "{talk}");
 }
 
 #[test]

@@ -67,6 +67,7 @@ fn check_prints_json() {
     let finding = &document["files"][0]["findings"][0];
     let expected = serde_json::json!({
         "file": "a.mac", "line": 1, "column": 3, "width": 10, "number": "02910032", "severity": 8, "type": "error",
+        "name": "unknown-identifier",
         "text": "there is no identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
     });
     assert_eq!(finding, &expected);

@@ -40,6 +40,7 @@ fn as_json(finding: &Diagnostic) -> serde_json::Value {
         "column": finding.column,
         "width": finding.width,
         "number": finding.number.to_string(),
+        "name": finding.number.name(),
         "severity": finding.severity,
         "type": finding.word().to_lowercase(),
         "text": finding.message,
