@@ -34,30 +34,6 @@ use crate::machine::macros::model::Hook;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
-use crate::multi::shared::Shared;
-use crate::state::burden::weight;
-
-impl Shared {
-    /// A global variable that all kernels share.
-    fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
-        if self.globals.len() <= index {
-            self.globals.resize(index + 1, Value::Unset);
-        }
-        if let Some(value) = self.globals.get_mut(index) {
-            access(value);
-        }
-    }
-
-    /// Counts a change of what all kernels share; true if it has become too much.
-    pub(crate) fn grown(&mut self, bytes: usize, limit: u64) -> bool {
-        let Self { hoard, globals, named, files, .. } = self;
-        let bytes_of_files = files.bytes() as u64;
-        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
-            let names: usize = named.keys().map(|name| name.len() + 60).sum();
-            weight(globals.iter().chain(named.values())) + names as u64
-        })
-    }
-}
 
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
