@@ -12,7 +12,8 @@ const FLOORS: &[&[&str]] = &[
     &["ports", "lang-standalone"],
     &["machine"],
     &["program"],
-    &["dialect", "results", "sync"],
+    &["dialect", "results"],
+    &["sync"],
     &["emulator"],
     &["job"],
     &["kernel"],
@@ -69,12 +70,12 @@ mod tests {
         let good =
             package("counterpoint-machine", &[("counterpoint-lang", None), ("counterpoint-server", Some("dev"))]);
         let up = package("counterpoint-lang", &[("counterpoint-machine", None)]);
-        let beside = package("counterpoint-results", &[("counterpoint-sync", Some("build"))]);
+        let beside = package("counterpoint-dialect", &[("counterpoint-results", Some("build"))]);
         let new = package("counterpoint-attic", &[]);
         let findings = findings(&[good, up, beside, new]);
         assert_eq!(findings.len(), 3, "{findings:?}");
         assert!(findings[0].starts_with("counterpoint-lang uses counterpoint-machine"), "{findings:?}");
-        assert!(findings[1].starts_with("counterpoint-results uses counterpoint-sync"), "{findings:?}");
+        assert!(findings[1].starts_with("counterpoint-dialect uses counterpoint-results"), "{findings:?}");
         assert!(findings[2].starts_with("counterpoint-attic has no floor"), "{findings:?}");
     }
 }

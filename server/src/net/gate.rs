@@ -68,6 +68,7 @@ impl Gate {
     }
 
     /// Lets a call pass with its caller, or answers it.
+    #[allow(clippy::result_large_err, reason = "the answer is sent as it is, once a refused call")]
     pub(super) fn admit(
         &self,
         request: &mut Request<Incoming>,
