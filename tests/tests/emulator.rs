@@ -16,9 +16,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use counterpoint_kernel::files::Memory;
-use counterpoint_kernel::log::event::{
-    Call, Dwell, Event, Function, Kind, Message, Mode, Motion, MotionKind, ToolChange,
-};
+use counterpoint_kernel::log::event::{Call, Dwell, Event, Function, Kind, Message, Motion, MotionKind, ToolChange};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
@@ -121,7 +119,7 @@ fn event(info: &Info, event: &Event) -> Option<String> {
     let text = match &event.kind {
         Kind::Motion(m) => motion(info, event, m),
         Kind::Message(Message { text, .. }) => format!("message {text}"),
-        Kind::Mode(Mode { text }) => format!("mode {text}"),
+        Kind::Mode(mode) => format!("mode {mode}"),
         Kind::Tool(ToolChange { action, tool, .. }) => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => {
             let of = if s.spindle > 1 { format!(" of {}", s.spindle) } else { String::new() };

@@ -2,7 +2,7 @@
 
 use crate::channel::Kernel;
 use crate::channel::block::Firing;
-use crate::log::event::{Function, Kind};
+use crate::log::event::{Function, Kind, OffsetKind};
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
 use counterpoint_fault::Acted;
@@ -35,14 +35,16 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
     let asks = side != "off" || kernel.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(kernel) } else { None };
     if kernel.channel.acting.mode_changed || number.is_some() {
-        let text = match number {
-            Some(number) if side != "off" => {
-                format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number))
+        let text = format!("comp diam {side}");
+        let mode = match number.filter(|_| side != "off") {
+            Some(number) => {
+                let text = format!("{text} n={}", counterpoint_lang::format::wildcard_text(number));
+                Kind::compensation(text, OffsetKind::Diameter, number)
             }
-            _ => format!("comp diam {side}"),
+            None => Kind::mode(text),
         };
         super::cutter::switched(kernel, code)?;
-        kernel.emit(0, Kind::mode(text));
+        kernel.emit(0, mode);
         kernel.tell_tool();
     }
     Ok(())

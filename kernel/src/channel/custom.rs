@@ -13,7 +13,7 @@ use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
 use super::{Kernel, burden};
 use crate::diag;
-use crate::log::event::{Kind, Trace};
+use crate::log::event::{Kind, Listing};
 use crate::machine::ident::data;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
@@ -34,8 +34,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
+        self.emit(0, Kind::listing(Listing::Block(burden::shortened(&text).into())));
     }
 
     /// Processes such a block.

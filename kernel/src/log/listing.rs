@@ -27,10 +27,9 @@ use std::io::{BufWriter, Result, Write};
 
 use rustc_hash::FxHashMap;
 
-use crate::log::event::{Event, Frame, Kind, Trace};
+use crate::log::event::{Event, Frame, Kind};
 use crate::log::info::Info;
 use crate::log::summary::Summary;
-use crate::trace::LISTING;
 use blocks::Waits;
 use diagnostics::Counts;
 use tooling::Tooling;
@@ -95,7 +94,7 @@ pub fn render_trace(
 fn of_master(event: &Event) -> bool {
     event.channel == 0
         && match event.kind {
-            Kind::Trace(Trace { letter, .. }) => letter != LISTING,
+            Kind::Trace(ref trace) => trace.listing.is_none(),
             Kind::Message(_) => true,
             _ => false,
         }

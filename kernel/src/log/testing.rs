@@ -36,7 +36,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
         let source = Arc::new(Source::new(name.clone(), bytes::Bytes::copy_from_slice(text.as_bytes())));
-        File { name, source: OnceLock::from(Some(source)) }
+        File { name, stored: false, source: OnceLock::from(Some(source)) }
     };
     Arc::new(Info {
         machine: "lathe2".into(),

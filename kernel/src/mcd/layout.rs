@@ -105,6 +105,7 @@ fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Fi
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine));
     let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
+    let file = |name: String, source| File { stored: name.starts_with(StoredFile::ROOT), name, source };
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
@@ -116,7 +117,7 @@ fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Fi
                 None
             }
         };
-        table.push(File { name: program.file.clone(), source: OnceLock::from(source) });
+        table.push(file(program.file.clone(), OnceLock::from(source)));
     }
     for name in files.list() {
         if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
@@ -124,13 +125,13 @@ fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Fi
             break;
         }
         if !known.contains(&name) {
-            table.push(File { name, source: OnceLock::new() });
+            table.push(file(name, OnceLock::new()));
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(File { name, source: OnceLock::from(source) });
+        table.push(file(name, OnceLock::from(source)));
     }
     table
 }

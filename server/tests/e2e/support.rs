@@ -82,7 +82,7 @@ impl Runner for Script {
             lower: false,
             axes: vec![axis("X"), axis("Z")],
         };
-        let file = File { name: program.file.clone(), source: Default::default() };
+        let file = File { name: program.file.clone(), stored: false, source: Default::default() };
         let text = Source::new(&program.file, files.read(&program.file).unwrap());
         file.source.set(Some(Arc::new(text))).unwrap();
         let info = Arc::new(Info {
