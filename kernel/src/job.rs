@@ -11,6 +11,7 @@ use crate::log::fold::Folds;
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
+use crate::mcd::sources::Sources;
 use crate::options::Options;
 
 /// A program given to a channel.
@@ -40,6 +41,7 @@ pub struct Spec {
 pub struct Job {
     spec: Spec,
     info: Arc<Info>,
+    sources: Sources,
     /// The machine's macros as its kernels run them.
     macros: Option<Arc<compile::Program>>,
 }
@@ -97,8 +99,8 @@ fn has_embedded(info: &Info, files: &dyn Files, stop: &Stop) -> bool {
         let mut pieces = pieces.filter_map(|at| text.get(at..text.len().min(at + PIECE + 1)));
         pieces.any(|piece| [&b"#{"[..], b"!{"].into_iter().any(|mark| memchr::memmem::find(piece, mark).is_some()))
     };
-    info.files.iter().any(|file| match file.source.get() {
-        Some(source) => source.as_ref().is_some_and(|source| has(source.bytes())),
+    info.files.iter().any(|file| match file.text.get() {
+        Some(text) => text.as_ref().is_some_and(|text| has(text.bytes())),
         None => files.read(&file.name).is_ok_and(|bytes| has(&bytes)),
     })
 }
@@ -122,9 +124,9 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let info = match crate::mcd::layout::assign(&spec, files, stop) {
+        let (info, sources) = match crate::mcd::layout::assign(&spec, files, stop) {
             _ if stop.asked() => return Err(cancelled()),
-            Ok(info) => info,
+            Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),
         };
         let macros = spec.machine.macros.as_deref().map(|macros| macros.program_for(&spec.machine, info.trace));
@@ -132,13 +134,18 @@ impl Job {
         if stop.asked() {
             return Err(cancelled());
         }
-        Ok(Self { spec, info: Arc::new(info), macros })
+        Ok(Self { spec, info: Arc::new(info), sources, macros })
     }
 
     /// What is fixed about the job.
     #[must_use]
     pub fn info(&self) -> &Arc<Info> {
         &self.info
+    }
+
+    /// Its program files.
+    pub(crate) fn sources(&self) -> &Sources {
+        &self.sources
     }
 
     /// What it was made of.

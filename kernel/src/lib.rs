@@ -8,12 +8,13 @@
 mod action;
 mod channel;
 pub mod control;
+pub use counterpoint_event as event;
 pub use counterpoint_fault as diag;
+pub use counterpoint_machine as machine;
 pub use counterpoint_ports::{dialog, files, options, system};
 mod dialect;
 pub mod job;
 pub mod log;
-pub mod machine;
 mod macros;
 pub mod mcd;
 mod multi;

@@ -149,10 +149,10 @@ impl Kernel<'_> {
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.preprocessed = preprocess;
         }
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let own = self.macros.as_deref().and_then(|runtime| runtime.text.clone());
         let edited = self.channel.text.edited.clone();
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = match &own {
             Some(text) => text.as_bytes(),
             None => edited.as_deref().unwrap_or_else(as_read),
@@ -420,12 +420,12 @@ impl Kernel<'_> {
 
     /// The same for a macro.
     pub(crate) fn text_value(&mut self) -> Value {
-        let (info, file, line) = (self.channel.env.info, self.channel.at.file, self.channel.at.line);
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
         let Some(runtime) = self.macros.as_deref_mut() else { return Value::text("") };
         if let Some(text) = &runtime.text {
             return Value::Text(Arc::clone(text));
         }
-        let as_read = || info.source(file).map_or(&[][..], |source| source.line(line));
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
         let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
         Value::Text(runtime.texts.with(|text| {
             text.clear();

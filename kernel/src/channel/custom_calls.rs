@@ -166,8 +166,10 @@ impl Kernel<'_> {
         let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
         let file = file as FileId;
         self.load(file)?;
-        let info = self.channel.env.info;
-        let Some(source) = info.source(file).filter(|source| line <= source.lines()) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|source| line <= source.lines()) else {
+            return Ok(None);
+        };
         let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
         let last = around.map_or(source.lines(), |range| range.last);
         Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))

@@ -22,7 +22,12 @@ impl Kernel<'_> {
         let Some((file, range, name)) = self.frame().map(|f| (f.file, f.range, f.name.to_string())) else {
             return false;
         };
-        let next = info.source(file).and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
+        let next = self
+            .channel
+            .env
+            .sources
+            .get(file)
+            .and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
         let runs_elsewhere = |next: &Range| {
             info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && c.lines.1 == next.last)
         };
@@ -43,9 +48,11 @@ impl Kernel<'_> {
     /// Says what stands before the rewind-stop that a main program begins with.
     pub(super) fn tell_leader(&mut self, file: FileId, range: Range) {
         let format = &self.channel.env.machine.format;
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         // Where a rewind-stop is expected, everything before it is passed over by rule (reference 5.1).
-        let Some(source) = info.source(file).filter(|_| format.rws_at != RewindStop::Start) else { return };
+        let Some(source) = sources.get(file).filter(|_| format.rws_at != RewindStop::Start) else {
+            return;
+        };
         if range.first > 1 && !format.rws.is_empty() && source.line(range.first).trim_ascii() == format.rws.as_bytes() {
             self.tell_unowned(file, source, (1, range.first - 1));
         }
@@ -54,7 +61,7 @@ impl Kernel<'_> {
     /// Says what stands before the definitions of a file when one of them is called and nothing runs that text.
     pub(super) fn tell_heading(&mut self, file: FileId, called: Range) {
         let info = self.channel.env.info;
-        let Some(source) = info.source(file) else { return };
+        let Some(source) = self.channel.env.sources.get(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
         if !source.is_plain(*heading) || !self.first_time(file, heading.first) {
             return;

@@ -362,9 +362,9 @@ impl Kernel<'_> {
 
     /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
-        let blocks = info.source(file).map_or(&[][..], |s| s.sequences(number));
+        let blocks = sources.get(file).map_or(&[][..], |s| s.sequences(number));
         // They are in ascending order.
         let first_from = |from: Spot| {
             let from = from.max(Spot::line(range.first));

@@ -156,7 +156,7 @@ impl Host for Kernel<'_> {
     }
 
     fn source(&self, file: FileId) -> Option<Arc<Source>> {
-        self.channel.env.info.files.get(usize::from(file))?.source.get()?.clone()
+        self.channel.env.sources.shared(file)
     }
 
     fn files(&self) -> Vec<String> {

@@ -33,11 +33,8 @@ impl Kernel<'_> {
             let text = self.text_bytes().into_owned();
             self.compiled(&text, false)?
         } else {
-            let info = self.channel.env.info;
-            self.compiled(
-                info.source(self.channel.at.file).map_or(&[][..], |source| source.line(self.channel.at.line)),
-                false,
-            )?
+            let (sources, at) = (self.channel.env.sources, &self.channel.at);
+            self.compiled(sources.get(at.file).map_or(&[][..], |source| source.line(at.line)), false)?
         };
         line.name.into_iter().for_each(|span| self.channel.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };

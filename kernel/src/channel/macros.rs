@@ -212,7 +212,7 @@ impl Kernel<'_> {
 
     /// Loop partners of the current program, found once.
     fn pairs(&mut self) -> Arc<Pairs> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let Some((file, range)) = self.frame().map(|f| (f.file, f.range)) else { return Arc::default() };
         if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
             return Arc::clone(pairs);
@@ -220,7 +220,7 @@ impl Kernel<'_> {
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
         let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
-        let Some(source) = info.source(file) else { return Arc::default() };
+        let Some(source) = sources.get(file) else { return Arc::default() };
         let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
         let blocks = bracketing.flat_map(|line| {
             scanner.block_starts(source.line(line)).map(move |offset| Spot { line, offset: offset as u32 })

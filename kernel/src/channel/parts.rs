@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use counterpoint_event::Letters;
 use rustc_hash::FxHashMap;
 
 use super::emit::Emitter;
@@ -22,16 +23,18 @@ use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::ident::DataId;
 use crate::machine::model::Channel as MachineChannel;
+use crate::mcd::sources::Sources;
 use crate::multi::coordinator::switch::Port;
 use crate::multi::tag::Tag;
 use crate::options::Options;
-use crate::trace::Letters;
 
 /// What a run is about; it does not change while the kernel runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Environment<'a> {
     pub(crate) machine: &'a Machine,
     pub(crate) info: &'a Info,
+    /// The program files.
+    pub(crate) sources: &'a Sources,
     pub(crate) options: &'a Options,
     pub(crate) files: &'a dyn Files,
     /// Letters of the trace, `None` when there is no trace.

@@ -44,7 +44,7 @@ impl Kernel<'_> {
             self.process_later(block)?;
             return self.follow();
         }
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let Some((file, range, line)) = self.frame().map(|f| (f.file, f.range, f.next)) else {
             return Err(Halt::End(None));
         };
@@ -54,7 +54,7 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.next = line + 1;
         }
-        let Some(source) = info.source(file) else { return Err(Halt::End(None)) };
+        let Some(source) = sources.get(file) else { return Err(Halt::End(None)) };
         let text = source.line(line);
         if text.iter().all(|b| matches!(b, b' ' | b'\t')) {
             return Ok(());
@@ -192,7 +192,7 @@ impl Kernel<'_> {
     pub(crate) fn load(&mut self, file: FileId) -> Acted {
         let info = self.channel.env.info;
         let Some(entry) = info.files.get(usize::from(file)) else { return Ok(()) };
-        if entry.source.get().is_some() {
+        if self.channel.env.sources.is_known(file) {
             return Ok(());
         }
         let (name, shape, stop) =
@@ -206,7 +206,7 @@ impl Kernel<'_> {
             return Err(Halt::Stopped);
         }
         // Another kernel may have been faster.
-        let _ = entry.source.set(source);
+        self.channel.env.sources.put(file, source, &entry.text);
         match failure {
             None => Ok(()),
             Some(error) => Err(self.fatal(&diag::FILE_UNREADABLE, error.to_string())),

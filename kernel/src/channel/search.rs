@@ -41,7 +41,7 @@ impl Kernel<'_> {
         for look in self.looks(what) {
             let searched = match look {
                 Look::Definition(file) => {
-                    self.channel.env.info.source(file).map_or(0, |source| source.programs().len())
+                    self.channel.env.sources.get(file).map_or(0, |source| source.programs().len())
                 }
                 Look::Named(_) | Look::Top(_) => 0,
             };
@@ -90,8 +90,8 @@ impl Kernel<'_> {
 
     /// The blocks of a range in the current file.
     pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
-        let info = self.channel.env.info;
-        let source = info.source(self.channel.at.file)?;
+        let sources = self.channel.env.sources;
+        let source = sources.get(self.channel.at.file)?;
         // A range is called by whole lines.
         let numbered = |number| {
             let blocks = source.sequences(number).iter();
@@ -120,7 +120,7 @@ impl Kernel<'_> {
         let scanner = &self.plan.scanner;
         let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
         let mut block = Block::default();
-        if let Some(source) = self.channel.env.info.source(self.channel.at.file).filter(|_| !sources.is_empty()) {
+        if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
                 let is_plain = scanner.scan_as(source.line(line), false, &mut block, scanner.has_preprocessor());
                 if is_plain != Kind::Words || self.calls_range(&block) {
@@ -155,8 +155,8 @@ impl Kernel<'_> {
         if let Some(range) = self.in_file(file, what) {
             return Ok(Some((file, range)));
         }
-        let info = self.channel.env.info;
-        let Some(source) = info.source(file).filter(|s| s.lines() > 0) else { return Ok(None) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|s| s.lines() > 0) else { return Ok(None) };
         let plain = source.programs().first().copied().filter(|&range| source.is_plain(range));
         let all = match plain {
             // Text before definitions is a program, the one that the file is named after.
@@ -173,7 +173,7 @@ impl Kernel<'_> {
     }
 
     fn in_file(&self, file: FileId, what: &Callee) -> Option<Range> {
-        let source = self.channel.env.info.source(file)?;
+        let source = self.channel.env.sources.get(file)?;
         match what {
             Callee::Named(name) => source.named(name),
             Callee::Program(number) => source.programs().iter().find(|r| r.number == Some(*number)).copied(),

@@ -119,7 +119,7 @@ impl Kernel<'_> {
     /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
     pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
         let frame = self.flow.frames.last()?;
-        let source = self.channel.env.info.source(frame.file)?;
+        let source = self.channel.env.sources.get(frame.file)?;
         let text = |block: &[u8]| String::from_utf8_lossy(block).into_owned();
         if behind {
             let rest =
@@ -147,7 +147,7 @@ impl Kernel<'_> {
     /// Where the block after another one of the current program begins.
     pub(super) fn after(&self, spot: Spot) -> Spot {
         let file = self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file);
-        let line = self.channel.env.info.source(file).map_or(&[][..], |source| source.line(spot.line));
+        let line = self.channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));
         let next = self.plan.scanner.block_starts(line).find(|&start| start > spot.offset as usize);
         next.map_or(Spot::line(spot.line + 1), |start| Spot { line: spot.line, offset: start as u32 })
     }
@@ -169,12 +169,8 @@ impl Kernel<'_> {
         match &self.channel.text.edited {
             Some(text) => text,
             None => {
-                let line = self
-                    .channel
-                    .env
-                    .info
-                    .source(self.channel.at.file)
-                    .map_or(&[][..], |source| source.line(self.channel.at.line));
+                let (sources, at) = (self.channel.env.sources, &self.channel.at);
+                let line = sources.get(at.file).map_or(&[][..], |source| source.line(at.line));
                 let end = self.plan.scanner.block_end(line).unwrap_or(line.len());
                 line.get(..end).unwrap_or_default()
             }

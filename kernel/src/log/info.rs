@@ -6,12 +6,12 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
+pub use counterpoint_event::Unit;
+use counterpoint_event::{Letters, Text};
 use counterpoint_ports::Shares;
 use counterpoint_ports::options::Limits;
 
 use crate::log::event::FileId;
-use crate::mcd::source::Source;
-use crate::trace::Letters;
 
 /// Most characters of a block in results.
 pub(crate) const BLOCK_TEXT: usize = 200;
@@ -73,15 +73,6 @@ impl Default for Room {
     }
 }
 
-/// Unit of length of a machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimetres.
-    Mm,
-    /// Inches.
-    Inch,
-}
-
 /// A channel as results need it.
 #[derive(Debug, Clone)]
 pub struct Channel {
@@ -120,7 +111,7 @@ pub struct File {
     /// It is stored with the machine: its blocks are shown only to those who ask for them.
     pub stored: bool,
     /// Text and line index once loaded.
-    pub source: OnceLock<Option<Arc<Source>>>,
+    pub text: OnceLock<Option<Arc<Text>>>,
 }
 
 /// A text without blanks around it, at most `most` characters, the rest as `...`.
@@ -136,7 +127,7 @@ impl Info {
     /// Text of a line without its end of line; empty when the file or line does not exist.
     #[must_use]
     pub fn line_text(&self, file: FileId, line: u32) -> Cow<'_, str> {
-        self.source(file).map_or(Cow::Borrowed(""), |source| String::from_utf8_lossy(source.line(line)))
+        self.text(file).map_or(Cow::Borrowed(""), |text| String::from_utf8_lossy(text.line(line)))
     }
 
     /// Text of a block as results show it: without blanks around it, at most `most` characters, the rest as `...`.
@@ -152,10 +143,10 @@ impl Info {
         text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
     }
 
-    /// The loaded source of a file.
+    /// The loaded text of a file.
     #[must_use]
-    pub fn source(&self, file: FileId) -> Option<&Source> {
-        self.files.get(usize::from(file)).and_then(|f| f.source.get()).and_then(|s| s.as_deref())
+    pub fn text(&self, file: FileId) -> Option<&Text> {
+        self.files.get(usize::from(file)).and_then(|f| f.text.get()).and_then(|text| text.as_deref())
     }
 
     /// Name of a file, `-` when unknown.

@@ -9,8 +9,8 @@ use crate::log::event::{Diagnostic, FeedUnit};
 use crate::log::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
 use crate::log::fold::{Folds, Results};
 use crate::log::info::{Axis, Channel, File, Info, Room, Unit};
-use crate::mcd::source::Source;
 use crate::options::Options;
+use counterpoint_event::Text;
 
 /// A job of a two-turret lathe (X diameter, Z, C on the upper one) with a program text for each channel.
 pub(crate) fn lathe(texts: &[&str]) -> Arc<Info> {
@@ -35,8 +35,8 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     };
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
-        let source = Arc::new(Source::new(name.clone(), bytes::Bytes::copy_from_slice(text.as_bytes())));
-        File { name, stored: false, source: OnceLock::from(Some(source)) }
+        let source = Arc::new(Text::new(bytes::Bytes::copy_from_slice(text.as_bytes()), || false));
+        File { name, stored: false, text: OnceLock::from(Some(source)) }
     };
     Arc::new(Info {
         machine: "lathe2".into(),
@@ -45,7 +45,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         machine_created: String::new(),
         machine_file: "lathe2/machine.toml".into(),
         parameters: String::new(),
-        trace: crate::trace::Letters::default(),
+        trace: counterpoint_event::Letters::default(),
         unit: Unit::Mm,
         room: Room::default(),
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),

@@ -7,12 +7,14 @@
 
 use std::sync::{Arc, OnceLock};
 
+use counterpoint_event::{Letters, Text, letters};
 use counterpoint_ports::Shares;
 use rustc_hash::FxHashSet;
 
 use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
+use super::sources::Sources;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
@@ -20,28 +22,27 @@ use crate::log::info::{Axis, Channel, File, Info, Room};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
-use crate::trace::{Letters, letters};
 
 /// Characters that the user's parameters of a job may have.
 const MOST_PARAMETERS: usize = 1000;
 
 /// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
-pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<Info, Vec<Finding>> {
+pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<(Info, Sources), Vec<Finding>> {
     let mut findings = Vec::new();
     check_options(spec, &mut findings);
-    let table = file_table(spec, files, stop, &mut findings);
+    let (table, sources) = file_table(spec, files, stop, &mut findings);
     if spec.programs.is_empty() {
         findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
     }
     let mut channels = channels(&spec.machine);
     if findings.is_empty() {
-        let candidates = candidates(spec, &table, &mut findings);
+        let candidates = candidates(spec, (&table, &sources), &mut findings);
         place(spec, candidates, &mut channels, &mut findings);
     }
     if findings.iter().any(|f| f.error) {
         return Err(findings);
     }
-    Ok(Info {
+    let info = Info {
         machine: spec.machine.name.clone(),
         machine_number: spec.machine.number,
         machine_revision: spec.machine.revision,
@@ -53,7 +54,8 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<Info
         room: Room::of(&Shares::of_channels(&spec.options.limits, channels.len())),
         channels,
         files: table,
-    })
+    };
+    Ok((info, sources))
 }
 
 fn channels(machine: &Machine) -> Vec<Channel> {
@@ -100,12 +102,16 @@ fn check_options(spec: &Spec, findings: &mut Vec<Finding>) {
     }
 }
 
-fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Finding>) -> Vec<File> {
-    let mut table: Vec<File> = Vec::new();
+fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
+    source.as_ref().map(|source| Arc::clone(source.text()))
+}
+
+fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Finding>) -> (Vec<File>, Sources) {
+    let (mut table, mut sources) = (Vec::new(), Sources::default());
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine));
     let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
-    let file = |name: String, source| File { stored: name.starts_with(StoredFile::ROOT), name, source };
+    let file = |name: String, text| File { stored: name.starts_with(StoredFile::ROOT), name, text };
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
@@ -117,7 +123,8 @@ fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Fi
                 None
             }
         };
-        table.push(file(program.file.clone(), OnceLock::from(source)));
+        table.push(file(program.file.clone(), OnceLock::from(text_of(&source))));
+        sources.push(Some(source));
     }
     for name in files.list() {
         if table.len() + spec.machine.storage.len() >= usize::from(u16::MAX) {
@@ -126,14 +133,16 @@ fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Fi
         }
         if !known.contains(&name) {
             table.push(file(name, OnceLock::new()));
+            sources.push(None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(file(name, OnceLock::from(source)));
+        table.push(file(name, OnceLock::from(text_of(&source))));
+        sources.push(Some(source));
     }
-    table
+    (table, sources)
 }
 
 /// One program to be placed.
@@ -151,14 +160,18 @@ impl Candidate<'_> {
     }
 }
 
-fn candidates<'a>(spec: &'a Spec, table: &[File], findings: &mut Vec<Finding>) -> Vec<Candidate<'a>> {
+fn candidates<'a>(
+    spec: &'a Spec,
+    (table, sources): (&[File], &Sources),
+    findings: &mut Vec<Finding>,
+) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
     let callers = Callers::of(&spec.machine);
     // One more than fit is enough to say that there are too many.
     for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
-        let Some(source) = table.get(index).and_then(|f| f.source.get()).and_then(Option::as_deref) else { continue };
         let file = index as u16;
+        let Some(source) = sources.get(file) else { continue };
         if source.walk(1, source.lines()).all(|n| source.line(n).iter().all(u8::is_ascii_whitespace)) {
             let text = "the file is empty: a program has at least one block";
             findings.push(Finding::error(wish.file.clone(), 0, 0, text));

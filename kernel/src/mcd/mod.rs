@@ -4,5 +4,6 @@ mod heads;
 pub(crate) mod layout;
 pub mod program;
 pub mod source;
+pub mod sources;
 pub(crate) mod special;
 pub(crate) mod spot;

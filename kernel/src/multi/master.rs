@@ -81,7 +81,7 @@ impl<'a> Shop<'a> {
             let start = file.and_then(|file| {
                 let file = file as FileId;
                 kernel.load(file).ok()?;
-                let source = self.job.info().source(file)?;
+                let source = self.job.sources().get(file)?;
                 let whole = Range { number: None, first: 1, last: source.lines() };
                 Some((file, first_main(source, machine).unwrap_or(whole), wanted.trim().into()))
             });

@@ -331,6 +331,7 @@ impl<'a> Shop<'a> {
         let env = Environment {
             machine: &job.spec().machine,
             info: job.info(),
+            sources: job.sources(),
             options: &job.spec().options,
             files,
             trace: Some(job.info().trace).filter(|letters| !letters.is_empty()),

@@ -153,7 +153,7 @@ impl Kernel<'_> {
             return refused(self, reason);
         }
         self.load(file).ok()?;
-        let ranges = info.source(file).map(|source| layout::from_line(source, line, machine));
+        let ranges = self.channel.env.sources.get(file).map(|source| layout::from_line(source, line, machine));
         let channels = machine.channels.iter().map(|channel| channel.number);
         let programs: Vec<(u16, At)> = channels
             .zip(ranges.unwrap_or_default())

@@ -7,10 +7,8 @@
 //! Macros have their hooks here too: [`entering`], [`statement`], [`leaving`] for the letters M and H, [`exec`] for X,
 //! [`edited`] for the stages of a block's text.
 
-pub mod letters;
 mod lines;
 
-pub use letters::Letters;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;

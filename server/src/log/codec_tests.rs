@@ -7,7 +7,6 @@ use counterpoint_kernel::log::digest::{self, Digest};
 use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
 use counterpoint_kernel::log::jsonl;
-use counterpoint_kernel::trace::Letters;
 use counterpoint_proto::v1;
 use prost::Message as _;
 
@@ -190,7 +189,7 @@ fn info() -> Info {
         axes: ["X", "Y", "Z", "C"].iter().take(2 + usize::from(number)).map(|name| axis(name)).collect(),
         lower: false,
     };
-    let file = |name: &str| File { name: name.into(), stored: false, source: OnceLock::new() };
+    let file = |name: &str| File { name: name.into(), stored: false, text: OnceLock::new() };
     Info {
         machine: "m".into(),
         machine_number: 1,
@@ -199,7 +198,7 @@ fn info() -> Info {
         machine_file: String::new(),
         parameters: String::new(),
         unit: Unit::Mm,
-        trace: Letters::default(),
+        trace: Default::default(),
         room: Room::default(),
         channels: (1..4).map(channel).collect(),
         files: ["a.nc", "b.nc", "c.nc"].map(file).into(),

@@ -1,15 +1,15 @@
 //! Service `Results`: stored results from their files, others made from the log.
 
-use std::io::{self, Write};
+use std::io::{self, Read as _, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
 use counterpoint_kernel::control::Stop;
+use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files as _;
 use counterpoint_kernel::job::Outcome;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing::Crlf;
-use counterpoint_kernel::mcd::source;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::results_server::Results as Service;
 use tokio_stream::wrappers::ReceiverStream;
@@ -134,7 +134,10 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
     let core = core.clone();
     blocking(move || {
         let record = ended(&core, &id)?;
-        let kept = std::fs::read(core.store.job(&record.id).join(Document::Files.file())).ok();
+        let kept = core.logs.open(&record.id, Document::Files.file()).ok().and_then(|mut file| {
+            let mut text = Vec::new();
+            file.read_to_end(&mut text).ok().map(|_| text)
+        });
         let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
         let text = match kept.or_else(live) {
             Some(text) => text,
@@ -152,8 +155,8 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
 
 async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document) -> Answer<T> {
     let record = ended(core, &id)?;
-    let path = core.store.job(&record.id).join(document.file());
-    if let Ok(mut file) = blocking(move || Ok(std::fs::File::open(path)?)).await {
+    let logs = core.logs.clone();
+    if let Ok(mut file) = blocking(move || Ok(logs.open(&record.id, document.file())?)).await {
         return Ok(stream(move |out| Ok(io::copy(&mut file, out).map(drop)?)));
     }
     if let Some(finished) = core.live(&id).and_then(|live| live.finished().cloned())
@@ -199,7 +202,7 @@ impl Ended {
                     Err(_) => return Err(Refusal::NoResults(id)),
                 },
             };
-            load_sources(&info, &sandbox);
+            load_texts(&info, &sandbox);
             Ok(Self { core, record, info, log })
         })
         .await
@@ -229,9 +232,9 @@ impl Ended {
 }
 
 /// Loads the texts that results quote and that the run did not load.
-fn load_sources(info: &Info, files: &Sandbox) {
+fn load_texts(info: &Info, files: &Sandbox) {
     for file in &info.files {
-        let load = || files.read(&file.name).ok().map(|bytes| Arc::new(source::Source::new(&file.name, bytes)));
-        file.source.get_or_init(load);
+        let load = || files.read(&file.name).ok().map(|bytes| Arc::new(Text::new(bytes, || false)));
+        file.text.get_or_init(load);
     }
 }

@@ -28,6 +28,8 @@ mod work;
 
 use std::sync::Arc;
 
+pub use counterpoint_event::{FileId, MAX_AXES, Position};
+
 pub use block::Block;
 pub use call::{Call, Return};
 pub use coolant::{Coolant, Outlet};
@@ -48,16 +50,6 @@ pub use wait::{Primitive, Release, Wait, mark};
 pub use work::Work;
 
 use fields::{Datum, Field, Fields, Texts, Value};
-
-/// Most axes one channel can command. Positions are arrays of this length in the axis order of the channel.
-pub const MAX_AXES: usize = 8;
-
-/// One position: values by axis index of the channel, in machine units (mm or inch, degrees), diameters on
-/// diameter axes.
-pub type Position = [f64; MAX_AXES];
-
-/// Index into [`crate::log::info::Info::files`].
-pub type FileId = u16;
 
 /// What happened on one channel at one instant or during one stretch of simulated time.
 #[derive(Debug, Clone, PartialEq)]

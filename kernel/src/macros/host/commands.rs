@@ -184,9 +184,9 @@ impl Kernel<'_> {
 
     /// TAPERD: the next block that is not blank.
     fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
-        let info = self.channel.env.info;
+        let sources = self.channel.env.sources;
         let found = self.flow.frames.last_mut().and_then(|frame| {
-            let source = info.source(frame.file)?;
+            let source = sources.get(frame.file)?;
             let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
             frame.next = line + 1;
             Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))

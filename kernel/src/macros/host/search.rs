@@ -14,7 +14,7 @@ impl Kernel<'_> {
     /// The program has no further block.
     pub(super) fn at_end(&self) -> bool {
         let Some(frame) = self.flow.frames.last() else { return true };
-        let Some(source) = self.channel.env.info.source(frame.file) else { return true };
+        let Some(source) = self.channel.env.sources.get(frame.file) else { return true };
         !(frame.next..=frame.range.last).any(|line| !source.line(line).trim_ascii().is_empty())
     }
 
@@ -38,8 +38,8 @@ impl Kernel<'_> {
         };
         let record = |at: usize| arguments.get(at).and_then(Value::as_real).map_or(0, |number| number.max(0.0) as u32);
         let (start, end) = (record(1), record(2));
-        let info = self.channel.env.info;
-        let Some(source) = info.source(file) else { return Ok(Value::Real(0.0)) };
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file) else { return Ok(Value::Real(0.0)) };
         let here = next.saturating_sub(1);
         let (mut line, last, step) = if forward {
             let first = if start == 0 { here + 1 } else { start };

@@ -1,0 +1,14 @@
+//! What a job logs, and what is fixed about a job before it runs.
+//!
+//! Invariant: plain data that knows no machine, no program and no kernel.
+
+pub mod letters;
+pub mod text;
+mod units;
+
+pub use letters::Letters;
+pub use text::Text;
+pub use units::{MAX_AXES, Position, Unit};
+
+/// Index of a file of the job.
+pub type FileId = u16;
