@@ -10,7 +10,6 @@ use counterpoint_ports::Shares;
 
 use super::Kernel;
 use crate::log::event::{Event, VerdictKind};
-use crate::log::info::Room;
 use crate::log::timeline::bars::Bar;
 use crate::log::toolpath::store::{Curve, Move};
 
@@ -117,7 +116,7 @@ impl Kernel<'_> {
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.shares();
-        let (limit, room) = (shares.rest, Room::of(&shares));
+        let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;

@@ -199,7 +199,7 @@ fn info() -> Info {
         parameters: String::new(),
         unit: Unit::Mm,
         trace: Default::default(),
-        room: Room::default(),
+        room: Room { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
         channels: (1..4).map(channel).collect(),
         files: ["a.nc", "b.nc", "c.nc"].map(file).into(),
     }

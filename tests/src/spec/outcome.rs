@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::event::{
-    Call, Dwell, Event, Function, Kind, Message, Motion, MotionKind, ToolChange,
-};
+use counterpoint_kernel::log::event::{Call, Dwell, Event, Function, Kind, Message, Motion, MotionKind, ToolChange};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 

@@ -6,15 +6,11 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-pub use counterpoint_event::Unit;
-use counterpoint_event::{Letters, Text};
-use counterpoint_ports::Shares;
-use counterpoint_ports::options::Limits;
-
-use crate::log::event::FileId;
+pub use crate::Unit;
+use crate::{FileId, Letters, Text};
 
 /// Most characters of a block in results.
-pub(crate) const BLOCK_TEXT: usize = 200;
+pub const BLOCK_TEXT: usize = 200;
 
 /// Description of a prepared job.
 #[derive(Debug)]
@@ -52,25 +48,6 @@ pub struct Room {
     pub bars: u64,
     /// Events that wait for other channels.
     pub waiting: u64,
-}
-
-impl Room {
-    /// How much of a kernel's share results and events may take; there is a least that is of any use.
-    #[must_use]
-    pub fn of(shares: &Shares) -> Self {
-        Self {
-            path: (shares.rest / 2).max(32 << 10),
-            bars: (shares.rest / 8).max(16 << 10),
-            waiting: (shares.rest / 8).max(64 << 10),
-        }
-    }
-}
-
-impl Default for Room {
-    /// That of a job with one channel and no limits of its own.
-    fn default() -> Self {
-        Self::of(&Shares::of_channels(&Limits::default(), 1))
-    }
 }
 
 /// A channel as results need it.
@@ -115,7 +92,7 @@ pub struct File {
 }
 
 /// A text without blanks around it, at most `most` characters, the rest as `...`.
-pub(crate) fn cut(text: &str, most: usize) -> String {
+pub fn cut(text: &str, most: usize) -> String {
     let text = text.trim();
     if text.chars().count() <= most {
         return text.to_owned();
@@ -175,20 +152,6 @@ impl Info {
         match self.channels.get(index) {
             Some(channel) if channel.number == number => Some(index),
             _ => self.channels.iter().position(|c| c.number == number),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_leave_room_for_the_rest() {
-        for kernels in 1..40 {
-            let shares = Shares::of(&Limits::default(), kernels);
-            let room = Room::of(&shares);
-            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
         }
     }
 }

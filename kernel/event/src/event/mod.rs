@@ -28,8 +28,6 @@ mod work;
 
 use std::sync::Arc;
 
-pub use counterpoint_event::{FileId, MAX_AXES, Position};
-
 pub use block::Block;
 pub use call::{Call, Return};
 pub use coolant::{Coolant, Outlet};
@@ -48,6 +46,8 @@ pub use trace::{Listing, Trace};
 pub use verdict::{Member, Verdict, VerdictKind};
 pub use wait::{Primitive, Release, Wait, mark};
 pub use work::Work;
+
+pub use crate::{FileId, MAX_AXES, Position};
 
 use fields::{Datum, Field, Fields, Texts, Value};
 
@@ -118,7 +118,7 @@ declare::kinds! {
 
 impl Kind {
     /// Bytes of the texts that it carries.
-    pub(crate) fn text_bytes(&self) -> usize {
+    pub fn text_bytes(&self) -> usize {
         let mut texts = Texts::default();
         self.fields(&mut texts);
         texts.0
