@@ -18,4 +18,5 @@ pub mod log;
 mod macros;
 pub mod mcd;
 mod multi;
+mod state;
 pub mod trace;

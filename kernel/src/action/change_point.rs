@@ -10,7 +10,8 @@ use counterpoint_fault::Acted;
 
 /// To the change position.
 pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.channel.state.others.before_change = Some(kernel.machine_point(&kernel.channel.state.place.position));
+    kernel.channel.state.others.before_change =
+        Some(kernel.channel.machine_point(&kernel.channel.state.place.position));
     if kernel.channel.env.machine.habits.home == Home::Machine {
         let (coded, target) = super::home::machine_targets(kernel);
         return if coded == 0 { to_point(kernel, 0) } else { kernel.rapid_to(coded, target) };
@@ -24,13 +25,14 @@ pub(super) fn go(kernel: &mut Kernel<'_>) -> Acted {
 
 /// Before a tool is loaded.
 pub(super) fn before_load(kernel: &mut Kernel<'_>) -> Acted {
-    kernel.channel.state.others.before_change = Some(kernel.machine_point(&kernel.channel.state.place.position));
+    kernel.channel.state.others.before_change =
+        Some(kernel.channel.machine_point(&kernel.channel.state.place.position));
     to_point(kernel, 0)
 }
 
 /// `coded` 0 = all axes that have a position.
 fn to_point(kernel: &mut Kernel<'_>, coded: u8) -> Acted {
-    let mut target = kernel.machine_point(&kernel.channel.state.place.position);
+    let mut target = kernel.channel.machine_point(&kernel.channel.state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
     let point = &kernel.channel.env.machine.tool.change_point;
     for (at, (slot, axis)) in target.iter_mut().zip(&kernel.channel.state.place.axes).enumerate() {
@@ -45,7 +47,7 @@ fn to_point(kernel: &mut Kernel<'_>, coded: u8) -> Acted {
             None => missing |= coded != 0,
         }
     }
-    let target = kernel.way_of_machine(&target);
+    let target = kernel.channel.way_of_machine(&target);
     if missing || moving == 0 {
         let text = format!("there is no tool-change position for every axis of '{}'", kernel.block_text());
         kernel.diagnose(&diag::NO_REFERENCE, text);
@@ -62,7 +64,7 @@ pub(super) fn come_back(kernel: &mut Kernel<'_>) -> Acted {
     }
     match before {
         Some(before) => {
-            let before = kernel.way_of_machine(&before);
+            let before = kernel.channel.way_of_machine(&before);
             let moved = kernel
                 .channel
                 .state

@@ -2,44 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 6.6, system-variables.md 7. Decisions: docs/emulation.md, "Offsets".
 
-use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::{EXTENDED, RANGE};
 use crate::log::event::{Kind, OffsetKind};
-use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::OutsideCorner;
-
-/// States that only offsets and macros ask for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Compensation {
-    /// Type of length compensation, 1 to 4.
-    pub(crate) set: u8,
-    /// Direction of the length: 0 as the offset has its values, 1 to 3 along X Y Z, 4 to 6 against them.
-    pub(crate) direction: u8,
-    /// Corners of compensated paths: 0 by angle, 1 sharp, 2 arc.
-    pub(crate) corner: u8,
-    /// Dynamic fixture compensation.
-    pub(crate) dynamic: bool,
-    /// Number of the diameter offset, as last programmed.
-    pub(crate) diameter: u32,
-    /// Direction of the vector form.
-    pub(crate) vector: [f64; 3],
-}
-
-impl Compensation {
-    /// At the start of a job.
-    pub(crate) fn of(machine: &Machine) -> Self {
-        let corner = match machine.compensation.corner {
-            OutsideCorner::Angle => 0,
-            OutsideCorner::Linear => 1,
-            OutsideCorner::Arc => 2,
-        };
-        Self { set: 1, direction: 0, corner, dynamic: false, diameter: 0, vector: [0.0; 3] }
-    }
-}
+use crate::state::compensation::number_of;
+use counterpoint_fault::Acted;
 
 /// An extended work offset: its register, in a range if the control has several.
 pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {
@@ -59,15 +28,6 @@ pub(super) fn extended(kernel: &mut Kernel<'_>) -> Acted {
     kernel.emit(0, Kind::mode(text));
     kernel.reframe();
     Ok(())
-}
-
-/// Number of an extended work offset among all; 0 for none.
-pub(crate) fn number_of(range: u32, register: u32) -> u32 {
-    if register == 0 {
-        return 0;
-    }
-    let before = range.max(1).saturating_sub(1).saturating_mul(RANGE);
-    EXTENDED.saturating_add(before).saturating_add(register)
 }
 
 fn whole(kernel: &mut Kernel<'_>, id: DataId) -> Option<u32> {

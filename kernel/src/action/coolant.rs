@@ -3,121 +3,16 @@
 //! Facts: reference control-emulator.md 3.2, 6.3, system-variables.md 6. Invariant: what flows is the active code of its
 //! modal group; kept here is only what the codes do not say: what flowed last, and the pressure.
 
-use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Coolant, Kind, Outlet};
-use crate::machine::ident::{self, CodeId, codes, data};
-use crate::machine::model::Pump;
-
-/// What a coolant code switches.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Switch {
-    /// Coolant of the main or the side head.
-    Fluid(Flow, Outlet),
-    /// An auxiliary device.
-    Device(u8, bool),
-    /// The pressure that a word gives.
-    Pressure,
-    /// A pressure of the machine's list.
-    Level(u8),
-}
-
-/// What flows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Flow {
-    Off,
-    /// What flowed last.
-    Again,
-    /// By the numbers of `$COOLTYP`.
-    Fluid(u8),
-}
-
-/// What the codes of the groups do not say.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
-    /// What flowed last at the main and at the side head.
-    last: [u8; 2],
-    /// The high-pressure pump runs; unknown before its first code.
-    pub(crate) pump: Option<bool>,
-    /// Pressure.
-    pub(crate) pressure: f64,
-    /// Largest pressure that a macro allows, 0 = that of the machine.
-    pub(crate) limit: f64,
-}
-
-impl Default for State {
-    fn default() -> Self {
-        Self { last: [1; 2], pump: None, pressure: 0.0, limit: 0.0 }
-    }
-}
-
-fn head(outlet: Outlet) -> usize {
-    usize::from(outlet == Outlet::Side)
-}
-
-impl State {
-    /// Largest pressure that is allowed, 0 = any.
-    pub(crate) fn largest(&self, pump: &Pump) -> f64 {
-        if self.limit > 0.0 { self.limit } else { pump.max_pressure }
-    }
-
-    /// What the active code of a head means: 0 off, 1 to 9.
-    pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
-        match code.and_then(fluid_code) {
-            Some((Flow::Fluid(fluid), _)) => fluid,
-            Some((Flow::Again, outlet)) => self.last.get(head(outlet)).copied().unwrap_or(1),
-            _ => 0,
-        }
-    }
-}
-
-/// What a code of the groups of fluids means.
-fn fluid_code(id: CodeId) -> Option<(Flow, Outlet)> {
-    let name = ident::code_facts(id)?.name.strip_prefix("CODE_COOLANT_")?;
-    let (name, outlet) = match name.strip_suffix("_SIDE") {
-        Some(name) => (name, Outlet::Side),
-        None => (name, Outlet::Main),
-    };
-    let flow = match name {
-        "OFF" => Flow::Off,
-        "ON" => Flow::Again,
-        "FLOOD" => Flow::Fluid(1),
-        "MIST" => Flow::Fluid(2),
-        "TAPKUL" => Flow::Fluid(3),
-        "THRU" => Flow::Fluid(4),
-        other => Flow::Fluid(other.strip_prefix("TYPE")?.parse().ok()?),
-    };
-    Some((flow, outlet))
-}
-
-/// The code of a fluid at the main or the side head, by its number.
-pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
-    let name = match fluid {
-        0 => "OFF".to_owned(),
-        _ => Coolant::FLUIDS.get(usize::from(fluid))?.to_uppercase(),
-    };
-    let side = if outlet == Outlet::Side { "_SIDE" } else { "" };
-    ident::code(&format!("CODE_COOLANT_{name}{side}"))
-}
-
-/// What a code switches, if it is one of coolant.
-pub(super) fn of(id: CodeId) -> Option<Switch> {
-    if let Some((flow, outlet)) = fluid_code(id) {
-        return Some(Switch::Fluid(flow, outlet));
-    }
-    let name = ident::code_facts(id)?.name.strip_prefix("CODE_COOLANT_")?;
-    if let Some((number, state)) = name.strip_prefix("DEV").and_then(|device| device.split_once('_')) {
-        return Some(Switch::Device(number.parse().ok()?, state == "ON"));
-    }
-    match name.strip_prefix("PRESSURE")? {
-        "" => Some(Switch::Pressure),
-        level => Some(Switch::Level(level.strip_prefix('_')?.parse().ok()?)),
-    }
-}
+use crate::machine::ident::kind::coolant::{Flow, Switch};
+use crate::machine::ident::{codes, data};
+use crate::state::coolant::head;
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// Carries out a code.
 pub(super) fn switch(kernel: &mut Kernel<'_>, switch: Switch) -> Acted {

@@ -52,7 +52,7 @@ impl Kernel<'_> {
 fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
     let rpm = match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
-        Some(Turning::Surface(surface)) => surface.rpm(kernel.radius(&kernel.channel.state.place.position)),
+        Some(Turning::Surface(surface)) => surface.rpm(kernel.channel.radius(&kernel.channel.state.place.position)),
         None => {
             let text = format!("dwell in revolutions while the spindle stands in '{}'", kernel.block_text());
             kernel.diagnose(&diag::SPINDLE_STANDS, text);
@@ -80,7 +80,7 @@ fn dwell(kernel: &mut Kernel<'_>, seconds: f64) -> Acted {
         kernel.diagnose(&diag::DWELL_NOT_POSITIVE, text);
         return Ok(());
     }
-    let ns = Kernel::ns(seconds);
+    let ns = crate::state::channel::nanoseconds(seconds);
     kernel.emit(ns, Kind::Dwell(Dwell));
     kernel.advance(ns);
     Ok(())

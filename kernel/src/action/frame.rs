@@ -3,12 +3,12 @@
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::frames::offsets::{BASE, Table};
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Frame, Kind, MAX_AXES, OffsetKind, Position};
 use crate::machine::ident::{codes, data};
+use crate::state::block::Firing;
+use crate::state::frames::offsets::Table;
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
 /// This block's positions are in the machine frame. In incremental mode the word is ignored: distances are distances in
@@ -38,7 +38,7 @@ pub(super) fn preset(kernel: &mut Kernel<'_>) -> Acted {
         return Ok(());
     }
     let turned = kernel.channel.state.place.frames.is_some();
-    let stands = kernel.contour();
+    let stands = kernel.channel.contour();
     for (index, value) in target.iter().enumerate() {
         if (turned || coded & (1 << index) != 0)
             && let (Some(preset), Some(position)) =
@@ -74,7 +74,7 @@ pub(super) fn work_offset_off(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
     let asks = sign != 0.0 || kernel.block_has(data::COMP_LENGTH);
     let number = if asks { kernel.take(data::COMP_LENGTH).map(|d| d.value) } else { None };
-    if sign == 0.0 && kernel.tip().is_some_and(|tip| tip.with_length) {
+    if sign == 0.0 && kernel.channel.tip().is_some_and(|tip| tip.with_length) {
         super::tip::off(kernel)?;
     }
     kernel.channel.state.place.length_sign = sign;
@@ -108,7 +108,7 @@ pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
 /// Everything between the program and the axes is as at the begin of a job, but for what offsets say; the machine
 /// stands still.
 pub(crate) fn forget(kernel: &mut Kernel<'_>) {
-    if kernel.end_tip() {
+    if kernel.channel.end_tip() {
         kernel.emit(0, Kind::mode("rtcp off"));
     }
     let place = &mut kernel.channel.state.place;
@@ -120,28 +120,6 @@ pub(crate) fn forget(kernel: &mut Kernel<'_>) {
 }
 
 impl Kernel<'_> {
-    /// The part of the shift that is the tool.
-    pub(crate) fn tool_shift(&self) -> Position {
-        let place = &self.channel.state.place;
-        let mut shift = [0.0; MAX_AXES];
-        let mut add = |values: Position, sign: f64| {
-            for (slot, value) in shift.iter_mut().zip(values) {
-                *slot += sign * value;
-            }
-        };
-        if place.tool_offset != BASE {
-            add(self.worn_length(place.tool_offset), 1.0);
-        }
-        if place.length_sign != 0.0 && place.length_number != BASE {
-            add(self.directed(self.worn_length(place.length_number)), place.length_sign);
-        }
-        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
-            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
-            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
-        }
-        shift
-    }
-
     /// Tells of a work offset that has no values.
     pub(super) fn missing_work_offset(&mut self, number: u32) {
         let known = self.channel.env.machine.work_offsets.len();
@@ -157,7 +135,7 @@ impl Kernel<'_> {
 
     /// Frame at program start.
     pub(crate) fn initial_frame(&mut self) {
-        self.channel.state.place.shift = self.wanted_shift();
+        self.channel.state.place.shift = self.channel.wanted_shift();
         for (position, shift) in self.channel.state.place.position.iter_mut().zip(self.channel.state.place.shift) {
             *position -= shift;
         }
@@ -167,21 +145,30 @@ impl Kernel<'_> {
         }
     }
 
+    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
+    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+        let stored = self.channel.store_offset(table, number, values);
+        if stored {
+            self.reframe();
+        }
+        stored
+    }
+
     /// Puts the sum of all offsets into force; the machine stands still.
     pub(crate) fn reframe(&mut self) {
-        let wanted = self.wanted_shift();
+        let wanted = self.channel.wanted_shift();
         if wanted == self.channel.state.place.shift {
             return;
         }
-        let before = self.counts_from();
+        let before = self.channel.counts_from();
         if self.channel.state.place.frames.is_some() {
             self.settle_for_macro();
-            let levels = self.cycle_levels();
-            self.standing(|kernel| {
-                kernel.channel.state.place.shift = wanted;
-                kernel.refresh_tip();
+            let levels = self.channel.cycle_levels();
+            self.channel.standing(|channel| {
+                channel.state.place.shift = wanted;
+                channel.refresh_tip();
             });
-            self.keep_levels(levels);
+            self.channel.keep_levels(levels);
         } else {
             self.channel.state.cycle.reframed(&self.channel.state.place.shift, &wanted);
             for ((position, old), new) in
@@ -191,23 +178,7 @@ impl Kernel<'_> {
             }
             self.channel.state.place.shift = wanted;
         }
-        self.keep_ways(before);
+        self.channel.keep_ways(before);
         self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
-    }
-
-    /// Presets, the work offset and the tool together.
-    fn wanted_shift(&self) -> Position {
-        let place = &self.channel.state.place;
-        let mut shift = place.preset;
-        let mut add = |values: Position, more: Position| {
-            for ((slot, value), more) in shift.iter_mut().zip(values).zip(more) {
-                *slot += value + more;
-            }
-        };
-        add(self.offset_values(Table::Work, place.work_offset), self.tool_shift());
-        if place.work_offset != BASE && place.offsets.is_some() {
-            add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
-        }
-        shift
     }
 }

@@ -3,11 +3,11 @@
 //! Facts: reference control-emulator.md 6.1 (`CODE_GOHOME` has data, via the given point to the reference).
 
 use crate::channel::Kernel;
-use crate::channel::state::Axis;
 use crate::diag;
 use crate::log::event::Position;
 use crate::machine::habits::Home;
 use crate::machine::ident::data;
+use crate::state::position::Axis;
 use crate::trace::{self, ACTION};
 use counterpoint_fault::Acted;
 
@@ -45,7 +45,7 @@ fn check_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
         let text = format!("reference point {number} is not defined for every axis of '{}'", kernel.block_text());
         kernel.diagnose(&diag::NO_REFERENCE, text);
     }
-    kernel.check_stop()
+    kernel.channel.check_stop()
 }
 
 /// Straight to the point of the machine frame that the block gives, without words to the reference point.
@@ -74,7 +74,7 @@ pub(super) fn machine_targets(kernel: &mut Kernel<'_>) -> (u8, Position) {
 }
 
 fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
-    let mut target = kernel.machine_point(&kernel.channel.state.place.position);
+    let mut target = kernel.channel.machine_point(&kernel.channel.state.place.position);
     for (index, (slot, axis)) in target.iter_mut().zip(&kernel.channel.state.place.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
@@ -83,14 +83,14 @@ fn to_reference(kernel: &mut Kernel<'_>, coded: u8, number: usize) -> Acted {
             *slot = point;
         }
     }
-    let target = kernel.way_of_machine(&target);
+    let target = kernel.channel.way_of_machine(&target);
     kernel.rapid_to(coded, target)
 }
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
 fn home_text(kernel: &Kernel<'_>, coded: u8, number: usize) -> String {
     let axes = (0..kernel.channel.state.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
-    let mut items: Vec<String> = axes.map(|axis| kernel.axis_name(axis)).collect();
+    let mut items: Vec<String> = axes.map(|axis| kernel.channel.axis_name(axis)).collect();
     if number > 1 {
         items.push(format!("n={number}"));
     }

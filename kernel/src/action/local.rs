@@ -3,14 +3,14 @@
 //! Facts: reference control-emulator.md 6.7. Invariant: the machine stands still; the programmed point is what changes.
 //! Decisions: docs/emulation.md, "Local frame".
 
-use counterpoint_fault::Acted;
 use counterpoint_lang::format::wildcard_text;
 
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{DataId, codes, data};
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
 use counterpoint_motion::frame::affine::{Affine, Point};
 use counterpoint_motion::frame::local::{Given, Part, Refused};
 
@@ -57,14 +57,14 @@ pub(super) fn of(id: crate::machine::ident::CodeId) -> Option<(Part, Change)> {
 /// Carries out a code of the local frame.
 pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Acted {
     let has = kernel.channel.state.place.has_axes();
-    let levels = kernel.cycle_levels();
-    let before = kernel.counts_from();
+    let levels = kernel.channel.cycle_levels();
+    let before = kernel.channel.counts_from();
     let made = match (part, change) {
         (Part::Mirror, Change::Off) => {
             let given = fewer_mirrors(kernel);
-            kernel.frames().local.set(part, given, has)
+            kernel.channel.frames().local.set(part, given, has)
         }
-        (_, Change::Off) => kernel.frames().local.set(part, None, has),
+        (_, Change::Off) => kernel.channel.frames().local.set(part, None, has),
         _ => {
             let given = match part {
                 Part::Translate => translation(kernel, change),
@@ -73,8 +73,8 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
                 Part::Mirror => mirror(kernel, change),
             };
             match given {
-                Some(given) if change == Change::Add => kernel.frames().local.add(part, given, has),
-                Some(given) => kernel.frames().local.set(part, Some(given), has),
+                Some(given) if change == Change::Add => kernel.channel.frames().local.add(part, given, has),
+                Some(given) => kernel.channel.frames().local.set(part, Some(given), has),
                 // An additive code alone changes nothing.
                 None if change == Change::Add => Ok(()),
                 None => {
@@ -88,9 +88,9 @@ pub(super) fn change(kernel: &mut Kernel<'_>, part: Part, change: Change) -> Act
     if let Err(refused) = made {
         refuse(kernel, refused);
     }
-    kernel.frames_changed();
-    kernel.keep_ways(before);
-    kernel.keep_levels(levels);
+    kernel.channel.frames_changed();
+    kernel.channel.keep_ways(before);
+    kernel.channel.keep_levels(levels);
     let text = kernel.frame_text();
     kernel.emit(0, Kind::mode(text));
     Ok(())
@@ -141,9 +141,9 @@ fn filled(words: [Option<f64>; 3], missing: Point) -> Point {
 
 /// Takes a centre. A machine that has words for it means the place where the tool stands when the block has none.
 fn center(kernel: &mut Kernel<'_>, ids: [DataId; 3], part: Part, change: Change) -> Point {
-    let here = kernel.seen_from_work(&kernel.contour());
+    let here = kernel.channel.seen_from_work(&kernel.channel.contour());
     let stands = match kernel.channel.state.place.frames.as_deref() {
-        Some(_) if change == Change::Add => kernel.seen(&kernel.programmed()),
+        Some(_) if change == Change::Add => kernel.channel.seen(&kernel.channel.programmed()),
         Some(frames) => frames.local.inside_of(part, here).unwrap_or(here),
         None => here,
     };
@@ -255,7 +255,7 @@ impl Kernel<'_> {
         };
         let list = |values: Point| values.map(wildcard_text).join(",");
         let mut text = "lcs".to_owned();
-        let told = self.frame_values();
+        let told = self.channel.frame_values();
         if local.parts(Part::Translate).next().is_some() {
             text += &format!(" tra={}", list(told.translation));
         }

@@ -23,7 +23,7 @@ mod rates;
 pub(crate) mod skip;
 pub(crate) mod spindle;
 pub(crate) mod spindles;
-pub(crate) mod states;
+
 mod stop;
 pub(crate) mod subprogram;
 pub(crate) mod sync;
@@ -36,10 +36,10 @@ mod turned;
 pub(crate) mod turning;
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
 use crate::log::event::{Direction, Stop};
-use crate::machine::ident::{CodeId, DataId, codes};
+use crate::machine::ident::{CodeId, DataId, codes, kind};
 use crate::machine::model::CodeRow;
+use crate::state::block::Firing;
 use counterpoint_fault::Acted;
 use counterpoint_motion::frame::local::Part;
 
@@ -50,17 +50,17 @@ pub(crate) enum Action {
     Linear,
     /// Straight feed over a multiple of the programmed distance.
     LinearTimes(f64),
-    Arc(arc::Form),
+    Arc(kind::arc::Form),
     ArcSpace,
     ArcCenter,
     ArcRadius,
     /// Clockwise or not, for circles whose code does not say.
     ArcDirection(bool),
-    Thread(thread::Change),
+    Thread(kind::thread::Change),
     ThreadOff,
     Probe,
-    ThreadCycle(thread::cycle::Kind),
-    ThreadSetting(thread::cycle::Setting),
+    ThreadCycle(kind::thread::Kind),
+    ThreadSetting(kind::thread::Setting),
     Dwell,
     DwellRevolutions,
     /// A modal state with its listing words; the kernel reads it from the group.
@@ -105,7 +105,7 @@ pub(crate) enum Action {
     Apply {
         milling: bool,
     },
-    Coolant(coolant::Switch),
+    Coolant(kind::coolant::Switch),
     Additive(bool),
     ToolSelect,
     ToolLoad,
@@ -128,7 +128,7 @@ pub(crate) enum Action {
     Return,
     Sync(sync::Mark),
     Function,
-    Cycle(cycle::Kind),
+    Cycle(kind::cycle::Kind),
     CycleOn,
     CycleOff,
     Rigid(bool),
@@ -148,11 +148,11 @@ impl Action {
             codes::INTERP_DEF_RADIUS => A::ArcRadius,
             codes::INTERP_DEF_CLW => A::ArcDirection(true),
             codes::INTERP_DEF_CCLW => A::ArcDirection(false),
-            codes::INTERP_THREAD => A::Thread(thread::Change::None),
-            codes::INTERP_THREAD_ON => A::Thread(thread::Change::May),
-            codes::INTERP_THREAD_VAR => A::Thread(thread::Change::Signed),
-            codes::INTERP_THREAD_VAR_INC => A::Thread(thread::Change::Up),
-            codes::INTERP_THREAD_VAR_DEC => A::Thread(thread::Change::Down),
+            codes::INTERP_THREAD => A::Thread(kind::thread::Change::None),
+            codes::INTERP_THREAD_ON => A::Thread(kind::thread::Change::May),
+            codes::INTERP_THREAD_VAR => A::Thread(kind::thread::Change::Signed),
+            codes::INTERP_THREAD_VAR_INC => A::Thread(kind::thread::Change::Up),
+            codes::INTERP_THREAD_VAR_DEC => A::Thread(kind::thread::Change::Down),
             codes::INTERP_THREAD_OFF | codes::THREAD_OFF => A::ThreadOff,
             codes::INTERP_SKIP => A::Probe,
             codes::SKIP_ALARM_SIGNAL => A::Mode("skip alarm signal"),
@@ -247,15 +247,15 @@ impl Action {
             _ => {
                 let local = || local::of(id).map(|(part, change)| A::Local(part, change));
                 let head = || head::of(id).map(A::OtherHead);
-                let clamp = || clamp::of(id).map(|(axis, on)| A::Clamp(axis, on));
-                let unwind = || clamp::unwinds(id).map(A::Unwind);
-                let axis = || clamp().or_else(unwind).or_else(|| tip::format_of(id).map(A::TipFormat));
-                let arc = || arc::Form::of(id).map(A::Arc);
-                let setting = || thread::cycle::Setting::of(id).map(A::ThreadSetting);
-                let thread = || thread::cycle::Kind::of(id).map(A::ThreadCycle).or_else(setting);
-                let own = cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread);
-                let own = own.or_else(|| coolant::of(id).map(A::Coolant)).or_else(local).or_else(head);
-                return own.or_else(axis).or_else(|| spindle_code(id));
+                let clamp = || kind::axis::clamp_of(id).map(|(axis, on)| A::Clamp(axis, on));
+                let unwind = || kind::axis::unwinds(id).map(A::Unwind);
+                let one_axis = || clamp().or_else(unwind).or_else(|| tip::format_of(id).map(A::TipFormat));
+                let arc = || kind::arc::Form::of(id).map(A::Arc);
+                let setting = || kind::thread::Setting::of(id).map(A::ThreadSetting);
+                let thread = || kind::thread::Kind::of(id).map(A::ThreadCycle).or_else(setting);
+                let own = kind::cycle::Kind::of(id).map(A::Cycle).or_else(arc).or_else(thread);
+                let own = own.or_else(|| kind::coolant::of(id).map(A::Coolant)).or_else(local).or_else(head);
+                return own.or_else(one_axis).or_else(|| spindle_code(id));
             }
         })
     }

@@ -1,10 +1,10 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
 use crate::log::event::{Function, Kind, OffsetKind};
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
+use crate::state::block::Firing;
 use counterpoint_fault::Acted;
 
 /// A modal state.

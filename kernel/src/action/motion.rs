@@ -2,14 +2,14 @@
 //!
 //! Facts: reference control-emulator.md 6.1. Feed is taken before the axes; axes in channel order.
 
-use super::cutter::{Shape, Step};
 use super::time::Path;
 use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::state::{feed_of, group};
 use crate::diag;
 use crate::log::event::{FeedUnit, Kind, Motion, MotionKind, Position};
 use crate::machine::ident::{codes, data};
+use crate::state::cutter::{Shape, Step};
+use crate::state::modal::{feed_of, group};
 use counterpoint_fault::Acted;
 
 /// Positioning.
@@ -37,7 +37,7 @@ pub(super) fn linear(kernel: &mut Kernel<'_>) -> Acted {
 pub(super) fn linear_times(kernel: &mut Kernel<'_>, factor: f64) -> Acted {
     let (feed, unit) = kernel.feed();
     let (coded, mut target) = kernel.straight_targets();
-    for (to, from) in target.iter_mut().zip(&kernel.contour()) {
+    for (to, from) in target.iter_mut().zip(&kernel.channel.contour()) {
         let far = from + factor * (*to - from);
         if far.is_finite() {
             *to = far;
@@ -107,7 +107,7 @@ impl Kernel<'_> {
     #[cold]
     fn targets_in_frames(&mut self) -> (u8, Position) {
         let (coded, target) = self.framed_targets();
-        (coded, self.work_point(&target))
+        (coded, self.channel.work_point(&target))
     }
 
     #[cold]
@@ -119,15 +119,15 @@ impl Kernel<'_> {
     #[cold]
     fn framed_targets(&mut self) -> (u8, Position) {
         if self.channel.block.machine_frame {
-            let machine = self.machine_point(&self.channel.state.place.position);
+            let machine = self.channel.machine_point(&self.channel.state.place.position);
             let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
-            self.ways_travelled(coded);
-            return (coded, self.program_point(&self.point_of_machine(&target)));
+            self.channel.ways_travelled(coded);
+            return (coded, self.channel.program_point(&self.channel.point_of_machine(&target)));
         }
-        let from = self.programmed();
-        let counted = self.counted();
+        let from = self.channel.programmed();
+        let counted = self.channel.counted();
         let shift = |kernel: &Self, axis: usize| kernel.channel.state.place.shift.get(axis).copied();
-        let (coded, mut target) = match self.polar() {
+        let (coded, mut target) = match self.channel.polar() {
             Some(polar) => self.axis_words(counted, shift, |kernel, axis| kernel.take_polar(polar, axis)),
             None => self.axis_words(counted, shift, Self::take_axis),
         };
@@ -138,7 +138,7 @@ impl Kernel<'_> {
                 }
             }
         }
-        self.ways_travelled(coded);
+        self.channel.ways_travelled(coded);
         (coded, target)
     }
 
@@ -210,13 +210,13 @@ impl Kernel<'_> {
 
     /// A rapid move to a programmed point.
     pub(super) fn rapid_to_point(&mut self, coded: u8, target: Position) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel.work_point(&target);
         self.rapid_to(coded, target)
     }
 
     /// A straight feed move to a programmed point.
     pub(super) fn feed_to_point(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel.work_point(&target);
         self.feed_to(coded, target, feed, unit)
     }
 
@@ -236,7 +236,7 @@ impl Kernel<'_> {
 
     /// The same, along its path not faster than a feed per minute.
     pub(super) fn rapid_within(&mut self, coded: u8, target: Position, feed: Option<f64>) -> Acted {
-        if self.is_compensated() {
+        if self.channel.is_compensated() {
             let step = Step { shape: Shape::Rapid, coded, to: target, feed, unit: FeedUnit::Rapid };
             return self.compensate(step);
         }
@@ -244,7 +244,7 @@ impl Kernel<'_> {
         if target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.channel.changes(&from, &target);
         let mut seconds = self.rapid_seconds(&from, &target);
         if let Some(feed) = feed {
             let length = changes.iter().map(|change| change * change).sum::<f64>().sqrt();
@@ -270,7 +270,7 @@ impl Kernel<'_> {
         if *target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, target);
+        let changes = self.channel.changes(&from, target);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
@@ -281,7 +281,7 @@ impl Kernel<'_> {
 
     #[cold]
     fn feed_in_frames(&mut self, coded: u8, target: Position, feed: Option<f64>, unit: FeedUnit) -> Acted {
-        if self.is_compensated() {
+        if self.channel.is_compensated() {
             // Without a coordinate nothing moves, though the tool is not where the program is.
             let step = Step { shape: Shape::Linear, coded, to: target, feed, unit };
             return if coded == 0 { Ok(()) } else { self.compensate(step) };
@@ -290,13 +290,13 @@ impl Kernel<'_> {
         if target == from {
             return Ok(());
         }
-        let changes = self.feed_changes(&from, &target);
+        let changes = self.channel.feed_changes(&from, &target);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &target, None);
         let length = self.feed_path(&changes, feed_length);
-        let moving = self.moving(coded, &self.changes(&from, &target));
+        let moving = self.moving(coded, &self.channel.changes(&from, &target));
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, target], feed, length))
     }
@@ -304,7 +304,7 @@ impl Kernel<'_> {
     /// Carries out a motion: limits, event, clock, position. After an alarm of its block nothing moves.
     #[inline]
     pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        self.check_stop()?;
+        self.channel.check_stop()?;
         self.check_travel_before(motion)?;
         if self.macros.is_some() {
             return self.motion_event(seconds, motion);
@@ -315,7 +315,7 @@ impl Kernel<'_> {
     /// A straight move that a macro has changed: made again from its start.
     pub(crate) fn straight_again(&mut self, motion: &Motion, rapid: bool, to: Position) -> Acted {
         let from = self.channel.state.place.position;
-        let changes = self.changes(&from, &to);
+        let changes = self.channel.changes(&from, &to);
         let length = self.tool_path(&changes);
         let moved = changes.iter().enumerate().filter(|(_, change)| **change != 0.0);
         let coded = moved.fold(motion.moving, |bits, (axis, _)| bits | 1 << axis);
@@ -328,7 +328,7 @@ impl Kernel<'_> {
             MotionKind::Linear => (Some(motion.feed), motion.feed_unit),
             _ => self.feed(),
         };
-        let changes = self.feed_changes(&from, &to);
+        let changes = self.channel.feed_changes(&from, &to);
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: &to, length: feed_length, arc: None };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;
@@ -349,7 +349,7 @@ impl Kernel<'_> {
             if let Some(time) = runtime.store.times.get_mut(rapid) {
                 *time += seconds;
             }
-            runtime.store.moving += Self::ns(seconds);
+            runtime.store.moving += crate::state::channel::nanoseconds(seconds);
             self.sum_motion(rapid == 1, seconds, motion.length);
             self.note_travel(motion);
         }
@@ -359,7 +359,7 @@ impl Kernel<'_> {
         self.channel.block.moved = true;
         self.flow.pass.effects = true;
         self.channel.state.place.position = motion.to;
-        let ns = Self::ns(seconds);
+        let ns = crate::state::channel::nanoseconds(seconds);
         self.emit_as(ns, |kind| match kind {
             Kind::Motion(place) => *place = *motion,
             other => *other = Kind::Motion(*motion),
@@ -381,7 +381,7 @@ impl Kernel<'_> {
     fn check_travel_before(&mut self, motion: &Motion) -> Acted {
         if self.channel.state.place.bounds.limited && self.channel.state.place.bounds.stop {
             self.check_limits_of_axes(&motion.to);
-            return self.check_stop();
+            return self.channel.check_stop();
         }
         Ok(())
     }
@@ -389,7 +389,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn check_limits_of_axes(&mut self, to: &Position) {
         let mut over = None;
-        let machine = self.machine_point(to);
+        let machine = self.channel.machine_point(to);
         for (axis, at) in self.channel.state.place.axes.iter().zip(machine) {
             if let Some((low, high)) = axis.limits
                 && (at < low - 1e-9 || at > high + 1e-9)

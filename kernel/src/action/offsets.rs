@@ -4,11 +4,11 @@
 //! is not kept is told and nothing changes; the machine stands still.
 
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::{EXTENDED, Radii, Table};
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::Kind;
 use crate::machine::ident::{codes, data};
+use crate::state::frames::offsets::{EXTENDED, Radii, Table};
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
 /// What is set.
@@ -39,10 +39,12 @@ pub(super) fn set(kernel: &mut Kernel<'_>) -> Acted {
         (Some(11.0), Some(number)) => Some(What::Length(Table::Wear, number)),
         (Some(12.0), Some(number)) => Some(What::Radius(Radii::Cutter, number)),
         (Some(13.0), Some(number)) => Some(What::Radius(Radii::Wear, number)),
-        (None, Some(number)) if kernel.is_turning() && number > GEOMETRY => {
+        (None, Some(number)) if kernel.channel.is_turning() && number > GEOMETRY => {
             Some(What::Tool(Table::Length, Radii::Cutter, number - GEOMETRY))
         }
-        (None, Some(number)) if kernel.is_turning() && number > 0 => Some(What::Tool(Table::Wear, Radii::Wear, number)),
+        (None, Some(number)) if kernel.channel.is_turning() && number > 0 => {
+            Some(What::Tool(Table::Wear, Radii::Wear, number))
+        }
         _ => None,
     };
     let Some(what) = what else {
@@ -77,7 +79,7 @@ fn is_relative(kernel: &Kernel<'_>) -> bool {
 }
 
 fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
-    let mut values = kernel.offset_values(table, number);
+    let mut values = kernel.channel.offset_values(table, number);
     let relative = is_relative(kernel);
     for index in 0..kernel.channel.state.place.axes.len() {
         let Some(id) = kernel.channel.state.place.axes.get(index).map(|axis| axis.data) else { break };
@@ -90,7 +92,7 @@ fn axes(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
 }
 
 fn length(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
-    let mut values = kernel.offset_values(table, number);
+    let mut values = kernel.channel.offset_values(table, number);
     let along = kernel.channel.state.place.cartesian.get(2).copied().flatten().map(usize::from);
     let relative = is_relative(kernel);
     let Some(value) = kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
@@ -101,12 +103,12 @@ fn length(kernel: &mut Kernel<'_>, table: Table, number: u32) -> bool {
 
 /// A missing value changes nothing.
 fn radius(kernel: &mut Kernel<'_>, table: Radii, number: u32) -> bool {
-    let before = kernel.offset_radius(table, number);
+    let before = kernel.channel.offset_radius(table, number);
     let relative = is_relative(kernel);
     match kernel.take(data::OFFSET_VALUE).map(|datum| datum.value) {
         Some(value) if value.is_finite() => {
             let value = if relative { before + value } else { value };
-            kernel.set_offset_radius(table, number, value)
+            kernel.channel.set_offset_radius(table, number, value)
         }
         Some(_) => false,
         None => true,

@@ -3,7 +3,6 @@
 //! Facts: reference control-emulator.md 6.8. Decisions: docs/emulation.md, "Polar interpolation". Invariant: events name
 //! the real axes; length and time are those on the part.
 
-use counterpoint_fault::Acted;
 use std::f64::consts::TAU;
 
 use counterpoint_motion::arc as geometry;
@@ -12,19 +11,20 @@ use super::arc::Circle;
 use super::time::Path;
 use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::frames::polar::{Polar, round_the_centre};
-use crate::channel::report::STRAIGHT;
 use crate::diag;
 use crate::log::event::{Kind, Motion, MotionKind, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::{DataId, data};
+use crate::state::alarms::STRAIGHT;
+use crate::state::frames::polar::{Polar, round_the_centre};
+use counterpoint_fault::Acted;
 
 /// Degrees of a circle that one step goes round its own centre.
 const STEP: f64 = 2.0;
 
 /// Switches it on: words are coordinates, or radius and angle.
 pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
-    if kernel.polar().is_some_and(|polar| polar.cartesian == cartesian) {
+    if kernel.channel.polar().is_some_and(|polar| polar.cartesian == cartesian) {
         return Ok(());
     }
     let Some((linear, rotary)) = axes(kernel) else {
@@ -36,8 +36,8 @@ pub(super) fn on(kernel: &mut Kernel<'_>, cartesian: bool) -> Acted {
         kernel.diagnose(&diag::NO_POLAR_AXES, text);
         return Ok(());
     };
-    kernel.frames().polar = Some(Polar::new(&kernel.channel.state.place, linear, rotary, cartesian));
-    kernel.frames_changed();
+    kernel.channel.frames().polar = Some(Polar::new(&kernel.channel.state.place, linear, rotary, cartesian));
+    kernel.channel.frames_changed();
     super::cutter::plane_changed(kernel);
     kernel.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
@@ -48,7 +48,7 @@ pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
     let Some(polar) = kernel.channel.state.place.frames.as_deref_mut().and_then(|frames| frames.polar.take()) else {
         return Ok(());
     };
-    kernel.frames_changed();
+    kernel.channel.frames_changed();
     super::cutter::plane_changed(kernel);
     kernel.emit(0, Kind::mode(format!("c2p {} off", form(polar.cartesian))));
     Ok(())
@@ -67,7 +67,7 @@ fn axes(kernel: &Kernel<'_>) -> Option<(usize, usize)> {
         return own(linear).zip(own(rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
-    let rotary = tables.into_iter().find_map(|id| kernel.axis_of_data(id))?;
+    let rotary = tables.into_iter().find_map(|id| kernel.channel.axis_of_data(id))?;
     Some((usize::from(kernel.channel.state.place.cartesian.first().copied().flatten()?), rotary))
 }
 
@@ -81,11 +81,11 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     if coded == 0 && radius.is_none() && offsets.iter().all(Option::is_none) {
         return Ok(());
     }
-    let (from, programmed) = (kernel.contour(), kernel.programmed());
-    let mut to = kernel.work_point(&target);
+    let (from, programmed) = (kernel.channel.contour(), kernel.channel.programmed());
+    let mut to = kernel.channel.work_point(&target);
     // Words that are coordinates tell a circle of the local frame.
     let spots = if polar.cartesian {
-        [&programmed, &target].map(|point| kernel.seen(point)).map(|[x, y, _]| [x, y])
+        [&programmed, &target].map(|point| kernel.channel.seen(point)).map(|[x, y, _]| [x, y])
     } else {
         [&from, &to].map(|point| polar.part(&kernel.channel.state.place, point))
     };
@@ -112,9 +112,9 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, polar: Polar, clockwise: bool) -> Act
     }
     let local =
         kernel.channel.state.place.frames.as_deref().filter(|_| polar.cartesian).map(|frames| *frames.local.map());
-    let level = kernel.seen(&programmed)[2];
+    let level = kernel.channel.seen(&programmed)[2];
     let Some(made) = local.map_or(Some(made), |map| super::turned::on_part(&map, made, level)) else {
-        let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let done = kernel.channel.becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("the frame makes no circle of the part of '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_SCALED, text);
         return kernel.feed_to(coded, to, feed, unit);
@@ -149,14 +149,14 @@ impl Kernel<'_> {
     #[cold]
     pub(super) fn circle_of_part(&mut self, polar: Polar, circle: &Circle) -> Acted {
         let Circle { made, coded, from, to, feed, unit, .. } = *circle;
-        let changes = self.feed_changes(&from, &to);
+        let changes = self.channel.feed_changes(&from, &to);
         let others = changes.iter().enumerate().filter(|(axis, _)| *axis != polar.linear && *axis != polar.rotary);
         let rise = others.map(|(_, change)| change * change).sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
         let path = Path { from: &from, to: &to, length: made.length(), arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
         let seconds = self.at_rates(seconds, &from, &to, Some(&made));
-        let moving = self.moving(coded, &self.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
+        let moving = self.moving(coded, &self.channel.changes(&from, &to)) | 1 << polar.linear | 1 << polar.rotary;
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, moving, [from, to], feed, length))
     }
@@ -177,7 +177,7 @@ impl Kernel<'_> {
         };
         // The words of the interpolation are radii.
         let radius = own.and_then(|own| self.take(own)).map(|datum| Datum { value: datum.value / scale, ..datum });
-        let spare = axis == polar.rotary && polar.cartesian && self.axis_of_data(data::AXIS_Y).is_none();
+        let spare = axis == polar.rotary && polar.cartesian && self.channel.axis_of_data(data::AXIS_Y).is_none();
         let across = radius.or_else(|| if spare { self.take(data::AXIS_Y) } else { None });
         across.or_else(|| self.take(id))
     }
@@ -185,7 +185,7 @@ impl Kernel<'_> {
     /// Length of a feed move on the part, or of its tool path.
     #[inline(always)]
     pub(super) fn feed_path(&self, changes: &Position, feed_length: f64) -> f64 {
-        if self.channel.state.place.frames.is_some() && self.polar().is_some() {
+        if self.channel.state.place.frames.is_some() && self.channel.polar().is_some() {
             feed_length
         } else {
             self.tool_path(changes)

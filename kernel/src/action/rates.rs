@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 use counterpoint_motion::arc::Arc;
 
 use crate::channel::Kernel;
-use crate::channel::frames::polar::between;
 use crate::log::event::Position;
+use crate::state::frames::polar::between;
 
 /// Ways below this are none.
 const NONE: f64 = 1e-9;
@@ -83,14 +83,14 @@ impl Kernel<'_> {
     /// Seconds of a feed move that rotary axes may slow down; `made`: the circle on the part.
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
-        if self.tip().is_some() {
+        if self.channel.tip().is_some() {
             let turns = self.channel.state.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
-        let Some(polar) = self.polar() else { return seconds };
+        let Some(polar) = self.channel.polar() else { return seconds };
         let rate = self.channel.state.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
         let [start, end] = [from, to].map(|point| polar.part(&self.channel.state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);

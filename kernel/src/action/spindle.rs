@@ -148,7 +148,7 @@ fn set_speed(command: &mut Command, css: bool, speed: Option<f64>) {
 /// Speed that turns now, rev/min.
 fn held_speed(kernel: &mut Kernel<'_>) -> Result<f64, Halt> {
     let position = kernel.channel.state.place.position;
-    let radius = kernel.radius(&position);
+    let radius = kernel.channel.radius(&position);
     Ok(match kernel.spindle_speed()? {
         Some(Turning::Fixed(rpm)) => rpm,
         Some(Turning::Surface(surface)) => surface.rpm(radius),
@@ -241,7 +241,7 @@ fn announce(kernel: &mut Kernel<'_>, index: usize, before: f64) -> Acted {
     if after != before {
         seconds += kernel.channel.env.machine.time.spindle_speed;
     }
-    let ns = Kernel::ns(seconds);
+    let ns = crate::state::channel::nanoseconds(seconds);
     let (direction, css, limit, angle) = (now.direction, now.css, now.limit, now.angle);
     let event = SpindleEvent { spindle: number, direction, css, speed, limit, angle };
     kernel.emit(ns, Kind::Spindle(event));
@@ -307,7 +307,7 @@ impl Kernel<'_> {
 
     /// Speed that turns now, 0 when the spindle stands.
     fn turning_speed(&mut self) -> Result<f64, Halt> {
-        let radius = self.radius(&self.channel.state.place.position);
+        let radius = self.channel.radius(&self.channel.state.place.position);
         Ok(match self.spindle_speed()? {
             Some(Turning::Fixed(rpm)) => rpm,
             Some(Turning::Surface(surface)) => {

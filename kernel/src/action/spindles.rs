@@ -5,66 +5,11 @@
 //! command them too.
 
 use crate::channel::Kernel;
-use crate::channel::state::{SpindleState, group};
 use crate::diag;
 use crate::log::event::Kind;
-use crate::machine::ident::{CodeId, code_facts, codes, data};
-use crate::machine::model::{Channel, Machine};
-use crate::multi::shared::Command;
+use crate::machine::ident::data;
+use crate::state::spindle::index_of;
 use counterpoint_fault::Acted;
-
-/// Spindles of one channel by index of the machine's list, and what they are in work for.
-#[derive(Debug, Default)]
-pub(crate) struct State {
-    front: Option<usize>,
-    rear: Option<usize>,
-    mill: Option<usize>,
-    /// Commands of spindles that are not in work.
-    kept: Vec<Command>,
-    /// Milling mode.
-    pub(crate) milling: bool,
-    /// Head that drives constant surface speed, when a code has said so.
-    pub(crate) driver: Option<u16>,
-    /// A speed that waits for the next spindle code.
-    pub(crate) waiting: Option<f64>,
-}
-
-impl State {
-    pub(crate) fn new(machine: &Machine, channel: &Channel) -> Self {
-        let index = |number: Option<u16>| index_of(machine, number?);
-        Self {
-            front: index(channel.spindle),
-            rear: index(channel.rear),
-            mill: index(channel.milling),
-            kept: vec![Command::default(); machine.spindles.len()],
-            milling: false,
-            driver: None,
-            waiting: None,
-        }
-    }
-}
-
-fn index_of(machine: &Machine, number: u16) -> Option<usize> {
-    machine.spindles.iter().position(|spindle| spindle.number == number)
-}
-
-/// Number in the name of a code of a numbered spindle, 1 to 5.
-fn numbered(id: CodeId) -> Option<u16> {
-    code_facts(id)?.name.strip_prefix("CODE_SPINDLE")?.split_once('_')?.0.parse().ok()
-}
-
-/// The machine commands this spindle by codes of its number.
-fn has_codes(machine: &Machine, number: u16) -> bool {
-    machine.codes.iter().any(|row| row.enable && numbered(row.id) == Some(number))
-}
-
-/// More than one channel can command the spindle.
-pub(crate) fn is_shared(machine: &Machine, index: usize) -> bool {
-    let Some(number) = machine.spindles.get(index).map(|spindle| spindle.number) else { return false };
-    let uses = |channel: &&Channel| [channel.spindle, channel.rear, channel.milling].contains(&Some(number));
-    let users = machine.channels.iter().filter(uses).count();
-    users > 1 || machine.channels.len() > 1 && has_codes(machine, number)
-}
 
 /// `CODE_SPINDLE_FRONT`, `CODE_SPINDLE_REAR`: their group says which one it is.
 pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
@@ -72,7 +17,7 @@ pub(super) fn in_work(kernel: &mut Kernel<'_>, rear: bool) -> Acted {
         let text = if rear { "spindle rear" } else { "spindle front" };
         kernel.emit(0, Kind::mode(text));
     }
-    kernel.follow_spindle();
+    kernel.channel.follow_spindle();
     Ok(())
 }
 
@@ -82,7 +27,7 @@ pub(super) fn apply(kernel: &mut Kernel<'_>, milling: bool) -> Acted {
         kernel.channel.state.others.spindles.milling = milling;
         let text = if milling { "apply mill" } else { "apply turn" };
         kernel.emit(0, Kind::mode(text));
-        kernel.follow_spindle();
+        kernel.channel.follow_spindle();
     }
     Ok(())
 }
@@ -90,7 +35,7 @@ pub(super) fn apply(kernel: &mut Kernel<'_>, milling: bool) -> Acted {
 /// Lets an action command a spindle of the channel: `number` 0 = by codes without a number.
 pub(super) fn commanded(kernel: &mut Kernel<'_>, number: u16, action: impl FnOnce(&mut Kernel<'_>) -> Acted) -> Acted {
     let index = if number == 0 {
-        kernel.plain_spindle()
+        kernel.channel.plain_spindle()
     } else {
         let index = index_of(kernel.channel.env.machine, number);
         if index.is_none() {
@@ -102,9 +47,9 @@ pub(super) fn commanded(kernel: &mut Kernel<'_>, number: u16, action: impl FnOnc
         index
     };
     let before = kernel.channel.state.spindle.index;
-    kernel.select_spindle(index);
+    kernel.channel.select_spindle(index);
     let done = action(kernel);
-    kernel.select_spindle(before);
+    kernel.channel.select_spindle(before);
     done
 }
 
@@ -128,64 +73,4 @@ pub(super) fn no_head(kernel: &mut Kernel<'_>, id: f64) -> Acted {
     let text = format!("there is no head {id} to drive constant surface speed in '{}'", kernel.block_text());
     kernel.diagnose(&diag::NO_HEAD, text);
     Ok(())
-}
-
-impl Kernel<'_> {
-    /// The spindle that turns the part.
-    fn turning_spindle(&self) -> Option<usize> {
-        let spindles = &self.channel.state.others.spindles;
-        let rear =
-            spindles.rear.filter(|_| self.channel.state.modal.code(group::SPINDLES) == Some(codes::SPINDLE_REAR));
-        rear.or(spindles.front)
-    }
-
-    /// The spindle in work.
-    fn working_spindle(&self) -> Option<usize> {
-        let spindles = &self.channel.state.others.spindles;
-        spindles.mill.filter(|_| spindles.milling).or_else(|| self.turning_spindle())
-    }
-
-    /// The spindle of codes without a number: not a milling one that has codes of its own.
-    fn plain_spindle(&self) -> Option<usize> {
-        let spindles = &self.channel.state.others.spindles;
-        let mill = spindles.mill.filter(|_| spindles.milling && self.milling_code() == 0);
-        mill.or_else(|| self.turning_spindle())
-    }
-
-    fn number_in_codes(&self, index: Option<usize>) -> u16 {
-        let number =
-            index.and_then(|index| self.channel.env.machine.spindles.get(index)).map_or(0, |spindle| spindle.number);
-        if has_codes(self.channel.env.machine, number) { number } else { 0 }
-    }
-
-    /// `$STID`
-    pub(crate) fn turning_code(&self) -> u16 {
-        self.number_in_codes(self.turning_spindle())
-    }
-
-    /// `$SMID`
-    pub(crate) fn milling_code(&self) -> u16 {
-        self.number_in_codes(self.channel.state.others.spindles.mill)
-    }
-
-    /// Puts into work what the codes say.
-    pub(crate) fn follow_spindle(&mut self) {
-        let wanted = self.working_spindle();
-        self.select_spindle(wanted);
-    }
-
-    /// Puts a spindle into work.
-    fn select_spindle(&mut self, index: Option<usize>) {
-        if index == self.channel.state.spindle.index {
-            return;
-        }
-        let old = self.channel.state.spindle;
-        let kept = &mut self.channel.state.others.spindles.kept;
-        if let Some(slot) = old.index.filter(|_| !old.shared).and_then(|at| kept.get_mut(at)) {
-            *slot = old.command;
-        }
-        let command = index.and_then(|at| kept.get(at)).copied().unwrap_or_default();
-        let shared = index.is_some_and(|at| is_shared(self.channel.env.machine, at));
-        self.channel.state.spindle = SpindleState { index, shared, command, now: 0.0 };
-    }
 }

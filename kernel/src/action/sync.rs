@@ -5,10 +5,7 @@
 
 mod start;
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
-
-use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
 use crate::control::State;
@@ -21,28 +18,7 @@ use crate::multi::coordinator::turn::Met;
 use crate::multi::order::{Order, Wake};
 use crate::multi::tag::Tag;
 use crate::multi::waits::{Arrival, Finish, Set, Spec, Style, Terminal, Waiting};
-
-/// Waits that a kernel has met, so that one met again costs nothing.
-#[derive(Debug, Default)]
-pub(crate) struct Known(FxHashMap<Spec, Arc<Wait>>);
-
-impl Known {
-    /// Beyond this many, all are forgotten.
-    const MOST: usize = 1000;
-
-    fn wait(&mut self, spec: &Spec) -> Arc<Wait> {
-        if let Some(wait) = self.0.get(spec) {
-            return wait.clone();
-        }
-        if self.0.len() >= Self::MOST {
-            self.0.clear();
-        }
-        let (key, participants) = (spec.text().into(), spec.parts.iter().collect());
-        let wait = Arc::new(Wait { key, primitive: spec.primitive, participants });
-        self.0.insert(spec.clone(), wait.clone());
-        wait
-    }
-}
+use counterpoint_fault::{Acted, Halt};
 
 /// What the arrival means for the arriving kernel.
 enum After {
@@ -193,7 +169,7 @@ fn participants(paths: Option<f64>, form: PathsForm, all: Set) -> Result<Option<
 fn arrive(kernel: &mut Kernel<'_>, spec: Spec) -> Acted {
     let since_ns = kernel.channel.at.clock;
     let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::channel::burden::RESULT);
+    kernel.channel.burden.result(crate::state::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     kernel.flow.pass.effects = true;
     let tag = kernel.tag();

@@ -3,17 +3,17 @@
 //! Facts: reference channel-synchronisation.md 3, control-emulator.md 6.9. A duration is computed in seconds once and
 //! rounded once.
 
-use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::profile::stop_to_stop;
 
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::state::group;
 use crate::diag;
-use crate::log::event::{FeedUnit, Function, Kind, MAX_AXES, Position};
+use crate::log::event::{FeedUnit, Function, Kind, Position};
 use crate::machine::ident::codes;
 use crate::machine::model::{CodeForm, CodeRow, RapidPath};
+use crate::state::block::Firing;
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// What is said about a feed that cannot be used.
 fn lack(feed: Option<f64>) -> (&'static diag::Facts, &'static str) {
@@ -34,21 +34,12 @@ pub(super) struct Path<'a> {
 }
 
 impl Kernel<'_> {
-    /// Change of each axis in geometry units (radius on a diameter axis).
-    pub(crate) fn changes(&self, from: &Position, to: &Position) -> Position {
-        let mut out = [0.0; MAX_AXES];
-        for (((slot, axis), a), b) in out.iter_mut().zip(&self.channel.state.place.axes).zip(from).zip(to) {
-            *slot = (b - a) * axis.scale;
-        }
-        out
-    }
-
     /// Seconds of a rapid move.
     pub(super) fn rapid_seconds(&self, from: &Position, to: &Position) -> f64 {
-        let changes = if self.channel.state.place.frames.is_none() || self.tip().is_none() {
-            self.changes(from, to)
+        let changes = if self.channel.state.place.frames.is_none() || self.channel.tip().is_none() {
+            self.channel.changes(from, to)
         } else {
-            self.changes(&self.machine_point(from), &self.machine_point(to))
+            self.channel.changes(&self.channel.machine_point(from), &self.channel.machine_point(to))
         };
         match self.channel.env.machine.time.rapid {
             RapidPath::SlowestAxis => self
@@ -80,7 +71,7 @@ impl Kernel<'_> {
     fn without_feed(&mut self, path: &Path<'_>, facts: &diag::Facts, what: &str) -> f64 {
         let least = self.channel.env.machine.habits.least_feed;
         let how = match least {
-            _ if !self.goes_on_at(facts) => "nothing of the block is done".to_owned(),
+            _ if !self.channel.goes_on_at(facts) => "nothing of the block is done".to_owned(),
             Some(feed) => format!("the smallest feed {} is used", counterpoint_lang::format::wildcard_text(feed)),
             None => "the move is timed as rapid".to_owned(),
         };
@@ -101,12 +92,12 @@ impl Kernel<'_> {
     #[cold]
     fn no_feed(&mut self, feed: Option<f64>) -> Acted {
         let (facts, what) = lack(feed);
-        if self.goes_on_at(facts) {
+        if self.channel.goes_on_at(facts) {
             return Ok(());
         }
         let text = format!("{what} '{}', nothing of the block is done", self.block_text());
         self.diagnose(facts, text);
-        self.check_stop()
+        self.channel.check_stop()
     }
 
     /// Seconds of a feed move; falls back to the rapid time (with a diagnostic) when there is no usable feed.
@@ -138,7 +129,7 @@ impl Kernel<'_> {
         if !exact {
             return path.length / speed;
         }
-        let changes = self.changes(path.from, path.to);
+        let changes = self.channel.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
         for (axis, change) in self.channel.state.place.axes.iter().zip(&changes) {
             if *change != 0.0
@@ -166,22 +157,16 @@ impl Kernel<'_> {
             Turning::Surface(surface) => match path.arc {
                 Some((arc, Some(radial))) => surface.arc_minutes(arc, radial, feed) * path.length / arc.length(),
                 _ => {
-                    let [start, end] = [path.from, path.to].map(|p| self.radius(p));
+                    let [start, end] = [path.from, path.to].map(|p| self.channel.radius(p));
                     surface.line_minutes(start, end, path.length, feed)
                 }
             },
         }))
     }
 
-    /// Distance from the spindle axis at a position.
-    pub(crate) fn radius(&self, position: &Position) -> f64 {
-        let x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from);
-        x.and_then(|i| Some(position.get(i)? * self.channel.state.place.axes.get(i)?.scale)).unwrap_or(0.0)
-    }
-
     /// Time of a code from the machine's table.
     pub(crate) fn take_time(&mut self, row: &CodeRow, firing: Firing) {
-        let ns = Self::ns(row.seconds);
+        let ns = crate::state::channel::nanoseconds(row.seconds);
         let (letter, value) = self.written(row, firing);
         self.emit(ns, Kind::Function(Function { letter, value }));
         self.advance(ns);

@@ -42,8 +42,8 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
     if let Some(number) = number {
         frame::length_on(kernel, number as u32);
     }
-    let was = kernel.end_tip();
-    if !kernel.start_tip(number.is_some()) {
+    let was = kernel.channel.end_tip();
+    if !kernel.channel.start_tip(number.is_some()) {
         let text = format!(
             "the axes of channel {} cannot follow the tool tip in '{}'",
             kernel.channel.at.channel,
@@ -64,7 +64,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, method: u8) -> Acted {
 
 /// Switches it off.
 pub(super) fn off(kernel: &mut Kernel<'_>) -> Acted {
-    if kernel.end_tip() {
+    if kernel.channel.end_tip() {
         kernel.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
@@ -112,7 +112,7 @@ impl Kernel<'_> {
     pub(super) fn orient_words(&mut self, coded: u8, mut target: Position) -> (u8, Position) {
         let format = self.channel.state.others.tip.format;
         let words = usize::from(format).checked_sub(2).and_then(|at| WORDS.get(at)).copied();
-        let (Some(words), Some(_)) = (words, self.tip()) else { return (coded, target) };
+        let (Some(words), Some(_)) = (words, self.channel.tip()) else { return (coded, target) };
         let given = words.map(|id| self.take(id).map(|datum| datum.value));
         if given.iter().all(Option::is_none) {
             return (coded, target);
@@ -124,7 +124,7 @@ impl Kernel<'_> {
         if let Some(slot) = self.channel.state.others.tip.words.get_mut(usize::from(format)) {
             *slot = values;
         }
-        let tip = self.channel.state.place.geometry(&self.program_point(&target));
+        let tip = self.channel.state.place.geometry(&self.channel.program_point(&target));
         let wanted = direction(format, values, tip);
         let wanted = wanted.map(|wanted| match self.channel.state.place.frames.as_deref() {
             Some(frames) => frames.local.map().direction(wanted),
@@ -150,10 +150,10 @@ impl Kernel<'_> {
 
     /// The solution with the least turning that stays within the limits, near where the axes stand.
     pub(crate) fn shortest(&self, direction: Point) -> Option<Angles> {
-        let all: Vec<Angles> = self.chain().solve(direction).iter().map(|one| self.near(one)).collect();
-        let inside: Vec<&Angles> = all.iter().filter(|one| self.within(one)).collect();
+        let all: Vec<Angles> = self.channel.chain().solve(direction).iter().map(|one| self.channel.near(one)).collect();
+        let inside: Vec<&Angles> = all.iter().filter(|one| self.channel.within(one)).collect();
         let pick = if inside.is_empty() { all.iter().collect() } else { inside };
-        pick.into_iter().min_by(|a, b| self.turned(a).total_cmp(&self.turned(b))).cloned()
+        pick.into_iter().min_by(|a, b| self.channel.turned(a).total_cmp(&self.channel.turned(b))).cloned()
     }
 }
 

@@ -3,10 +3,10 @@
 //! Facts: reference control-emulator.md 6.3; time of a turret by its steps, channel-synchronisation.md 3.
 
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::diag::{self, Facts};
 use crate::log::event::ToolAction;
 use crate::machine::ident::{codes, data};
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
 /// Preselects a tool.
@@ -33,7 +33,7 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
     let changes = tool != 0 && tool != kernel.channel.state.place.tool;
     let seconds = if changes { change_seconds(kernel, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
-    let ns = Kernel::ns(seconds);
+    let ns = crate::state::channel::nanoseconds(seconds);
     kernel.flow.pass.effects = true;
     if changes && kernel.channel.env.machine.tool.change_motion {
         super::change_point::before_load(kernel)?;

@@ -6,23 +6,19 @@
 //! its end are told in the order of `$TLSORT`.
 
 use counterpoint_lang::value::Value;
-use rustc_hash::FxHashMap;
 
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::Radii;
-use crate::channel::state::group;
 use crate::log::event::{Kind, ToolData};
 use crate::machine::ident::codes;
 use crate::macros::host::tools::column;
+use crate::state::frames::offsets::Radii;
+use crate::state::modal::group;
 
 /// Tools that are told of; the tool table of macros has fewer rows.
 const MOST: usize = 1000;
 
 /// Characters of a name.
 const LONGEST_NAME: usize = 80;
-
-/// What was told last, by tool.
-pub(crate) type Told = FxHashMap<u32, ToolData>;
 
 impl Kernel<'_> {
     /// The tool in use has been loaded, or another offset is in force.
@@ -98,14 +94,14 @@ impl Kernel<'_> {
     fn offset_in_force(&self) -> (Option<f64>, Option<f64>) {
         let some = |value: f64| Some(value).filter(|value| *value > 0.0);
         if self.channel.env.machine.tool.offset_digits > 0 {
-            return (None, some(self.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
+            return (None, some(self.channel.offset_radius(Radii::Cutter, self.channel.state.place.tool_offset)));
         }
         let on = self.channel.state.modal.code(group::DIAMETER).is_some_and(|code| code != codes::COMP_DIAM_OFF);
         let number = self.channel.state.place.compensation.diameter;
         if !on || number == 0 {
             return (None, None);
         }
-        let radius = |table| some(self.offset_radius(table, number));
+        let radius = |table| some(self.channel.offset_radius(table, number));
         (radius(Radii::Cutter).map(|radius| radius * 2.0), radius(Radii::Corner))
     }
 }

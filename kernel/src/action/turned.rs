@@ -4,17 +4,17 @@
 //! that leans between the axes goes in straight pieces. Facts: reference control-emulator.md 6.7. Decision: unequal
 //! scales in the plane make no circle; it is told, and the end is reached straight.
 
-use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
 use super::arc::Circle;
 use crate::channel::Kernel;
-use crate::channel::report::STRAIGHT;
-use crate::channel::state::{Plane, plane};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::state::alarms::STRAIGHT;
+use crate::state::modal::{Plane, plane};
+use counterpoint_fault::Acted;
 use counterpoint_motion::frame::affine::{Affine, Point};
 
 /// Parts of a direction below this are none.
@@ -35,12 +35,12 @@ struct Sides {
 pub(super) fn circle(kernel: &mut Kernel<'_>, plane: Plane, circle: &Circle) -> Acted {
     let map = kernel.channel.state.place.frames.as_deref().map_or(Affine::SAME, |frames| *frames.local.map());
     let Some(sides) = sides(&map, plane) else {
-        let done = kernel.becomes(&diag::ARC_SCALED, STRAIGHT);
+        let done = kernel.channel.becomes(&diag::ARC_SCALED, STRAIGHT);
         let text = format!("unequal scales make no circle of '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_SCALED, text);
         return kernel.feed_to_point(circle.coded, circle.to, circle.feed, circle.unit);
     };
-    let work = kernel.contour();
+    let work = kernel.channel.contour();
     match roles(&sides) {
         Some(roles) => flat(kernel, &map, (plane, roles), (circle, sides.scale), work),
         None => leaning(kernel, plane, circle, sides.scale),
@@ -104,7 +104,7 @@ fn flat(
 ) -> Acted {
     let axes = roles.map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
     let [Some(first), Some(second)] = axes else { return Ok(()) };
-    let to = kernel.work_point(&circle.to);
+    let to = kernel.channel.work_point(&circle.to);
     let mut middle = kernel.channel.state.place.geometry(&circle.from);
     for (role, value) in [plane.first, plane.second].into_iter().zip(circle.made.center) {
         if let Some(slot) = middle.get_mut(role) {

@@ -5,15 +5,7 @@
 //! beyond 360 degrees, codes that unwind bring them back.
 
 use crate::channel::Kernel;
-use crate::channel::state::Axis;
-use crate::machine::Machine;
 use crate::machine::model::Turn;
-
-/// Axes of a channel whose absolute words are angles, bit by axis.
-pub(crate) fn angles(machine: &Machine, axes: &[Axis]) -> u8 {
-    let is = |axis: &Axis| machine.axes.get(axis.machine).is_some_and(|axis| axis.turn != Turn::Position);
-    axes.iter().enumerate().filter(|(_, axis)| is(axis)).fold(0, |bits, (at, _)| bits | 1 << at)
-}
 
 impl Kernel<'_> {
     /// Where an absolute word turns an axis from a position; `away` is what its frame lies away from that of the
@@ -25,7 +17,7 @@ impl Kernel<'_> {
             self.channel.state.place.axes.get(axis).and_then(|axis| self.channel.env.machine.axes.get(axis.machine));
         let turn = of.map_or(Turn::Position, |axis| axis.turn);
         // Polar interpolation takes the word as a length.
-        if turn == Turn::Position || self.polar().is_some() {
+        if turn == Turn::Position || self.channel.polar().is_some() {
             return word - away;
         }
         let angle = if turn == Turn::Sign { word.abs() } else { word };

@@ -4,18 +4,21 @@
 //! only on a machine whose Machine Shutdown may start it again; everything that belongs to one run of all kernels
 //! (clock of the coordinator, waits, streams) begins anew.
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::pattern::Memory;
 use rustc_hash::FxHashMap;
 
-use super::burden::Burden;
+use super::Kernel;
 use super::flow::Flow;
-use super::parts::{At, BlockText, DialectState, Reports, State};
-use super::{Channel, Kernel, tape};
+use super::parts::DialectState;
 use crate::log::event::FileId;
 use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Runtime;
 use crate::mcd::program::Range;
+use crate::mcd::tape;
+use crate::state::State;
+use crate::state::burden::Burden;
+use crate::state::channel::{At, BlockText, Channel, Reports};
+use counterpoint_fault::{Acted, Halt};
 
 /// How the life of a kernel ended.
 pub(crate) struct Lived {

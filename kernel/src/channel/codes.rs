@@ -3,15 +3,15 @@
 //! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
 
 use super::Kernel;
-use super::block::{Firing, Word};
 use super::modal_call::END_CALLS;
 use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
+use crate::state::block::{Firing, Word};
 use counterpoint_fault::Acted;
 
-use super::state::group;
+use crate::state::modal::group;
 
 impl Kernel<'_> {
     /// Sorts the words of the block into codes and data, and lets the codes act.
@@ -186,7 +186,7 @@ impl Kernel<'_> {
         if self.channel.block.swallows {
             self.drop_ignored();
         }
-        if self.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
+        if self.channel.has_any(self.plan.motion_registers) && !self.group_queued(group::MOTION) {
             self.imply_motion();
         }
         if self.channel.state.modal.refires.is_empty() {
@@ -249,7 +249,7 @@ impl Kernel<'_> {
     #[cold]
     fn is_left(&self, group: u16) -> bool {
         let moves = group == group::MOTION || group == group::CYCLE;
-        moves && (self.has_any(self.plan.motion_registers) || self.adds_motion()) || self.has_firing_data(group)
+        moves && (self.channel.has_any(self.plan.motion_registers) || self.adds_motion()) || self.has_firing_data(group)
     }
 
     pub(crate) fn group_queued(&self, group: u16) -> bool {
@@ -258,11 +258,6 @@ impl Kernel<'_> {
             .firings
             .iter()
             .any(|f| self.channel.env.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
-    }
-
-    /// A free data word of one of these registers is on the block.
-    pub(crate) fn has_any(&self, registers: u128) -> bool {
-        self.channel.block.present & registers != 0
     }
 
     /// By order, left to right among equals (insertion sort: a block has few codes).
@@ -280,7 +275,7 @@ impl Kernel<'_> {
 
     /// Lets one code act.
     pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
-        self.check_stop()?;
+        self.channel.check_stop()?;
         let machine = self.channel.env.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
         if firing.fragile && !self.is_left(row.group) {

@@ -3,15 +3,13 @@
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
 //! asks for it; it is split into words again only when somebody has changed it.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
-use super::block::Block;
+use super::Kernel;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
-use super::{Kernel, burden};
 use crate::diag;
 use crate::log::event::{Kind, Listing};
 use crate::machine::ident::data;
@@ -19,7 +17,9 @@ use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
 use crate::macros::host::{code_id, data_id};
 use crate::macros::runtime::{Later, Task};
+use crate::state::block::Block;
 use crate::trace::{self, Stage};
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// A block that EXEC/NEXT left for later.
@@ -34,7 +34,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        self.emit(0, Kind::listing(Listing::Block(burden::shortened(&text).into())));
+        self.emit(0, Kind::listing(Listing::Block(crate::state::burden::shortened(&text).into())));
     }
 
     /// Processes such a block.
@@ -70,7 +70,7 @@ impl Kernel<'_> {
         let (as_data, mode_changed) = (self.channel.acting.as_data.take(), self.channel.acting.mode_changed);
         let asked = self.flow.pending.take();
         // A block within a block is one, too.
-        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
+        let begun = self.work(crate::state::burden::BLOCK).and_then(|()| self.check_limits());
         let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
         // The rest of that block is dropped, not that of the one around it.
         let done = if done == Err(Halt::Dropped) { Ok(()) } else { done };

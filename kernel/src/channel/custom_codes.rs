@@ -3,19 +3,19 @@
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use super::block::Firing;
 use super::data::Datum;
-use super::state::group;
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::host::{code_id, code_value, data_value};
 use crate::macros::runtime::Task;
+use crate::state::block::Firing;
+use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 
 /// Where the codes and data of a block come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +81,9 @@ impl Kernel<'_> {
 
     /// Register of the sequence numbers that the head of this channel has of its own.
     pub(crate) fn own_sequence(&self) -> Option<u8> {
-        let own = usize::from(self.kernel_number()).checked_sub(1).and_then(|head| self.plan.head_sequences.get(head));
+        let own = usize::from(self.channel.kernel_number())
+            .checked_sub(1)
+            .and_then(|head| self.plan.head_sequences.get(head));
         own.copied().flatten()
     }
 
@@ -102,7 +104,8 @@ impl Kernel<'_> {
 
     /// Codes that data fire: motion by added axis values, and what `$FCEDAC` has set up.
     fn imply_by_data(&mut self) {
-        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.has_any(self.plan.motion_registers) {
+        if self.adds_motion() && !self.group_queued(group::MOTION) && !self.channel.has_any(self.plan.motion_registers)
+        {
             self.imply_motion();
         }
         let count = self.macros.as_deref().map_or(0, |runtime| runtime.data_codes.len());
@@ -251,8 +254,8 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let across = if source.across { self.across_factor() } else { 1.0 };
-            let factor = self.unit_factor(source.dimension) * across;
+            let across = if source.across { self.channel.across_factor() } else { 1.0 };
+            let factor = self.channel.unit_factor(source.dimension) * across;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
             return Some(Taken { value, factor, incremental, raw, modal: source.modal, register });
@@ -262,8 +265,8 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.across.contains(&id) { self.across_factor() } else { 1.0 };
-        let factor = self.unit_factor(dimension) * across;
+        let across = if self.plan.across.contains(&id) { self.channel.across_factor() } else { 1.0 };
+        let factor = self.channel.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }
 
@@ -346,7 +349,7 @@ impl Kernel<'_> {
             let modal = rows.clone().any(|row| row.modal && row.process);
             let name = self.channel.env.machine.data_name(id).to_owned();
             if modal && !name.starts_with("REG_AXIS_") {
-                let factor = rows.map(|row| self.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
+                let factor = rows.map(|row| self.channel.unit_factor(row.dimension.plain())).next().unwrap_or(1.0);
                 self.channel.state.modal.remember(id, value * factor);
                 continue;
             }

@@ -2,12 +2,10 @@
 //!
 //! Facts: reference control-emulator.md 2.1, 2.4, 4.1, 4.3.
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
 use super::flow::{Flow, Frame};
-use super::state::Modal;
 use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
@@ -16,6 +14,8 @@ use crate::log::event::{FileId, Kind};
 use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Restart, Task};
 use crate::mcd::program::Range;
+use crate::state::modal::Modal;
+use counterpoint_fault::{Acted, Halt};
 
 impl Kernel<'_> {
     /// Declaration and Program Startup.
@@ -40,7 +40,7 @@ impl Kernel<'_> {
         runtime.later.clear();
         runtime.closing = true;
         runtime.text = None;
-        self.clear_stop();
+        self.channel.clear_stop();
         match self.plain_macro(Hook::ProgramShutdown) {
             Err(worse @ (Halt::Alarm | Halt::Stopped | Halt::Blocked)) => worse,
             _ => halt,
@@ -82,15 +82,17 @@ impl Kernel<'_> {
             (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
                 (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
-                (action::cycle::State::new(self.channel.env.machine), action::arc::State::default());
+                (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
             action::frame::forget(self);
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
-                *self.channel.state.others = action::states::States::new(self.channel.env.machine, channel);
+                *self.channel.state.others = crate::state::Others::new(self.channel.env.machine, channel);
             }
-            (*self.channel.state.threads, *self.channel.state.skip) =
-                (action::thread::State::new(self.channel.env.machine), action::skip::State::default());
+            (*self.channel.state.threads, *self.channel.state.skip) = (
+                crate::state::thread::Threads::new(self.channel.env.machine),
+                crate::state::probing::Probing::default(),
+            );
             if let Some(runtime) = self.macros.as_deref_mut() {
                 (runtime.store.counts, runtime.operations) = Default::default();
                 runtime.store.listed.clear();

@@ -3,11 +3,8 @@
 //! Facts: reference control-emulator.md 1.3. Invariant: a value is taken off the block at most once.
 
 use super::Kernel;
-use super::state::group;
 use crate::diag;
-use crate::log::info::Unit;
-use crate::machine::ident::{DataId, codes};
-use crate::machine::model::Dimension;
+use crate::machine::ident::DataId;
 
 /// A value taken off the block.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +45,7 @@ impl Kernel<'_> {
     /// A value of `id` is on the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
         let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
-        self.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
+        self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is on the block.
@@ -60,9 +57,9 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let mut value = (raw * source.mul + source.add) * self.unit_factor(source.dimension);
+            let mut value = (raw * source.mul + source.add) * self.channel.unit_factor(source.dimension);
             if source.across {
-                value *= self.across_factor();
+                value *= self.channel.across_factor();
             }
             if source.modal && !incremental {
                 self.channel.state.modal.remember(id, value);
@@ -111,36 +108,10 @@ impl Kernel<'_> {
         }
     }
 
-    /// Factor from program units to machine units.
-    pub(crate) fn unit_factor(&self, dimension: Dimension) -> f64 {
-        if !self.channel.state.secondary {
-            return 1.0;
-        }
-        match (dimension, self.channel.env.machine.unit) {
-            (Dimension::Length | Dimension::Feed, Unit::Mm) => 25.4,
-            (Dimension::Length | Dimension::Feed, Unit::Inch) => 1.0 / 25.4,
-            // The least increment of an inch is ten times finer.
-            (Dimension::Increments, Unit::Mm) => 2.54,
-            (Dimension::Increments, Unit::Inch) => 10.0 / 25.4,
-            _ => 1.0,
-        }
-    }
-
-    /// Factor from programmed positions of X to those of its axis: the program may count radii along a diameter axis, or
-    /// diameters along another one (reference control-emulator.md 6.2).
-    #[cold]
-    pub(crate) fn across_factor(&self) -> f64 {
-        match (self.channel.state.modal.code(group::ACROSS), self.channel.state.place.scale_of(0) < 1.0) {
-            (Some(codes::XAXIS_RADIUS), true) => 2.0,
-            (Some(codes::XAXIS_DIAMETER), false) => 0.5,
-            _ => 1.0,
-        }
-    }
-
     /// The same for the positions of an axis that have words of their own.
     pub(crate) fn factor_across(&self, axis: usize) -> f64 {
         let is_x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
-        if is_x && !self.plan.across.is_empty() { self.across_factor() } else { 1.0 }
+        if is_x && !self.plan.across.is_empty() { self.channel.across_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {

@@ -145,7 +145,7 @@ impl Kernel<'_> {
     /// Carries out what the block asked for at its end.
     #[inline(always)]
     pub(crate) fn follow(&mut self) -> Acted {
-        self.check_stop()?;
+        self.channel.check_stop()?;
         let flow = &self.flow;
         if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
     }

@@ -3,7 +3,6 @@
 //! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. Invariant: what such a pre-processor leaves is a text, which
 //! is split into words as any block is; on a kernel with macros it goes on to Pre-Processor Shutdown.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
@@ -11,8 +10,6 @@ use counterpoint_lang::value::Value;
 use super::Kernel;
 use super::custom_calls::Callee;
 use super::flow::{Frame, Pending};
-use super::frames::offsets::Table;
-use super::state::group;
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
 use crate::log::event::FileId;
@@ -23,6 +20,9 @@ use crate::machine::model::Dimension;
 use crate::machine::number::written;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use crate::state::frames::offsets::Table;
+use crate::state::modal::group;
+use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
@@ -77,7 +77,7 @@ impl Kernel<'_> {
     /// Factor from positions as the program counts them to those of an axis.
     fn program_factor(&self, axis: usize) -> f64 {
         let turns = self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary);
-        let length = if turns { 1.0 } else { self.unit_factor(Dimension::Length) };
+        let length = if turns { 1.0 } else { self.channel.unit_factor(Dimension::Length) };
         length * self.factor_across(axis)
     }
 
@@ -226,7 +226,7 @@ impl Host for Kernel<'_> {
 
     fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
         self.flow.pass.effects = true;
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
         let over = Kernel::shared(self, |order| match value {
             Some(value) => {
@@ -295,8 +295,8 @@ impl Host for Kernel<'_> {
     }
 
     fn positions(&self) -> Vec<(String, f64, f64)> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
         let axes =
             self.channel.state.place.axes.iter().filter_map(|axis| self.channel.env.machine.axes.get(axis.machine));
         let values = programmed.iter().zip(machine.iter());
@@ -324,9 +324,9 @@ impl Host for Kernel<'_> {
     }
 
     fn axes(&self) -> Vec<AxisPlace> {
-        let programmed = self.programmed();
-        let machine = self.machine_point(&self.channel.state.place.position);
-        let counted = self.counted();
+        let programmed = self.channel.programmed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        let counted = self.channel.counted();
         let values = programmed.iter().zip(machine.iter()).zip(counted.iter());
         let places = self.channel.state.place.axes.iter().enumerate().zip(values).filter_map(
             |((at, axis), ((work, machine), from))| {
@@ -377,13 +377,13 @@ impl Host for Kernel<'_> {
     }
 
     fn offset(&self, number: u32) -> Vec<f64> {
-        let values = self.offset_values(Table::Work, number);
+        let values = self.channel.offset_values(Table::Work, number);
         let values = values.iter().take(self.channel.state.place.axes.len()).enumerate();
         values.map(|(at, value)| value / self.program_factor(at)).collect()
     }
 
     fn set_offset(&mut self, number: u32, values: &[f64]) -> bool {
-        let mut offset = self.offset_values(Table::Work, number);
+        let mut offset = self.channel.offset_values(Table::Work, number);
         for (at, (slot, value)) in offset.iter_mut().zip(values).enumerate() {
             *slot = value * self.program_factor(at);
         }

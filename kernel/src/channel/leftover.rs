@@ -3,11 +3,11 @@
 //! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
 
 use super::Kernel;
-use super::block::odd;
-use super::state::feed_of;
-use super::state::group;
 use crate::diag;
 use crate::machine::ident::data;
+use crate::state::block::odd;
+use crate::state::modal::feed_of;
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
@@ -20,7 +20,7 @@ impl Kernel<'_> {
 
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
-        if self.has_any(self.plan.speed_registers) {
+        if self.channel.has_any(self.plan.speed_registers) {
             crate::action::spindle::speed_word(self)?;
         }
         if self.channel.block.has_leftovers() {
@@ -77,7 +77,7 @@ impl Kernel<'_> {
             axis |= is_axis;
             let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
             if row.modal && !is_axis && !other_feed {
-                let value = (value * row.mul + row.add) * self.unit_factor(row.dimension);
+                let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
                 self.channel.state.modal.remember(row.id, value);
                 known = true;
             } else if row.modal && other_feed {

@@ -4,7 +4,6 @@
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
 use super::Kernel;
-use super::block::odd;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
@@ -12,7 +11,9 @@ use super::modal_call::ModalCall;
 use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
-use counterpoint_fault::{Acted, Halt};
+use crate::state::block::odd;
+use counterpoint_fault::Acted;
+use counterpoint_fault::Halt;
 
 /// What the words of a call say.
 #[derive(Debug, Default)]

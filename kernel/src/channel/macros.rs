@@ -1,15 +1,15 @@
 //! Statements of the pre-processor: assignments, branches, loops.
 
-use counterpoint_fault::{Acted, Halt};
 use std::sync::Arc;
 
 use super::Kernel;
-use super::block::{Word, odd};
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::{Kind, Message};
 use crate::mcd::spot::Spot;
+use crate::state::block::{Word, odd};
+use counterpoint_fault::{Acted, Halt};
 
 /// Why a statement has come to no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -219,7 +219,7 @@ impl Kernel<'_> {
         }
         let (plan, switched) = (self.plan, self.switched_scanner());
         let scanner = switched.as_deref().unwrap_or(&plan.scanner);
-        let (mut stripped, mut scratch) = (Vec::new(), super::block::Block::default());
+        let (mut stripped, mut scratch) = (Vec::new(), crate::state::block::Block::default());
         let Some(source) = sources.get(file) else { return Arc::default() };
         let bracketing = source.walk(range.first, range.last).filter(|&line| has_bracketing(source.line(line)));
         let blocks = bracketing.flat_map(|line| {
@@ -344,7 +344,8 @@ impl Kernel<'_> {
                 (Some((register, _)), Some(number)) => self.read_by_register(register, number),
                 (Some((register, _)), None) => {
                     let of = self.channel.env.machine.registers.get(usize::from(register));
-                    let refused = self.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                    let refused =
+                        self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
                     let wrong = refused && value < 0.0;
                     self.channel.block.odd |= u8::from(wrong) * odd::SIGN;
                     value

@@ -4,8 +4,7 @@
 //! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
-pub(crate) mod block;
-pub(crate) mod burden;
+mod burden;
 pub(crate) mod carried;
 pub(crate) mod codes;
 pub(crate) mod custom;
@@ -19,7 +18,6 @@ mod embedded;
 pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
-pub(crate) mod frames;
 mod interpreted;
 pub(crate) mod leftover;
 mod letter_zero;
@@ -37,19 +35,15 @@ pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
-pub(crate) mod state;
-pub(crate) mod tape;
 mod text;
 mod unknown;
 pub(crate) mod variables;
 mod word_calls;
 
-use block::Block;
-use burden::Burden;
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
 use flow::Flow;
-use parts::{Acting, At, BlockText, DialectState, Environment, Ports, Reports, Setup, State};
+use parts::{DialectState, Ports, Setup};
 use plan::Plan;
 
 use crate::log::event::Kind;
@@ -57,20 +51,10 @@ use crate::machine::model::Channel as MachineChannel;
 use crate::macros::runtime::Runtime;
 use crate::multi::order::Order;
 use crate::multi::tag::Tag;
-
-/// One channel of the control: what it is given, where it is, what it remembers.
-pub(crate) struct Channel<'a> {
-    pub(crate) env: Environment<'a>,
-    pub(crate) at: At,
-    /// The block being processed.
-    pub(crate) block: Block,
-    pub(crate) text: BlockText,
-    pub(crate) acting: Acting,
-    pub(crate) state: State,
-    pub(crate) reports: Reports,
-    /// Memory and work used up.
-    pub(crate) burden: Burden,
-}
+use crate::state::State;
+use crate::state::block::Block;
+use crate::state::burden::Burden;
+use crate::state::channel::{Acting, At, BlockText, Channel, Reports};
 
 /// The kernel of one channel.
 pub(crate) struct Kernel<'a> {
@@ -115,12 +99,6 @@ impl Kernel<'_> {
         self.channel.at.tag()
     }
 
-    /// Which of the machine's channels this is, counted from 1 in ascending order of their numbers; 0 is the master.
-    pub(crate) fn kernel_number(&self) -> u16 {
-        let channels = self.channel.env.machine.channels.iter().zip(1_u16..);
-        channels.into_iter().find(|(channel, _)| channel.number == self.channel.at.channel).map_or(0, |(_, at)| at)
-    }
-
     /// Adds an event of this block at the clock.
     #[inline]
     pub(crate) fn emit(&mut self, dur_ns: i64, kind: Kind) {
@@ -146,12 +124,6 @@ impl Kernel<'_> {
     /// Moves the clock on.
     pub(crate) fn advance(&mut self, ns: i64) {
         self.channel.at.advance(ns);
-    }
-
-    /// Nanoseconds of a duration in seconds, rounded once; never negative, never beyond what a job can hold.
-    pub(crate) fn ns(seconds: f64) -> i64 {
-        const MOST: f64 = 1e18;
-        if seconds.is_nan() || seconds <= 0.0 { 0 } else { ((seconds * 1e9).min(MOST) + 0.5) as i64 }
     }
 
     /// Runs an operation on what the channels share, in tag order.

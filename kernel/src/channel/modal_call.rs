@@ -5,10 +5,10 @@
 //! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
 
 use super::Kernel;
-use super::block::Word;
 use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::word_calls::By;
+use crate::state::block::Word;
 
 /// Calls once.
 const CALL: f64 = 65.0;

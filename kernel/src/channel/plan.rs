@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::data::RECALLED;
 use super::refusals::Refusals;
 use super::scan::Scanner;
-use super::tape::Tape;
 use super::word_calls::WordCalls;
 use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
+use crate::mcd::tape::Tape;
 
 /// Compiled form of the machine for the block loop.
 #[derive(Debug)]

@@ -4,12 +4,12 @@
 //! Invariant: a block without a code or register that a rule looks for costs one look at each of its codes.
 
 use super::Kernel;
-use super::block::Firing;
 use crate::diag;
 use crate::machine::Machine;
 use crate::machine::model::CodeRow;
 use crate::machine::refusals::{Active, Refusal, WordRule, Written};
 use crate::machine::tables::form_range;
+use crate::state::block::Firing;
 use counterpoint_fault::Acted;
 
 /// The rules of a machine, by what they look for.

@@ -5,18 +5,18 @@
 //! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
 //! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
 
-use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use super::block::Firing;
-use super::burden::shortened;
 use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
+use crate::state::block::Firing;
+use crate::state::burden::shortened;
+use counterpoint_fault::Acted;
 
 impl Kernel<'_> {
     /// The block has messages, or comments and messages fire codes.

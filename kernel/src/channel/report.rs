@@ -6,30 +6,11 @@
 //! succeeded, however softly the alarm is told.
 
 use super::Kernel;
-use super::burden::{RESULT, shortened};
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, Kind};
+use crate::state::alarms::Alarms;
+use crate::state::burden::{RESULT, shortened};
 use counterpoint_fault::{Acted, Halt};
-
-/// Alarms of a channel.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Alarms {
-    /// A diagnostic of this block stops the channel before the next code acts.
-    stopping: bool,
-    /// Diagnostics of severity 8 or more in the log.
-    errors: u32,
-    /// Alarms gone on from that are not among them.
-    softened: u32,
-}
-
-/// Severity from which a diagnostic is an error.
-const ERROR: u8 = 8;
-
-/// What an alarm makes of its block.
-pub(crate) const NOT_DONE: &str = "nothing of the block is done";
-
-/// What a circle becomes that cannot be made.
-pub(crate) const STRAIGHT: &str = "the end is reached straight";
 
 impl Kernel<'_> {
     /// Logs a diagnostic at the current block. Beyond the limit of a channel one closing notice follows, then
@@ -39,10 +20,10 @@ impl Kernel<'_> {
             // What was looked for may not have been looked for everywhere.
             return;
         }
-        let stops = self.stops_at(facts);
+        let stops = self.channel.stops_at(facts);
         if self.has_room(stops) {
             self.log_diagnostic(facts, text.into(), stops);
-        } else if self.is_alarm(facts) {
+        } else if self.channel.is_alarm(facts) {
             self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
         }
     }
@@ -70,7 +51,7 @@ impl Kernel<'_> {
             if self.macros.is_some() {
                 self.issue((facts.number, severity), text, (None, stops));
             } else {
-                self.count_error(severity);
+                self.channel.count_error(severity);
                 let text = shortened(&text);
                 self.channel.burden.result(text.len() + RESULT);
                 let (number, text) = (facts.number, text.into());
@@ -80,42 +61,15 @@ impl Kernel<'_> {
         }
         self.channel.reports.alarms.stopping |= stops;
         let own = self.channel.env.machine.diagnostics.stops(facts.number);
-        if self.is_alarm(facts) && own != Some(false) && self.channel.reports.alarms.errors == errors {
+        if self.channel.is_alarm(facts) && own != Some(false) && self.channel.reports.alarms.errors == errors {
             self.channel.reports.alarms.softened = self.channel.reports.alarms.softened.saturating_add(1);
-        }
-    }
-
-    /// Whether the channel stops at a diagnostic.
-    fn stops_at(&self, facts: &Facts) -> bool {
-        self.channel.env.machine.stops_at(facts)
-    }
-
-    /// A diagnostic is an alarm of real controls, or of the control of this machine.
-    pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
-        self.channel.env.machine.is_alarm(facts)
-    }
-
-    /// The machine goes on from this alarm.
-    pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
-        !self.stops_at(facts)
-    }
-
-    /// What becomes of a block about which this is reported: what is done instead, unless the channel stops.
-    pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
-        if self.goes_on_at(facts) { instead } else { NOT_DONE }
-    }
-
-    /// Counts what has come into the log.
-    pub(crate) fn count_error(&mut self, severity: u8) {
-        if severity >= ERROR {
-            self.channel.reports.alarms.errors = self.channel.reports.alarms.errors.saturating_add(1);
         }
     }
 
     /// Logs an alarm of the control and returns what it does: the channel stops, or the rest of the block is dropped.
     pub(crate) fn alarm(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
-        self.halted(if self.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
+        self.halted(if self.channel.stops_at(facts) { Halt::Alarm } else { Halt::Dropped })
     }
 
     /// What ends a block, unless the job is to end: then nothing is an alarm any more.
@@ -127,22 +81,6 @@ impl Kernel<'_> {
     pub(crate) fn fatal(&mut self, facts: &Facts, text: impl Into<String>) -> Halt {
         self.diagnose(facts, text);
         self.halted(Halt::Alarm)
-    }
-
-    /// A diagnostic of this block has stopped the channel.
-    #[inline(always)]
-    pub(crate) fn check_stop(&self) -> Acted {
-        if self.channel.reports.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
-    }
-
-    /// The channel stops before the next code acts.
-    pub(crate) fn stop_here(&mut self) {
-        self.channel.reports.alarms.stopping = true;
-    }
-
-    /// Program Shutdown runs behind an alarm.
-    pub(crate) fn clear_stop(&mut self) {
-        self.channel.reports.alarms.stopping = false;
     }
 
     /// An alarm that the machine goes on from ends its block; what the block had asked for before still happens.

@@ -7,13 +7,13 @@ mod marks;
 mod numbers;
 mod passed;
 
-use super::block::{Block, Word, odd};
 use crate::diag;
 use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::Register;
 use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
+use crate::state::block::{Block, Word, odd};
 use numbers::{Read, parse_number};
 
 /// What a line turned out to be.

@@ -3,14 +3,13 @@
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) the other places and files beside the program that are named after the number.
 
+use super::Kernel;
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::Kernel;
-use super::block::Block;
 use super::custom_calls::Callee;
 use super::scan::Kind;
 use crate::log::event::FileId;
@@ -20,6 +19,7 @@ use crate::machine::number::written;
 use crate::macros::host::variables;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
+use crate::state::block::Block;
 
 /// Lines of a file by label, ascending.
 pub(super) type Labels = FxHashMap<u32, Vec<u32>>;

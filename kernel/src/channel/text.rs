@@ -3,15 +3,15 @@
 //! Facts: reference control-emulator.md 5.1 (a further character that ends blocks), 5.2 (tape editor). Invariant: what
 //! the scanner, the pre-processor and messages about words see is one text; places in it are places in that text.
 
-use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use super::Kernel;
-use super::tape::Within;
 use crate::diag;
 use crate::mcd::source::Source;
 use crate::mcd::spot::Spot;
+use crate::mcd::tape::Within;
 use crate::trace::Stage;
+use counterpoint_fault::Halt;
 
 /// The text of a block.
 pub(crate) enum Reshaped<'l> {

@@ -6,12 +6,12 @@
 //! block has acted, unless a macro behind the block may still know its text.
 
 use super::Kernel;
-use super::block::odd;
 use super::letter_zero::letter_for_zero;
 use crate::diag::{self, Facts};
 use crate::machine::ident::codes;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::{CodeForm, Preprocessor};
+use crate::state::block::odd;
 use counterpoint_fault::Acted;
 
 /// Most characters of unknown text in a message.
@@ -21,13 +21,13 @@ impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
     pub(super) fn check_known(&mut self) -> Acted {
-        if self.channel.block.has_oddities() { self.odd_before() } else { self.check_stop() }
+        if self.channel.block.has_oddities() { self.odd_before() } else { self.channel.check_stop() }
     }
 
     #[cold]
     fn odd_before(&mut self) -> Acted {
         self.check_numbers()?;
-        if self.channel.block.unknown.is_empty() { self.check_stop() } else { self.unknown_before() }
+        if self.channel.block.unknown.is_empty() { self.channel.check_stop() } else { self.unknown_before() }
     }
 
     /// Numbers that a control refuses at their address; on other machines they are read as they are.
@@ -38,7 +38,7 @@ impl Kernel<'_> {
             (odd::SIGN, &diag::MINUS_SIGN, "a value is negative at an address that takes no sign"),
         ];
         for (bit, facts, what) in kinds {
-            if self.channel.block.odd & bit != 0 && self.is_alarm(facts) {
+            if self.channel.block.odd & bit != 0 && self.channel.is_alarm(facts) {
                 let text = format!("{what} in '{}'; nothing of the block is done", self.block_text());
                 return Err(self.alarm(facts, text));
             }
@@ -48,7 +48,7 @@ impl Kernel<'_> {
 
     #[cold]
     fn unknown_before(&mut self) -> Acted {
-        self.check_stop()?;
+        self.channel.check_stop()?;
         self.left_name();
         let name = self.channel.block.name().filter(|_| self.calls_by_name());
         // A macro after the block may take text, but no word.
@@ -140,7 +140,7 @@ impl Kernel<'_> {
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.has_any(self.plan.motion_registers) && !self.moves_by_itself();
+        let moves = self.channel.has_any(self.plan.motion_registers) && !self.moves_by_itself();
         let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
         let motions = self
             .channel
@@ -162,7 +162,7 @@ impl Kernel<'_> {
 
     /// A motion code is written on the block.
     fn moves_by_itself(&self) -> bool {
-        self.group_queued(super::state::group::MOTION)
+        self.group_queued(crate::state::modal::group::MOTION)
     }
 
     /// What nothing has recognised when all codes have acted.

@@ -6,11 +6,11 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use super::frames::offsets::EXTENDED;
-use super::state::group;
 use crate::diag;
 use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
 use crate::machine::ident::codes;
+use crate::state::frames::offsets::EXTENDED;
+use crate::state::modal::group;
 
 /// Local variables #1–#33 of one level.
 type Locals = [f64; 34];
@@ -72,7 +72,7 @@ impl Variables for Kernel<'_> {
             self.get_known(index)
         };
         match value {
-            Err(fault @ Fault::NoVariable(_)) if self.goes_on_at(&diag::MACRO_VARIABLE) => {
+            Err(fault @ Fault::NoVariable(_)) if self.channel.goes_on_at(&diag::MACRO_VARIABLE) => {
                 self.fault(&fault);
                 Ok(0.0)
             }
@@ -169,8 +169,8 @@ impl Kernel<'_> {
     fn system(&self, index: u32) -> Option<f64> {
         let axis =
             |base: u32| self.channel.state.place.axes.get((index - base) as usize).map(|_| (index - base) as usize);
-        let at = |i: usize| self.programmed().get(i).copied();
-        let machine = |i: usize| self.machine_point(&self.channel.state.place.position).get(i).copied();
+        let at = |i: usize| self.channel.programmed().get(i).copied();
+        let machine = |i: usize| self.channel.machine_point(&self.channel.state.place.position).get(i).copied();
         match index {
             3001 => Some((self.channel.at.clock / 1_000_000) as f64),
             3002 => Some(self.channel.at.clock as f64 / 3.6e12),
@@ -187,7 +187,7 @@ impl Kernel<'_> {
                 self.channel
                     .state
                     .modal
-                    .value(super::state::feed_of(self.channel.state.modal.code(group::FEED)).0)
+                    .value(crate::state::modal::feed_of(self.channel.state.modal.code(group::FEED)).0)
                     .unwrap_or(0.0),
             ),
             4119 => Some(self.channel.state.spindle.command.rpm),

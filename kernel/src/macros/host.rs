@@ -30,10 +30,10 @@ use counterpoint_lang::vm::{Scale, State};
 
 use super::runtime::Later;
 use crate::channel::Kernel;
-use crate::channel::burden::weight;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::model::Hook;
 use crate::multi::shared::Shared;
+use crate::state::burden::weight;
 
 /// Identifier of a code value, none for `CODE_NONE`.
 pub(crate) fn code_id(value: &Value) -> Option<CodeId> {
@@ -117,7 +117,7 @@ impl Host for Kernel<'_> {
     }
 
     fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let Some(runtime) = self.macros.as_deref_mut() else { return };
         if runtime.shared_globals.is_some_and(|first| index >= first) {
             let place = index as usize;
@@ -199,7 +199,7 @@ impl Host for Kernel<'_> {
             return;
         }
         if stops {
-            self.stop_here();
+            self.channel.stop_here();
         }
         let origin = (self.origin_of(&diagnostic), stops);
         let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);

@@ -6,7 +6,6 @@
 
 mod running;
 
-use counterpoint_fault::Halt;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -22,11 +21,12 @@ use super::host::variables::Store;
 use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::reused::Reused;
 use crate::action::cycle::Hole;
-use crate::channel::block::{Block, Firing};
 use crate::channel::scan::Scanner;
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::macros::model::{HOOKS, Hook, Macros};
+use crate::state::block::{Block, Firing};
+use counterpoint_fault::Halt;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;

@@ -8,10 +8,10 @@
 
 use super::program::Range;
 use super::source::Source;
-use crate::channel::block::Block;
 use crate::channel::scan::Scanner;
 use crate::machine::Machine;
 use crate::machine::ident::{CodeId, codes, data};
+use crate::state::block::Block;
 
 /// Stretches of a program by head, in order; none if no code of a head stands in it. A head that comes back is the
 /// error, with its line.

@@ -7,3 +7,4 @@ pub mod source;
 pub mod sources;
 pub(crate) mod special;
 pub(crate) mod spot;
+pub(crate) mod tape;

@@ -30,7 +30,7 @@ use rounds::Round;
 use crate::channel::Kernel;
 use crate::channel::carried::{Carried, Lived};
 use crate::channel::emit::{Emitter, Target};
-use crate::channel::parts::{Environment, Ports, Setup};
+use crate::channel::parts::{Ports, Setup};
 use crate::channel::plan::Plan;
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
@@ -39,6 +39,7 @@ use crate::log::event::{Event, FileId, Kind, Phase};
 use crate::log::fold::Folds;
 use crate::machine::model::Channel;
 use crate::mcd::program::Range;
+use crate::state::channel::Environment;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {

@@ -4,8 +4,8 @@ use rustc_hash::FxHashMap;
 
 use super::files::Written;
 use super::waits::Set;
-use crate::channel::burden::Hoard;
 use crate::log::event::Direction;
+use crate::state::burden::Hoard;
 
 /// Shared state; touched only inside shared operations.
 #[derive(Debug, Clone, Default)]

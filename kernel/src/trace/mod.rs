@@ -12,11 +12,11 @@ mod lines;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
-use crate::channel::burden::shortened;
 use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::CodeForm;
 use crate::machine::number::written;
+use crate::state::burden::shortened;
 
 /// Letter of actions. Most are read off the events; what no event tells is a line of its own.
 pub const ACTION: char = 'A';
@@ -76,7 +76,7 @@ impl Kernel<'_> {
     fn trace_head_sequence(&mut self) {
         let Some(register) = self.own_sequence() else { return };
         let word = self.channel.block.words.iter().find(|word| word.register == register).map(|word| word.value);
-        let id = if self.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
+        let id = if self.channel.kernel_number() <= 1 { ident::data::SEQNO_MAIN } else { ident::data::SEQNO_SIDE };
         if let Some(value) = word {
             self.trace('C', |kernel| data(kernel.channel.env.machine.data_name(id), value));
         }

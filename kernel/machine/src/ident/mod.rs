@@ -5,6 +5,7 @@
 
 pub mod codes;
 pub mod data;
+pub mod kind;
 pub mod takes;
 
 /// A code identifier: what fires an action.

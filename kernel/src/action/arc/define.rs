@@ -6,62 +6,12 @@
 
 use crate::action::Action;
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::diag;
-use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::machine::ident::kind::arc::{By, Form};
+use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::Heights;
+use crate::state::modal::group;
 use counterpoint_fault::Acted;
-
-/// Words that tell a circle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum By {
-    /// A radius if there is one, else a centre.
-    #[default]
-    Any,
-    Center,
-    Radius,
-}
-
-/// What a code of circles tells by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Form {
-    /// Direction, if the code has one.
-    pub(super) clockwise: Option<bool>,
-    pub(super) by: By,
-    /// A code of helices.
-    pub(super) helix: bool,
-}
-
-impl Form {
-    /// The form of a code.
-    pub(crate) fn of(id: CodeId) -> Option<Self> {
-        let form = |clockwise, by, helix| Self { clockwise, by, helix };
-        Some(match id {
-            codes::INTERP_ARC_CLW => form(Some(true), By::Any, false),
-            codes::INTERP_ARC_CCLW => form(Some(false), By::Any, false),
-            codes::INTERP_HELIX_CLW => form(Some(true), By::Any, true),
-            codes::INTERP_HELIX_CCLW => form(Some(false), By::Any, true),
-            codes::INTERP_HELIX => form(None, By::Any, true),
-            codes::INTERP_ARC_CENTER => form(None, By::Center, false),
-            codes::INTERP_ARC_RADIUS => form(None, By::Radius, false),
-            _ => return None,
-        })
-    }
-}
-
-/// What is known about the circles of a channel.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct State {
-    /// Defined centre by X, Y and Z: radius values in the work frame.
-    pub(super) center: [Option<f64>; 3],
-    /// Defined radius.
-    pub(super) radius: Option<f64>,
-    /// Clockwise, as the last circle or code of direction said.
-    pub(super) clockwise: Option<bool>,
-    /// Form defined last, and on which block.
-    pub(super) by: By,
-    pub(super) block: u64,
-}
 
 /// Direction of a circle: that of its code, of another code on the block, or the last one.
 pub(super) fn direction(kernel: &mut Kernel<'_>, form: Form) -> Option<bool> {
@@ -91,7 +41,7 @@ pub(super) fn coordinate(kernel: &mut Kernel<'_>, id: DataId, axis: usize) -> Op
     let scale = kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
     let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
     Some(match relative {
-        true => of(&kernel.programmed()) * scale + datum.value,
+        true => of(&kernel.channel.programmed()) * scale + datum.value,
         false => {
             let value = datum.value * kernel.factor_across(axis);
             let shift = if kernel.channel.block.machine_frame { of(&kernel.channel.state.place.shift) } else { 0.0 };

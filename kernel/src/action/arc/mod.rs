@@ -8,23 +8,23 @@
 mod define;
 pub(super) mod space;
 
-pub(crate) use define::{By, Form, State};
 pub(super) use define::{define_center, define_direction, define_radius};
 
-use counterpoint_fault::Acted;
 use counterpoint_motion::arc as geometry;
 
-use super::cutter::{Shape, Step};
 use super::time::Path;
 use super::turned;
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::report::STRAIGHT;
-use crate::channel::state::{Plane, group, plane};
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
 use crate::machine::ident::data;
+use crate::machine::ident::kind::arc::{By, Form};
 use crate::machine::paths::{Helix, Turns};
+use crate::state::alarms::STRAIGHT;
+use crate::state::block::Firing;
+use crate::state::cutter::{Shape, Step};
+use crate::state::modal::{Plane, group, plane};
+use counterpoint_fault::Acted;
 
 /// The plane of a circle by its axes in the channel, with their factors to radius values.
 #[derive(Clone, Copy)]
@@ -60,7 +60,7 @@ struct Words {
 
 /// An arc in the active plane, helical when a further axis is coded.
 pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted {
-    if let Some(polar) = kernel.polar()
+    if let Some(polar) = kernel.channel.polar()
         && let Some(clockwise) = define::direction(kernel, form)
     {
         return super::polar::arc(kernel, polar, clockwise);
@@ -84,7 +84,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
         return Ok(());
     }
     let Some(clockwise) = define::direction(kernel, form) else {
-        let done = kernel.becomes(&diag::ARC_DIRECTION, STRAIGHT);
+        let done = kernel.channel.becomes(&diag::ARC_DIRECTION, STRAIGHT);
         let text = format!("the circle of '{}' has no direction, {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_DIRECTION, text);
         return kernel.feed_to_point(coded, target, feed, unit);
@@ -94,7 +94,7 @@ pub(super) fn arc(kernel: &mut Kernel<'_>, form: Form, firing: Firing) -> Acted 
         let forms = [data::ARC_RADIUS, data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z, data::ARC_ANGLE];
         kernel.tell_off(&forms);
     }
-    if incomplete && !kernel.goes_on_at(&diag::ARC_INCOMPLETE) {
+    if incomplete && !kernel.channel.goes_on_at(&diag::ARC_INCOMPLETE) {
         let text =
             format!("the circle has neither a centre nor a radius in '{}', nothing is moved", kernel.block_text());
         return Err(kernel.alarm(&diag::ARC_INCOMPLETE, text));
@@ -119,7 +119,7 @@ fn take_words(kernel: &mut Kernel<'_>, form: Form, plane: &Plane, flat: &Flat, (
         by => by,
     };
     let mut radius = if by == By::Center { None } else { kernel.take(data::ARC_RADIUS).map(|d| d.value) };
-    let start = flat.point(&kernel.programmed());
+    let start = flat.point(&kernel.channel.programmed());
     let mut center = None;
     if by != By::Radius {
         let roles = [plane.first, plane.second];
@@ -158,7 +158,7 @@ fn cut(
     (coded, mut target): (u8, Position),
     (feed, unit): (Option<f64>, FeedUnit),
 ) -> Acted {
-    let from = kernel.programmed();
+    let from = kernel.channel.programmed();
     let (start, end) = (flat.point(&from), flat.point(&target));
     let tolerance = kernel.channel.env.machine.arcs.tolerance;
     // Many machines do not ask.
@@ -211,7 +211,7 @@ pub(super) fn not_made(kernel: &mut Kernel<'_>, error: geometry::Error) {
     if error == geometry::Error::SamePoint && kernel.channel.env.machine.arcs.stands {
         return;
     }
-    let done = kernel.becomes(&diag::ARC_RADIUS, STRAIGHT);
+    let done = kernel.channel.becomes(&diag::ARC_RADIUS, STRAIGHT);
     let text = format!("the circle cannot be made: {error} in '{}', {done}", kernel.block_text());
     kernel.diagnose(&diag::ARC_RADIUS, text);
 }
@@ -291,15 +291,15 @@ impl Kernel<'_> {
     /// A circle in the work frame.
     #[inline(always)]
     pub(super) fn circle_to(&mut self, circle: &Circle) -> Acted {
-        if self.is_compensated() {
+        if self.channel.is_compensated() {
             let Circle { made, axes, turns, coded, to, feed, unit, .. } = *circle;
             return self.compensate(Step { shape: Shape::Circle { made, axes, turns }, coded, to, feed, unit });
         }
-        if let Some(polar) = self.polar() {
+        if let Some(polar) = self.channel.polar() {
             return self.circle_of_part(polar, circle);
         }
         let Circle { made, coded, from, to, axes: [first, second], turns, feed, unit } = *circle;
-        let changes = self.changes(&from, &to);
+        let changes = self.channel.changes(&from, &to);
         let rise = changes
             .iter()
             .enumerate()

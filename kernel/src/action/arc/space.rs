@@ -3,19 +3,19 @@
 //! Facts: reference control-emulator.md 6.1 (through-point arc). Decision: the point is read as the end is: by position
 //! mode, diameters on a diameter axis; a coordinate that is not said is that of the start.
 
-use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use counterpoint_motion::space::Circle;
 
 use super::check_radius;
 use crate::action::time::Path;
 use crate::channel::Kernel;
-use crate::channel::report::STRAIGHT;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Motion, MotionKind, Position};
 use crate::log::geometry::spatial;
 use crate::machine::ident::{codes, data};
+use crate::state::alarms::STRAIGHT;
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
 
 /// An arc by way of a point.
 pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
@@ -30,13 +30,13 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
         kernel.diagnose(&diag::DATA_MISSING, text);
         return kernel.feed_to(coded, target, feed, unit);
     }
-    if kernel.polar().is_some() {
-        let done = kernel.becomes(&diag::ARC_PLANE, STRAIGHT);
+    if kernel.channel.polar().is_some() {
+        let done = kernel.channel.becomes(&diag::ARC_PLANE, STRAIGHT);
         let text = format!("an arc in space is none under polar interpolation in '{}', {done}", kernel.block_text());
         kernel.diagnose(&diag::ARC_PLANE, text);
         return kernel.feed_to(coded, target, feed, unit);
     }
-    let via = kernel.work_point(&via);
+    let via = kernel.channel.work_point(&via);
     crate::action::cutter::to_contour(kernel, feed, unit)?;
     let from = kernel.channel.state.place.position;
     let info = kernel.channel.env.info;
@@ -46,14 +46,14 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
     let circle = match Circle::through(start, middle, end) {
         Ok(circle) => circle,
         Err(error) => {
-            let done = kernel.becomes(&diag::ARC_RADIUS, STRAIGHT);
+            let done = kernel.channel.becomes(&diag::ARC_RADIUS, STRAIGHT);
             let text = format!("the arc cannot be made: {error} in '{}', {done}", kernel.block_text());
             kernel.diagnose(&diag::ARC_RADIUS, text);
             return kernel.feed_to(coded, target, feed, unit);
         }
     };
     check_radius(kernel, circle.radius);
-    let changes = kernel.changes(&from, &target);
+    let changes = kernel.channel.changes(&from, &target);
     let others = changes.iter().zip(&kernel.channel.state.place.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
@@ -84,7 +84,7 @@ pub(crate) fn through(kernel: &mut Kernel<'_>) -> Acted {
 /// Takes the point on the way: bits of the coordinates that are said, and the point.
 fn way_point(kernel: &mut Kernel<'_>) -> (u8, Position) {
     let relative = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
-    let (mut said, mut via) = (0, kernel.programmed());
+    let (mut said, mut via) = (0, kernel.channel.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = kernel.take(id) else { continue };
         let Some(axis) = kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {

@@ -3,9 +3,9 @@
 //! While a move waits the clock stands where the move begins, and goes on by what happens after it (dwells, functions).
 //! When the move has been made, all that was held back is moved on by its time.
 
-use super::state::Waiting;
 use crate::channel::Kernel;
 use crate::log::event::Event;
+use crate::state::cutter::Waiting;
 
 impl Kernel<'_> {
     /// Lets held events out up to (not including) the one with this number; they come `late` ns later.

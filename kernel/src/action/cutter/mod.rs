@@ -7,50 +7,23 @@
 
 mod held;
 mod moves;
-mod state;
-
-use counterpoint_fault::{Acted, Halt};
-use counterpoint_motion::arc::Arc;
 
 use super::Action;
 use crate::channel::Kernel;
-use crate::channel::state::{group, plane};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::ident::{CodeId, codes, data};
+use crate::state::modal::{group, plane};
+use counterpoint_fault::{Acted, Halt};
 
+use crate::state::cutter::{Cutter, Shape, Stage, Step, Waiting};
 use counterpoint_motion::contour::element::Element;
-pub(crate) use state::Cutter;
-use state::{Stage, Waiting};
 
 /// Blocks without motion in the plane that are looked through.
 const LOOKED_THROUGH: u32 = 2;
 
 /// Blocks after which a waiting move is finished whatever comes.
 const LONGEST_WAIT: u64 = 1000;
-
-/// A move as programmed, in the work frame.
-#[derive(Debug, Clone)]
-pub(crate) struct Step {
-    pub(super) shape: Shape,
-    pub(super) coded: u8,
-    pub(super) to: Position,
-    pub(super) feed: Option<f64>,
-    pub(super) unit: FeedUnit,
-}
-
-/// How a move goes.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Shape {
-    Rapid,
-    Linear,
-    Circle {
-        /// With full turns.
-        made: Arc,
-        axes: [usize; 2],
-        turns: u16,
-    },
-}
 
 /// Imaginary tips: from the tip to the centre of the nose, along Z and X.
 const TIPS: [[f64; 2]; 10] = [
@@ -74,18 +47,18 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
         codes::COMP_DIAM_RIGHT => -1.0,
         codes::COMP_3D_VECTOR => 0.0,
         _ => {
-            if let Some(cutter) = kernel.cutter() {
+            if let Some(cutter) = kernel.channel.cutter() {
                 cutter.stage = Stage::Ending;
             }
             return Ok(());
         }
     };
-    let number = kernel.diameter_in_force().unwrap_or(0);
+    let number = kernel.channel.diameter_in_force().unwrap_or(0);
     let radius = kernel.cutter_radius(number);
     if radius == 0.0 {
         no_radius(kernel, number);
     }
-    if kernel.cutter().is_none() && radius == 0.0 {
+    if kernel.channel.cutter().is_none() && radius == 0.0 {
         return Ok(());
     }
     let Some((plane_code, axes)) = compensated_plane(kernel) else {
@@ -94,8 +67,8 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
         return Ok(());
     };
     let tip = kernel.nose_tip(number, plane_code);
-    let contour = kernel.contour();
-    let kept = kernel.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
+    let contour = kernel.channel.contour();
+    let kept = kernel.channel.cutter().filter(|cutter| cutter.stage != Stage::Ending).map(|_| Stage::Turned);
     let new = Cutter {
         side: if radius < 0.0 { -side } else { side },
         radius: radius.abs(),
@@ -108,7 +81,7 @@ pub(super) fn switched(kernel: &mut Kernel<'_>, code: CodeId) -> Acted {
         seen: kernel.channel.at.blocks,
         suspended: false,
     };
-    kernel.frames().cutter = Some(Box::new(new));
+    kernel.channel.frames().cutter = Some(Box::new(new));
     Ok(())
 }
 
@@ -125,7 +98,7 @@ fn no_radius(kernel: &mut Kernel<'_>, number: u32) {
 
 /// The active plane and its axes; under polar interpolation that of the part.
 fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
-    if let Some(polar) = kernel.polar() {
+    if let Some(polar) = kernel.channel.polar() {
         return Some((codes::PLANE_XY, [polar.linear, polar.rotary]));
     }
     let code = kernel.channel.state.modal.code(group::PLANE)?;
@@ -136,9 +109,9 @@ fn compensated_plane(kernel: &Kernel<'_>) -> Option<(CodeId, [usize; 2])> {
 
 /// Polar interpolation has been switched: another plane, in which compensation begins anew.
 pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
-    let number = kernel.diameter_in_force().unwrap_or(0);
+    let number = kernel.channel.diameter_in_force().unwrap_or(0);
     let made = compensated_plane(kernel).map(|(code, axes)| (axes, kernel.nose_tip(number, code)));
-    let Some(cutter) = kernel.cutter() else { return };
+    let Some(cutter) = kernel.channel.cutter() else { return };
     if cutter.stage != Stage::Ending {
         cutter.stage = Stage::Start;
     }
@@ -148,7 +121,7 @@ pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
             format!("compensation is active where '{}' changes the plane, it begins anew", kernel.block_text())
         }
         None => {
-            kernel.forget_cutter();
+            kernel.channel.forget_cutter();
             format!("no plane with both axes is left for compensation in '{}', it ends", kernel.block_text())
         }
     };
@@ -157,8 +130,8 @@ pub(super) fn plane_changed(kernel: &mut Kernel<'_>) {
 
 /// Brings the tool back to the contour, straight at feed, for a move that goes without compensation.
 pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedUnit) -> Acted {
-    let to = kernel.contour();
-    if !kernel.is_compensated() || to == kernel.channel.state.place.position {
+    let to = kernel.channel.contour();
+    if !kernel.channel.is_compensated() || to == kernel.channel.state.place.position {
         return Ok(());
     }
     let feed = (feed.filter(|_| unit != FeedUnit::InverseTime), unit);
@@ -169,7 +142,7 @@ pub(super) fn to_contour(kernel: &mut Kernel<'_>, feed: Option<f64>, unit: FeedU
 /// What an action means for a move that waits.
 pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
     let blocks = kernel.channel.at.blocks;
-    let Some(cutter) = kernel.cutter() else { return Ok(()) };
+    let Some(cutter) = kernel.channel.cutter() else { return Ok(()) };
     if cutter.seen != blocks {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
         cutter.seen = blocks;
@@ -179,7 +152,7 @@ pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
         Action::Rapid | Action::Linear | Action::LinearTimes(_) | Action::Arc(_)
             if !kernel.channel.block.machine_frame =>
         {
-            if let Some(cutter) = kernel.cutter() {
+            if let Some(cutter) = kernel.channel.cutter() {
                 cutter.suspended = false;
             }
         }
@@ -216,7 +189,7 @@ pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
         | Action::Cycle(_)
         | Action::CycleOn => {
             kernel.settle()?;
-            if let Some(cutter) = kernel.cutter() {
+            if let Some(cutter) = kernel.channel.cutter() {
                 cutter.suspended = true;
             }
             return Ok(());
@@ -229,35 +202,27 @@ pub(super) fn before(kernel: &mut Kernel<'_>, action: Action) -> Acted {
 /// A thread goes without compensation: what follows comes to the contour again.
 pub(super) fn after_thread(kernel: &mut Kernel<'_>) {
     let position = kernel.channel.state.place.position;
-    if let Some(cutter) = kernel.cutter() {
+    if let Some(cutter) = kernel.channel.cutter() {
         (cutter.contour, cutter.stage) = (position, Stage::Start);
     }
 }
 
 impl Kernel<'_> {
-    /// Compensation, if it is active.
-    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
-        self.channel.state.place.frames.as_deref_mut()?.cutter.as_deref_mut()
-    }
-
-    /// Compensation takes moves of this kernel.
-    #[inline(always)]
-    pub(super) fn is_compensated(&self) -> bool {
-        self.channel.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
-    }
-
     /// Radius that paths keep from the contour.
     fn cutter_radius(&self, number: u32) -> f64 {
-        use crate::channel::frames::offsets::{BASE, Radii};
-        let own = if number == BASE { 0.0 } else { self.worn_radius(number) };
-        let base =
-            if self.channel.state.place.offsets.is_some() { self.offset_radius(Radii::Cutter, BASE) } else { 0.0 };
+        use crate::state::frames::offsets::{BASE, Radii};
+        let own = if number == BASE { 0.0 } else { self.channel.worn_radius(number) };
+        let base = if self.channel.state.place.offsets.is_some() {
+            self.channel.offset_radius(Radii::Cutter, BASE)
+        } else {
+            0.0
+        };
         own + base
     }
 
     /// From the imaginary tip to the centre of the nose, in the plane.
     fn nose_tip(&self, number: u32, plane: CodeId) -> [f64; 2] {
-        if !self.is_turning() || plane != codes::PLANE_ZX {
+        if !self.channel.is_turning() || plane != codes::PLANE_ZX {
             return [0.0; 2];
         }
         let tip = self
@@ -274,15 +239,15 @@ impl Kernel<'_> {
 
     /// Takes a move: it may wait for the next one.
     pub(super) fn compensate(&mut self, step: Step) -> Acted {
-        self.check_stop()?;
+        self.channel.check_stop()?;
         if !matches!(step.shape, Shape::Rapid) {
             self.check_feed(step.feed)?;
         }
         if self.channel.state.modal.code(group::DIAMETER) == Some(codes::COMP_3D_VECTOR) {
             return self.along_vector(step);
         }
-        let from = self.contour();
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let from = self.channel.contour();
+        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
         let (axes, stage, first) = (cutter.axes, cutter.stage, cutter.waiting.is_empty());
         if cutter.suspended {
             cutter.stage = Stage::Start;
@@ -290,20 +255,20 @@ impl Kernel<'_> {
             return self.on_contour(&step);
         }
         let Some(element) = self.element(&step, &from, axes) else { return self.out_of_plane(step) };
-        self.check_stop()?;
+        self.channel.check_stop()?;
         let rapid = matches!(step.shape, Shape::Rapid);
         let round = matches!(step.shape, Shape::Circle { .. });
         let rules = self.channel.env.machine.compensation;
         match stage {
             Stage::Ending => {
                 self.tell_switch(&step, "off", (rapid && !rules.rapid, round && !rules.arcs));
-                self.forget_cutter();
+                self.channel.forget_cutter();
                 return self.on_contour(&step);
             }
             Stage::Start if first => self.tell_switch(&step, "on", (rapid && !rules.rapid, round && !rules.arcs)),
             Stage::Start | Stage::On | Stage::Turned | Stage::Settled { .. } => {}
         }
-        self.check_stop()?;
+        self.channel.check_stop()?;
         self.next_element(Some(&element))?;
         self.come_to(&step, &element)?;
         self.wait(step, Some(element));
@@ -347,7 +312,7 @@ impl Kernel<'_> {
     /// A move beside the plane: with a move that waits it waits too.
     fn out_of_plane(&mut self, step: Step) -> Acted {
         let stands = self.channel.state.place.position;
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         if !cutter.waiting.is_empty() {
             self.wait(step, None);
@@ -367,7 +332,7 @@ impl Kernel<'_> {
         let vector = *vector;
         let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut to = step.to;
-        let Some(cutter) = self.cutter() else { return Ok(()) };
+        let Some(cutter) = self.channel.cutter() else { return Ok(()) };
         cutter.contour = step.to;
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
@@ -378,34 +343,26 @@ impl Kernel<'_> {
             }
         }
         if ending {
-            self.forget_cutter();
+            self.channel.forget_cutter();
         }
         self.straight(&step, to)
     }
 
-    /// Compensation has come to its end.
-    fn forget_cutter(&mut self) {
-        if let Some(frames) = self.channel.state.place.frames.as_deref_mut() {
-            frames.cutter = None;
-        }
-        self.frames_changed();
-    }
-
     /// The program has come to an end: the move that waits is made, unless the job has been stopped.
     pub(crate) fn end_cutter(&mut self, halt: Halt) -> Halt {
-        if !self.is_compensated() {
+        if !self.channel.is_compensated() {
             return halt;
         }
         if matches!(halt, Halt::End(_) | Halt::Alarm) {
             // What was programmed before the alarm is carried out.
-            self.clear_stop();
+            self.channel.clear_stop();
             let settled = self.settle();
-            self.forget_cutter();
+            self.channel.forget_cutter();
             return settled.err().unwrap_or(halt);
         }
         let mut events = self.ports.emitter.release().into_iter();
         self.let_out(&mut events, usize::MAX, 0);
-        self.forget_cutter();
+        self.channel.forget_cutter();
         halt
     }
 
@@ -429,13 +386,13 @@ impl Kernel<'_> {
 
     /// Finishes the move that waits, without knowing the next one.
     pub(crate) fn settle(&mut self) -> Acted {
-        if self.is_compensated() { self.next_element(None) } else { Ok(()) }
+        if self.channel.is_compensated() { self.next_element(None) } else { Ok(()) }
     }
 
     /// Finishes a move that has waited too long.
     pub(crate) fn settle_old(&mut self) -> Acted {
         let blocks = self.channel.at.blocks;
-        let old = self.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
+        let old = self.channel.cutter().and_then(|cutter| cutter.waiting.first().map(|first| blocks - first.block));
         if old.is_some_and(|old| old > LONGEST_WAIT) { self.settle() } else { Ok(()) }
     }
 
@@ -456,7 +413,7 @@ impl Kernel<'_> {
             self.ports.emitter.hold(tag);
         }
         let events = self.ports.emitter.held();
-        let Some(cutter) = self.cutter() else { return };
+        let Some(cutter) = self.channel.cutter() else { return };
         cutter.contour = step.to;
         if first {
             cutter.idle = 0;

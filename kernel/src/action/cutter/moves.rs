@@ -7,12 +7,12 @@ use counterpoint_fault::Acted;
 use counterpoint_motion::arc::Arc;
 use std::f64::consts::TAU;
 
-use super::state::{Stage, Waiting};
 use super::{Cutter, Shape, Step};
 use crate::action::arc::Circle;
 use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
+use crate::state::cutter::{Stage, Waiting};
 use counterpoint_motion::contour::corner::{Corner, Link, Offset};
 use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distance, plus};
 
@@ -25,7 +25,7 @@ impl Kernel<'_> {
 
     /// A position in the plane of compensation: that of the part under polar interpolation.
     pub(super) fn plane_spot(&self, of: &Position, axes: [usize; 2]) -> Spot {
-        match self.polar() {
+        match self.channel.polar() {
             Some(polar) => polar.part(&self.channel.state.place, of),
             None => axes.map(|axis| self.radial(of, axis)),
         }
@@ -40,14 +40,14 @@ impl Kernel<'_> {
     /// them.
     fn position_at(&self, cutter: &Cutter, to: &Position, spot: Spot) -> Position {
         let mut position = *to;
-        if let Some(polar) = self.polar() {
+        if let Some(polar) = self.channel.polar() {
             polar.reach_straight(&self.channel.state.place, &mut position, spot);
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
             let scale = self.channel.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = position.get_mut(axis) {
-                *slot = crate::channel::frames::clean(value / scale, *slot);
+                *slot = crate::state::frames::clean(value / scale, *slot);
             }
         }
         position
@@ -56,7 +56,7 @@ impl Kernel<'_> {
     /// The same along an arc of the tool's centre.
     fn position_round(&self, cutter: &Cutter, to: &Position, spot: Spot, made: &Arc) -> Position {
         let mut position = self.position_at(cutter, to, spot);
-        if let Some(polar) = self.polar() {
+        if let Some(polar) = self.channel.polar() {
             polar.reach(&self.channel.state.place, &mut position, spot, crate::action::polar::way_round(made));
         }
         position
@@ -82,17 +82,17 @@ impl Kernel<'_> {
 
     /// Carries moves out while compensation does not take them.
     fn without_cutter<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
-        let cutter = self.frames().cutter.take();
+        let cutter = self.channel.frames().cutter.take();
         let result = act(self);
         if cutter.is_some() {
-            self.frames().cutter = cutter;
+            self.channel.frames().cutter = cutter;
         }
         result
     }
 
     /// Where a piece begins after one that did not know it: around the corner, or straight.
     pub(super) fn come_to(&mut self, step: &Step, element: &Element) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel.cutter().cloned() else { return Ok(()) };
         let offset = self.offset(&cutter);
         let links = match cutter.stage {
             Stage::Start => {
@@ -116,7 +116,7 @@ impl Kernel<'_> {
             Stage::Turned => vec![Link::Line(offset.at_start(element))],
             Stage::On | Stage::Ending => return Ok(()),
         };
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel.cutter() {
             cutter.stage = Stage::On;
         }
         self.links((step, element), &cutter, &links, self.channel.state.place.position)
@@ -124,7 +124,7 @@ impl Kernel<'_> {
 
     /// Finishes the move that waits, now that the next piece is known (or will not be).
     pub(super) fn next_element(&mut self, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
+        let Some(cutter) = self.channel.cutter().filter(|cutter| !cutter.waiting.is_empty()) else { return Ok(()) };
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let begun = cutter.stage;
@@ -167,7 +167,7 @@ impl Kernel<'_> {
 
     /// Makes a move that has waited.
     fn make(&mut self, waits: &Waiting, begun: Stage, next: Option<&Element>) -> Acted {
-        let Some(cutter) = self.cutter().cloned() else { return Ok(()) };
+        let Some(cutter) = self.channel.cutter().cloned() else { return Ok(()) };
         let (step, offset) = (&waits.step, self.offset(&cutter));
         let Some(element) = &waits.element else {
             let to = cutter.lifted(&step.to, &self.channel.state.place.position);
@@ -177,7 +177,7 @@ impl Kernel<'_> {
             Some(_) => Stage::On,
             None => Stage::Settled { corner: element.to, along: element.end() },
         };
-        if let Some(cutter) = self.cutter() {
+        if let Some(cutter) = self.channel.cutter() {
             cutter.stage = stage;
         }
         if begun == Stage::Start && !matches!(step.shape, Shape::Circle { .. }) {

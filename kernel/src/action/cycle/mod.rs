@@ -6,26 +6,22 @@
 //! docs/emulation.md, "Canned cycles".
 
 mod event;
-mod kind;
-mod level;
 mod path;
-mod state;
 mod webs;
 mod words;
 
-pub(crate) use kind::Kind;
-pub(crate) use state::{Height, State};
-
 use super::Action;
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::burden::BLOCK;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
+use crate::machine::ident::kind::cycle::Kind;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
 use crate::macros::runtime::Task;
+use crate::state::block::Firing;
+use crate::state::burden::BLOCK;
+use crate::state::cycle::FURTHER_WEBS;
+use crate::state::modal::group;
 use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
@@ -49,7 +45,7 @@ pub(crate) struct Hole {
     /// Lower clearance of back boring.
     pub(crate) bottom: Option<f64>,
     /// Start and depth of the webs behind the first one.
-    pub(crate) webs: [Option<[f64; 2]>; webs::FURTHER],
+    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
 }
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
@@ -72,7 +68,7 @@ pub(super) fn cycle(kernel: &mut Kernel<'_>, kind: Kind, row: &CodeRow, firing: 
         // Its clearance is the level where it stands unless it says so itself.
         kernel.channel.state.cycle.clear = None;
     }
-    let level = kernel.programmed().get(axis).copied().unwrap_or(0.0);
+    let level = kernel.channel.programmed().get(axis).copied().unwrap_or(0.0);
     kernel.channel.state.cycle.begin(kernel.channel.env.machine, kind, row.id, ((role, axis), level));
     kernel.channel.state.cycle.block = kernel.channel.at.blocks;
     let (kind, words) = words::take(kernel, kind);
@@ -95,7 +91,7 @@ pub(super) fn on(kernel: &mut Kernel<'_>, row: &CodeRow, firing: Firing) -> Acte
         return Ok(());
     };
     if !kernel.channel.state.cycle.running {
-        kernel.channel.state.cycle.initial = kernel.programmed().get(axis).copied().unwrap_or(0.0);
+        kernel.channel.state.cycle.initial = kernel.channel.programmed().get(axis).copied().unwrap_or(0.0);
     }
     kernel.channel.state.cycle.block = kernel.channel.at.blocks;
     kernel.channel.state.cycle.running = true;
@@ -146,7 +142,7 @@ fn not_cancelled(kernel: &mut Kernel<'_>) {
 
 /// Words of a position or a height are free on the block.
 fn has_position(kernel: &Kernel<'_>) -> bool {
-    kernel.has_any(kernel.plan.motion_registers) || !kernel.channel.block.added.is_empty()
+    kernel.channel.has_any(kernel.plan.motion_registers) || !kernel.channel.block.added.is_empty()
 }
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
@@ -172,7 +168,7 @@ fn holes(kernel: &mut Kernel<'_>, kind: Kind, words: &words::Words) -> Acted {
     if words.times == 0 {
         return Ok(());
     }
-    let from = kernel.programmed();
+    let from = kernel.channel.programmed();
     kernel.check_feed(kernel.channel.state.cycle.feed.0)?;
     let Some(mut hole) = heights(kernel, kind, words) else { return Ok(()) };
     for pass in 0..words.times {

@@ -3,13 +3,14 @@
 //! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
-use super::kind::{Kind, Out, Steps};
-use super::{Hole, State};
+use super::Hole;
 use crate::action::{dwell, spindle};
 use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Direction, Position};
+use crate::machine::ident::kind::cycle::{Kind, Out, Steps};
 use crate::machine::model::Approach;
+use crate::state::cycle::Cycle;
 use counterpoint_fault::Acted;
 
 /// Most steps of a hole.
@@ -19,7 +20,7 @@ const MOST_STEPS: u32 = 10_000;
 pub(super) struct Drill<'h> {
     pub(super) hole: &'h Hole,
     kind: Kind,
-    pub(super) cycle: State,
+    pub(super) cycle: Cycle,
     /// Direction of the spindle when the hole began.
     turning: Direction,
 }
@@ -50,7 +51,9 @@ impl Kernel<'_> {
         let along = 1 << hole.axis;
         let mut target = hole.target;
         if self.channel.env.machine.cycles.approach == Approach::PositionFirst {
-            if let (Some(slot), Some(level)) = (target.get_mut(hole.axis), self.programmed().get(hole.axis).copied()) {
+            if let (Some(slot), Some(level)) =
+                (target.get_mut(hole.axis), self.channel.programmed().get(hole.axis).copied())
+            {
                 *slot = level;
             }
             self.rapid_to_point(hole.coded & !along, target)?;
@@ -63,7 +66,7 @@ impl Kernel<'_> {
     }
 
     fn level(&self, axis: usize, level: f64) -> Position {
-        let mut target = self.programmed();
+        let mut target = self.channel.programmed();
         if let Some(slot) = target.get_mut(axis) {
             *slot = level;
         }
@@ -195,7 +198,7 @@ impl Kernel<'_> {
     /// The shift of oriented boring, away from the centre (1) or back (−1).
     fn shift_aside(&mut self, drill: &Drill<'_>, way: f64) -> Acted {
         let cycle = &drill.cycle;
-        let mut target = self.programmed();
+        let mut target = self.channel.programmed();
         let mut coded = 0_u8;
         let given = cycle.shifts.iter().any(Option::is_some);
         let first = (0..3).find(|role| cycle.axis.is_none_or(|(along, _)| along != *role));

@@ -4,25 +4,22 @@
 //! this project's own, since the annex names none; a distance above a web where feed begins is the way back of the
 //! cycle. Invariant: a web has a start and a depth, or it is left out and told.
 
-use super::{Height, State};
 use crate::channel::Kernel;
 use crate::diag;
 use crate::machine::ident::{DataId, data};
+use crate::state::cycle::{Cycle, FURTHER_WEBS, Height};
 use counterpoint_fault::Acted;
 
-/// Webs behind the first one.
-pub(super) const FURTHER: usize = 3;
-
 /// Their data: start and depth.
-pub(super) const DATA: [[DataId; 2]; FURTHER] = [
+pub(super) const DATA: [[DataId; 2]; FURTHER_WEBS] = [
     [data::CYCLE_WEB_START_2, data::CYCLE_WEB_DEPTH_2],
     [data::CYCLE_WEB_START_3, data::CYCLE_WEB_DEPTH_3],
     [data::CYCLE_WEB_START_4, data::CYCLE_WEB_DEPTH_4],
 ];
 
 /// Positions of the webs of a hole; distances count from `base` like the depth.
-pub(super) fn of_hole(kernel: &mut Kernel<'_>, state: &State, base: f64) -> [Option<[f64; 2]>; FURTHER] {
-    let mut webs = [None; FURTHER];
+pub(super) fn of_hole(kernel: &mut Kernel<'_>, state: &Cycle, base: f64) -> [Option<[f64; 2]>; FURTHER_WEBS] {
+    let mut webs = [None; FURTHER_WEBS];
     for (number, (slot, given)) in (2..).zip(webs.iter_mut().zip(state.webs)) {
         let at = |height: Option<Height>| height.map(|height| height.from(base));
         *slot = match given.map(at) {

@@ -3,14 +3,15 @@
 //! Invariant: a kind takes what it uses; the rest stays on the block and is told. Facts: reference control-emulator.md
 //! 6.4 (feed, depth axis, clearance, position axes are documented by a trace).
 
-use super::{Height, Kind};
 use crate::channel::Kernel;
 use crate::channel::data::Datum;
-use crate::channel::state::{feed_of, group};
 use crate::diag;
 use crate::log::event::{FeedUnit, Position};
+use crate::machine::ident::kind::cycle::Kind;
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{Dimension, Heights};
+use crate::state::cycle::Height;
+use crate::state::modal::{feed_of, group};
 
 /// Most holes of one block.
 const MOST_TIMES: f64 = 9999.0;
@@ -78,8 +79,9 @@ fn take_feed(kernel: &mut Kernel<'_>) {
     ];
     for (id, unit) in own {
         if let Some(datum) = kernel.take(id) {
-            let pitch =
-                |threads: f64| if threads == 0.0 { 0.0 } else { kernel.unit_factor(Dimension::Length) / threads };
+            let pitch = |threads: f64| {
+                if threads == 0.0 { 0.0 } else { kernel.channel.unit_factor(Dimension::Length) / threads }
+            };
             let value = if id == data::CYCLE_TPU { pitch(datum.value) } else { datum.value };
             kernel.channel.state.cycle.feed = (Some(value), unit);
             kernel.channel.state.cycle.own_feed = true;
@@ -156,7 +158,7 @@ fn position(kernel: &mut Kernel<'_>) -> Words {
 
 /// Steps, dwell and shift, as far as the kind has them.
 fn amounts(kernel: &mut Kernel<'_>, kind: Kind) -> Kind {
-    use super::kind::{Out, Steps};
+    use crate::machine::ident::kind::cycle::{Out, Steps};
     let mut kind = tap_type(kernel, kind);
     if kernel.channel.state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);

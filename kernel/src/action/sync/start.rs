@@ -63,7 +63,7 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
         return Ok(());
     };
     let wait = kernel.channel.reports.waits.wait(&spec);
-    kernel.channel.burden.result(crate::channel::burden::RESULT);
+    kernel.channel.burden.result(crate::state::burden::RESULT);
     kernel.emit(0, Kind::Wait(wait.clone()));
     if let Some(verdict) = verdict {
         kernel.emit_verdict(verdict);

@@ -6,48 +6,17 @@
 
 pub(crate) mod cycle;
 
-use counterpoint_fault::{Acted, Halt};
 use counterpoint_motion::thread::Lead;
 
 use super::spindle::Turning;
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
-use crate::channel::report::NOT_DONE;
 use crate::diag;
 use crate::log::event::{FeedUnit, Motion, MotionKind, Position};
-use crate::machine::Machine;
+use crate::machine::ident::kind::thread::Change;
 use crate::machine::ident::{DataId, data};
-
-/// What a code says about the change of the lead.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Change {
-    /// There is none.
-    None,
-    /// There may be one, by its sign.
-    May,
-    /// By its sign.
-    Signed,
-    /// The lead grows.
-    Up,
-    /// The lead falls.
-    Down,
-}
-
-/// What is known about the threads of a channel.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
-    /// Starts of the last thread.
-    pub(crate) starts: f64,
-    /// Its cycles.
-    pub(crate) cycle: cycle::State,
-}
-
-impl State {
-    /// No thread yet.
-    pub(crate) fn new(machine: &Machine) -> Self {
-        Self { starts: 1.0, cycle: cycle::State::new(machine) }
-    }
-}
+use crate::state::alarms::NOT_DONE;
+use crate::state::block::Firing;
+use counterpoint_fault::{Acted, Halt};
 
 /// A thread as words tell it.
 #[derive(Debug, Clone, Copy)]
@@ -101,7 +70,7 @@ fn take_pitch(kernel: &mut Kernel<'_>) -> (Option<f64>, [Option<f64>; 2]) {
 
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
 fn by_axis(kernel: &Kernel<'_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
-    let changes = kernel.changes(&kernel.channel.state.place.position, target);
+    let changes = kernel.channel.changes(&kernel.channel.state.place.position, target);
     let axes = [0, 2].map(|role| kernel.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from));
     let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
     let [x, z] = axes.map(way);
@@ -154,12 +123,12 @@ fn take_starts(kernel: &mut Kernel<'_>) -> f64 {
 impl Kernel<'_> {
     /// Stops the channel at a thread without a lead before anything of it is made, where that is an alarm.
     pub(super) fn check_lead(&mut self, screw: &Screw) -> Acted {
-        if screw.lead > 0.0 || self.goes_on_at(&diag::NO_LEAD) {
+        if screw.lead > 0.0 || self.channel.goes_on_at(&diag::NO_LEAD) {
             return Ok(());
         }
         let text = format!("thread without a lead in '{}', {NOT_DONE}", self.block_text());
         self.diagnose(&diag::NO_LEAD, text);
-        self.check_stop()
+        self.channel.check_stop()
     }
 
     /// Remembers the lead as feed per revolution where both are words of one register, as the one F of a control.
@@ -178,7 +147,7 @@ impl Kernel<'_> {
 
     /// One thread move to a programmed point.
     pub(super) fn cut_to_point(&mut self, coded: u8, target: Position, screw: &Screw) -> Acted {
-        let target = self.work_point(&target);
+        let target = self.channel.work_point(&target);
         self.cut(coded, target, screw)
     }
 
@@ -188,7 +157,7 @@ impl Kernel<'_> {
         if target == from {
             return Ok(());
         }
-        let changes = self.changes(&from, &target);
+        let changes = self.channel.changes(&from, &target);
         let seconds = self.thread_seconds(&target, &changes, screw)?;
         let length = self.tool_path(&changes);
         let feed = (screw.lead, FeedUnit::PerRevolution);
@@ -200,7 +169,7 @@ impl Kernel<'_> {
     fn thread_seconds(&mut self, target: &Position, changes: &Position, screw: &Screw) -> Result<f64, Halt> {
         let from = self.channel.state.place.position;
         if screw.lead.is_nan() || screw.lead <= 0.0 {
-            let done = self.becomes(&diag::NO_LEAD, "the move is timed as rapid");
+            let done = self.channel.becomes(&diag::NO_LEAD, "the move is timed as rapid");
             let text = format!("thread without a lead in '{}', {done}", self.block_text());
             self.diagnose(&diag::NO_LEAD, text);
             return Ok(self.rapid_seconds(&from, target));
@@ -215,7 +184,9 @@ impl Kernel<'_> {
         let way = screw.along.and_then(|axis| changes.get(axis)).map_or_else(longest, |change| change.abs());
         let minutes = |lead: Lead| match turning {
             Turning::Fixed(rpm) => lead.minutes(way, rpm),
-            Turning::Surface(speed) => lead.surface_minutes(way, &speed, self.radius(&from), self.radius(target)),
+            Turning::Surface(speed) => {
+                lead.surface_minutes(way, &speed, self.channel.radius(&from), self.channel.radius(target))
+            }
         };
         let lead = Lead { start: screw.lead, change: screw.change };
         if let Some(minutes) = minutes(lead) {

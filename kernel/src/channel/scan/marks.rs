@@ -4,9 +4,9 @@
 
 use super::Scanner;
 use super::passed::find;
-use crate::channel::block::Block;
 use crate::dialect::fanuc::{Names, key_word};
 use crate::machine::Machine;
+use crate::state::block::Block;
 
 /// Whether a place of a line lies inside an expression or a statement of the pre-processor.
 #[derive(Debug, Default)]

@@ -2,9 +2,9 @@
 //!
 //! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
 
-use crate::channel::block::odd;
 use crate::dialect::fanuc::Number;
 use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::state::block::odd;
 
 /// Powers of ten that are exact in `f64`.
 const POW10: [f64; 23] = [

@@ -4,8 +4,8 @@
 //! message is none.
 
 use super::{Scanner, marks};
-use crate::channel::block::{Block, odd};
 use crate::mcd::spot::{self, Remark};
+use crate::state::block::{Block, odd};
 
 impl Scanner {
     /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside

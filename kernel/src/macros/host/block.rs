@@ -9,9 +9,9 @@ use counterpoint_lang::value::Value;
 
 use super::{code_id, code_value, data_id};
 use crate::channel::Kernel;
-use crate::channel::block::Firing;
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::CodeForm;
+use crate::state::block::Firing;
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;
@@ -30,8 +30,8 @@ impl Kernel<'_> {
         let before = self.channel.state.modal.code(group);
         self.channel.state.modal.activate(group, id, row);
         self.follow_cycle();
-        self.follow_spindle();
-        self.follow_clamps();
+        self.channel.follow_spindle();
+        self.channel.follow_clamps();
         before
     }
 
@@ -146,7 +146,7 @@ impl Kernel<'_> {
             .data(id)
             .iter()
             .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
-        let factor = rows.map(|row| self.unit_factor(row.dimension)).next().unwrap_or(1.0);
+        let factor = rows.map(|row| self.channel.unit_factor(row.dimension)).next().unwrap_or(1.0);
         Ok(self.channel.state.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
     }
 

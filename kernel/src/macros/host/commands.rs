@@ -12,13 +12,13 @@ use counterpoint_lang::vm::State;
 
 use super::variables::names;
 use crate::channel::Kernel;
-use crate::channel::burden::shortened;
-use crate::channel::state::group;
 use crate::diag;
 use crate::log::event::{Kind, Listing, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
+use crate::state::burden::shortened;
+use crate::state::modal::group;
 
 /// Steps that processing a block costs the macro that asks for it.
 const BLOCK_TICKS: usize = 500;
@@ -39,8 +39,8 @@ impl Kernel<'_> {
     pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
         self.channel.state.modal.restore(saved);
         self.follow_cycle();
-        self.follow_spindle();
-        self.follow_clamps();
+        self.channel.follow_spindle();
+        self.channel.follow_clamps();
         self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
     }
 

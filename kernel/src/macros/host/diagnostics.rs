@@ -10,11 +10,11 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::channel::burden::{RESULT, shortened};
 use crate::diag;
 use crate::log::event::{Diagnostic, Kind, Origin};
 use crate::machine::macros::model::Hook;
 use crate::macros::runtime::Task;
+use crate::state::burden::{RESULT, shortened};
 
 /// Numbers that `$DIAGLIST` keeps.
 const MOST_LISTED: usize = 10_000;
@@ -164,7 +164,7 @@ impl Kernel<'_> {
 
     /// Counts and logs.
     fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
-        self.count_error(severity);
+        self.channel.count_error(severity);
         if let Some(runtime) = self.macros.as_deref_mut() {
             runtime.operations.diagnosed(severity);
             let class = match severity {

@@ -108,7 +108,7 @@ impl Shelf for Kernel<'_> {
             self.ports.coordinator.unordered(|order| order.shared.files.leave(tag, path, Some(text)));
             return Ok(());
         }
-        let limit = self.shares().common;
+        let limit = self.channel.shares().common;
         let (done, over) = self.job_files(|written| {
             let done = written.put(path, text);
             (done, written.bytes() as u64 > limit)

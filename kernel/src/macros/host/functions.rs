@@ -14,12 +14,12 @@ use counterpoint_lang::vm::State;
 use super::rotary::only_axes;
 use super::variables::names;
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::{Radii, Table};
 use crate::log::event::FileId;
 use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
 use crate::machine::macros::without;
 use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
 use crate::macros::runtime::Restart;
+use crate::state::frames::offsets::{Radii, Table};
 
 fn text(arguments: &[Value], at: usize) -> &str {
     arguments.get(at).and_then(Value::as_text).unwrap_or("")

@@ -36,7 +36,7 @@ fn halves([x, y, z, i, j, k]: Six) -> (Point, Point) {
 impl Kernel<'_> {
     /// Machine positions of `$XM` where the axes stand.
     fn machine_now(&self) -> Position {
-        let mut at = self.machine_point(&self.channel.state.place.position);
+        let mut at = self.channel.machine_point(&self.channel.state.place.position);
         for ((slot, shift), preset) in
             at.iter_mut().zip(&self.channel.state.place.shift).zip(&self.channel.state.place.preset)
         {
@@ -47,7 +47,7 @@ impl Kernel<'_> {
 
     /// From positions of `$XM` to the joints without a tool, by channel axis.
     fn fixture(&self) -> Position {
-        let tool = self.tool_shift();
+        let tool = self.channel.tool_shift();
         let mut fixture = [0.0; MAX_AXES];
         for (((slot, shift), preset), tool) in
             fixture.iter_mut().zip(&self.channel.state.place.shift).zip(&self.channel.state.place.preset).zip(tool)
@@ -82,7 +82,7 @@ impl Kernel<'_> {
         for (slot, fixture) in joints.iter_mut().zip(fixture) {
             *slot += fixture;
         }
-        let chain = self.chain();
+        let chain = self.channel.chain();
         let angle = |axis: usize| joints.get(axis).copied().unwrap_or(0.0);
         let tip = chain.tip(self.channel.state.place.geometry(&joints), [0.0; 3], angle);
         let (Some(tip), Some(direction)) = (tip, chain.direction(angle)) else { return Ok(Value::Null) };
@@ -111,11 +111,11 @@ impl Kernel<'_> {
         if ![0.0, 1.0, 2.0].contains(&number) {
             return Err(Fault::new(Number::OUT_OF_RANGE, format!("a solution is 0, 1 or 2, not {number}")));
         }
-        let chain = self.chain();
+        let chain = self.channel.chain();
         let all: Vec<Angles> = if chain.tables.is_empty() && chain.heads.is_empty() {
             vec![Vec::new()]
         } else {
-            chain.solve(direction).iter().map(|one| self.near(one)).collect()
+            chain.solve(direction).iter().map(|one| self.channel.near(one)).collect()
         };
         let reached: Vec<Six> = all.iter().map(|solution| self.machine_positions(&chain, solution, point)).collect();
         let chosen = self.chosen(&all, &reached, number).and_then(|at| reached.get(at));
@@ -160,7 +160,7 @@ impl Kernel<'_> {
     /// equals the one with the shortest way of the linear axes, 2 the other one.
     fn chosen(&self, all: &[Angles], reached: &[Six], number: f64) -> Option<usize> {
         if number != 1.0 && number != 2.0 {
-            return all.iter().position(|one| self.within(one)).or((!all.is_empty()).then_some(0));
+            return all.iter().position(|one| self.channel.within(one)).or((!all.is_empty()).then_some(0));
         }
         let [x, y, z, ..] = self.by_elements(&self.machine_now());
         let way = |[a, b, c, ..]: &Six| (a - x).hypot(b - y).hypot(c - z);
@@ -170,7 +170,7 @@ impl Kernel<'_> {
             .iter()
             .zip(reached)
             .enumerate()
-            .map(|(at, (one, six))| (rounded(self.turned(one)), rounded(way(six)), at))
+            .map(|(at, (one, six))| (rounded(self.channel.turned(one)), rounded(way(six)), at))
             .collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let wanted = if number == 2.0 { sorted.last() } else { sorted.first() };
@@ -178,20 +178,20 @@ impl Kernel<'_> {
     }
 
     /// Takes over changed kinematics; the machine stands still. `false` if tool tip control could not go on.
-    fn change_kinematics(&mut self, change: impl FnOnce(&mut crate::channel::frames::tip::Settings)) -> bool {
+    fn change_kinematics(&mut self, change: impl FnOnce(&mut crate::state::frames::tip::Settings)) -> bool {
         let before = self.channel.state.others.tip.clone();
         change(&mut self.channel.state.others.tip);
-        if self.tip().is_none() {
+        if self.channel.tip().is_none() {
             return true;
         }
-        if !self.chain().is_possible() {
+        if !self.channel.chain().is_possible() {
             self.channel.state.others.tip = before;
             return false;
         }
-        let machine = self.machine_point(&self.channel.state.place.position);
-        self.refresh_tip();
-        self.channel.state.place.position = self.point_of_machine(&machine);
-        self.frames_changed();
+        let machine = self.channel.machine_point(&self.channel.state.place.position);
+        self.channel.refresh_tip();
+        self.channel.state.place.position = self.channel.point_of_machine(&machine);
+        self.channel.frames_changed();
         true
     }
 

@@ -9,8 +9,8 @@ use counterpoint_lang::value::Value;
 
 use super::variables::names;
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::machine::ident::{codes, data};
+use crate::state::modal::group;
 
 /// Rows of the tables with the one that is no operation.
 const MOST: usize = 999;

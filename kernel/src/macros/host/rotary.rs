@@ -37,8 +37,9 @@ pub(super) fn only_axes(arguments: &[Value]) -> Outcome<()> {
 impl Kernel<'_> {
     /// The axis that the arguments from `at` on name, and how many of them do; none for anything else.
     pub(super) fn named_axis(&self, arguments: &[Value], at: usize) -> Option<(Named, usize)> {
-        let found =
-            |ids: &[DataId]| ids.iter().find_map(|id| self.axis_of_data(*id)).map_or(Named::Missing, Named::Axis);
+        let found = |ids: &[DataId]| {
+            ids.iter().find_map(|id| self.channel.axis_of_data(*id)).map_or(Named::Missing, Named::Axis)
+        };
         let first = arguments.get(at)?;
         if let Value::Real(number) = first {
             let ids: &[DataId] = match *number {

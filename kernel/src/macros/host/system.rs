@@ -10,9 +10,9 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
-use crate::channel::burden::shortened;
 use crate::files::Bytes;
 use crate::log::event::{Kind, Message};
+use crate::state::burden::shortened;
 use crate::system::{Answer, Call};
 
 /// Steps that a command costs.

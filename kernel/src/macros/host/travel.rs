@@ -82,7 +82,7 @@ impl Kernel<'_> {
     pub(crate) fn travel_columns(&self) -> [Option<usize>; MAX_AXES] {
         let mut columns = [None; MAX_AXES];
         for (column, id) in AXES.into_iter().enumerate() {
-            let axis = self.axis_of_data(id).or_else(|| self.second_table(id));
+            let axis = self.channel.axis_of_data(id).or_else(|| self.second_table(id));
             if let Some(slot) = axis.and_then(|axis| columns.get_mut(axis)) {
                 *slot = Some(column);
             }
@@ -92,7 +92,7 @@ impl Kernel<'_> {
 
     /// A second table about Z stands for the first one where there is none.
     fn second_table(&self, id: DataId) -> Option<usize> {
-        self.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
+        self.channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
     }
 
     /// Notes where a motion leads.

@@ -34,10 +34,14 @@ impl Kernel<'_> {
         let none = Macros::default();
         // A machine without macros has a program all the same if its programs have embedded code.
         let macros = self.channel.env.machine.macros.as_deref().unwrap_or(&none);
-        let memory = self.shares().macros;
+        let memory = self.channel.shares().macros;
         self.macros = program.map(|program| {
-            let mut runtime =
-                Runtime::new(macros, program, self.kernel_number(), (self.channel.env.machine.channels.len(), memory));
+            let mut runtime = Runtime::new(
+                macros,
+                program,
+                self.channel.kernel_number(),
+                (self.channel.env.machine.channels.len(), memory),
+            );
             runtime.slots = self.six_axes();
             runtime.columns = self.travel_columns();
             let extension = self.channel.env.machine.subprograms.extension.as_str();
@@ -152,7 +156,7 @@ impl Kernel<'_> {
 
     /// Ends the job: the macros of this kernel keep more than their share of its memory.
     fn macros_out_of_memory(&mut self, largest: &str) -> Halt {
-        let share = self.shares().macros;
+        let share = self.channel.shares().macros;
         self.out_of_memory(&format!("macros of this kernel keep more than {share} bytes, most of them in {largest}"))
     }
 

@@ -6,74 +6,15 @@
 
 mod passes;
 mod path;
-mod state;
 mod words;
-
-pub(crate) use state::State;
 
 use super::Screw;
 use crate::channel::Kernel;
 use crate::diag;
-use crate::machine::ident::{CodeId, codes, data};
+use crate::machine::ident::data;
+use crate::machine::ident::kind::thread::{Kind, Setting};
 use counterpoint_fault::Acted;
 use passes::Plan;
-
-/// A kind of threading cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Kind {
-    pub(super) multi: bool,
-    /// Along X instead of Z.
-    pub(crate) face: bool,
-}
-
-impl Kind {
-    /// The kind of a code.
-    pub(crate) fn of(id: CodeId) -> Option<Self> {
-        let kind = |multi, face| Self { multi, face };
-        Some(match id {
-            codes::THREAD_SINGLE => kind(false, false),
-            codes::THREAD_SINGLE_FACE => kind(false, true),
-            codes::THREAD_MULTI => kind(true, false),
-            codes::THREAD_MULTI_FACE => kind(true, true),
-            _ => return None,
-        })
-    }
-
-    /// `$THTYPE`
-    pub(crate) fn number(self) -> f64 {
-        match (self.multi, self.face) {
-            (false, false) => 101.0,
-            (false, true) => 102.0,
-            (true, false) => 201.0,
-            (true, true) => 202.0,
-        }
-    }
-}
-
-/// A setting of cycles to come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Setting {
-    Chamfer(bool),
-    /// In-feed along one edge, or along both in turn.
-    Zigzag(bool),
-    /// The same step each pass instead of the same amount.
-    Depth(bool),
-}
-
-impl Setting {
-    /// The setting of a code.
-    pub(crate) fn of(id: CodeId) -> Option<Self> {
-        Some(match id {
-            codes::THREAD_CHAMFER_ON => Self::Chamfer(true),
-            codes::THREAD_CHAMFER_OFF => Self::Chamfer(false),
-            codes::THREAD_EDGE_SINGLE => Self::Zigzag(false),
-            codes::THREAD_EDGE_ZIGZAG => Self::Zigzag(true),
-            codes::THREAD_STEP_AMOUNT => Self::Depth(false),
-            codes::THREAD_STEP_DEPTH => Self::Depth(true),
-            _ => return None,
-        })
-    }
-}
 
 /// A thread to cut, in geometry units: radius values along X.
 #[derive(Debug, Clone, Copy)]

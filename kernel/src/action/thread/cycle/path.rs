@@ -44,7 +44,7 @@ impl Kernel<'_> {
             let text = format!("the thread of '{}' has too many passes, the rest is cut in one", self.block_text());
             self.diagnose(&diag::THREAD_PASSES, text);
         }
-        let level = self.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
+        let level = self.channel.programmed().get(thread.axes[1]).copied().unwrap_or(0.0) * thread.scales[1];
         let outward = thread.outward(level);
         let flank = libm::tan(self.channel.state.threads.cycle.nose.to_radians() / 2.0);
         let mut first = true;
@@ -69,7 +69,7 @@ impl Kernel<'_> {
     /// One pass that ends at `root` across and begins `shift` further along.
     pub(super) fn pass(&mut self, thread: &Thread, root: f64, shift: f64) -> Acted {
         let [along, across] = thread.axes;
-        let home = self.programmed();
+        let home = self.channel.programmed();
         let of = |axis: usize| home.get(axis).copied().unwrap_or(0.0);
         let level = of(across) * thread.scales[1];
         let way = thread.end - thread.begin;
@@ -82,7 +82,7 @@ impl Kernel<'_> {
         if let Some(chamfer) = chamfer {
             self.chamfer(thread, &chamfer, (last - begin).abs())?;
         }
-        let mut clear = self.programmed();
+        let mut clear = self.channel.programmed();
         if let Some(slot) = clear.get_mut(across) {
             *slot = of(across);
         }
@@ -92,7 +92,7 @@ impl Kernel<'_> {
 
     /// A position with these places along and across the thread.
     fn place_of(&self, thread: &Thread, places: [f64; 2]) -> Position {
-        let mut target = self.programmed();
+        let mut target = self.channel.programmed();
         for ((axis, scale), value) in thread.axes.iter().zip(thread.scales).zip(places) {
             if let Some(slot) = target.get_mut(*axis) {
                 let wanted = value / scale;
@@ -105,7 +105,7 @@ impl Kernel<'_> {
 
     /// Bit of an axis if it moves to the target.
     fn moved(&self, axis: usize, target: &Position) -> u8 {
-        if self.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
+        if self.channel.programmed().get(axis) == target.get(axis) { 0 } else { 1 << axis }
     }
 
     fn rapid_aside(&mut self, thread: &Thread, places: [f64; 2]) -> Acted {

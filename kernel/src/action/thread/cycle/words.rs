@@ -6,9 +6,9 @@
 use super::{Kind, Thread};
 use crate::action::thread::Screw;
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::diag;
 use crate::machine::ident::{DataId, codes, data};
+use crate::state::modal::group;
 
 /// Starts of a thread at most.
 const MOST_STARTS: f64 = 99.0;
@@ -40,7 +40,7 @@ pub(super) fn points(kernel: &mut Kernel<'_>, ids: [DataId; 2], axes: bool) -> [
         let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
-                of(&kernel.programmed()) + datum.value
+                of(&kernel.channel.programmed()) + datum.value
             } else if kernel.channel.block.machine_frame {
                 datum.value - of(&kernel.channel.state.place.shift)
             } else {
@@ -182,7 +182,7 @@ pub(super) fn thread(
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
     let scales = axes.map(|axis| kernel.channel.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
-    let place = kernel.programmed();
+    let place = kernel.channel.programmed();
     let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
     if end.iter().any(Option::is_none) {
         let text = format!("a thread needs its end along X and Z in '{}'", kernel.block_text());

@@ -8,11 +8,12 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::coolant::{code_of, note};
+use crate::action::coolant::note;
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::log::event::{Coolant, Outlet};
 use crate::machine::ident::{CodeId, codes};
+use crate::state::coolant::code_of;
+use crate::state::modal::group;
 
 /// Modal group of the first coolant device, less one.
 const DEVICES: u16 = 540;

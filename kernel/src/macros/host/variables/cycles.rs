@@ -7,12 +7,12 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::cycle::{Height, State};
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::log::event::FeedUnit;
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::state::cycle::{Cycle, Height};
+use crate::state::modal::group;
 
 fn optional(value: Option<f64>) -> Value {
     value.map_or(Value::Null, Value::Real)
@@ -23,7 +23,7 @@ fn height(value: Option<Height>) -> Value {
 }
 
 /// Sets something of the cycle that runs, or of the one that begins next.
-fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
+fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Cycle)) -> Outcome<()> {
     let machine = kernel.channel.env.machine;
     kernel.channel.state.cycle.prepare(machine);
     change(&mut kernel.channel.state.cycle);

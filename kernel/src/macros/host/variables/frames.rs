@@ -9,7 +9,7 @@ use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
 use crate::channel::Kernel;
-use crate::channel::frames::Frames;
+use crate::state::frames::Frames;
 use counterpoint_motion::frame::affine::Affine;
 use counterpoint_motion::frame::local::Refused;
 
@@ -33,21 +33,22 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$LCSM" => {
             (|k, _| Value::Logical(local(k, |frames| *frames.local.map() != Affine::SAME).unwrap_or(false)), None)
         }
-        "$LCSTRA" => (|k, _| Value::numbers(&k.frame_values().translation), None),
-        "$LCSROT" => (|k, _| Value::numbers(&k.frame_values().rotation), None),
-        "$LCSSCA" => (|k, _| Value::numbers(&k.frame_values().scale), None),
-        "$LCSMIR" => (|k, _| Value::numbers(&k.frame_values().mirror), None),
-        "$LCSCEN" => (|k, _| Value::numbers(&k.frame_values().center), None),
-        "$LCSANG" => (|k, _| Value::Real(k.frame_values().angle), None),
-        "$LCSORD" => (|k, _| Value::text(k.frame_values().order), None),
+        "$LCSTRA" => (|k, _| Value::numbers(&k.channel.frame_values().translation), None),
+        "$LCSROT" => (|k, _| Value::numbers(&k.channel.frame_values().rotation), None),
+        "$LCSSCA" => (|k, _| Value::numbers(&k.channel.frame_values().scale), None),
+        "$LCSMIR" => (|k, _| Value::numbers(&k.channel.frame_values().mirror), None),
+        "$LCSCEN" => (|k, _| Value::numbers(&k.channel.frame_values().center), None),
+        "$LCSANG" => (|k, _| Value::Real(k.channel.frame_values().angle), None),
+        "$LCSORD" => (|k, _| Value::text(k.channel.frame_values().order), None),
         "$LCSMX" => (
             |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
             None,
         ),
-        "$C2PMCH" => (|k, _| Value::Logical(k.polar().is_some()), None),
+        "$C2PMCH" => (|k, _| Value::Logical(k.channel.polar().is_some()), None),
         "$AXESC2P" => (
             |k, _| {
-                let letters = k.polar().map(|polar| [polar.linear, polar.rotary].map(|axis| k.axis_letter(Some(axis))));
+                let letters =
+                    k.channel.polar().map(|polar| [polar.linear, polar.rotary].map(|axis| k.axis_letter(Some(axis))));
                 Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
             },
             None,
@@ -63,7 +64,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
 
 /// The frame may have changed; a macro learns why it has not.
 fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
-    kernel.frames_changed();
+    kernel.channel.frames_changed();
     made.map_err(|refused| {
         let why = match refused {
             Refused::NoWayBack => "the frame leaves no way back to the program",
@@ -93,7 +94,7 @@ impl Kernel<'_> {
             Some(value) => return Err(Fault::kind("a sequence", value)),
         };
         let has = self.channel.state.place.has_axes();
-        let made = self.frames().local.give(given, has);
+        let made = self.channel.frames().local.give(given, has);
         changed(self, made)?;
         Ok(Value::Real(1.0))
     }

@@ -128,7 +128,7 @@ impl Kernel<'_> {
 
     /// `$MCENAM` of this kernel where macros have changed it, for diagnostics; else blank.
     pub(crate) fn kernel_name(&self) -> String {
-        let at = (i64::from(self.kernel_number()), 0);
+        let at = (i64::from(self.channel.kernel_number()), 0);
         let set = self.macros.as_deref().and_then(|runtime| runtime.store.element(names().kernel_name, at));
         let set = set.and_then(Value::as_text).unwrap_or("").trim();
         let own =
@@ -164,7 +164,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                     if k.channel.at.channel == 0 {
                         number(0)
                     } else {
-                        Value::Real(channel_of(k, k.kernel_number().into()))
+                        Value::Real(channel_of(k, k.channel.kernel_number().into()))
                     }
                 })
             },

@@ -9,12 +9,21 @@ use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::compensation::number_of;
 use crate::channel::Kernel;
-use crate::channel::frames::offsets::{BASE, Radii, Table};
-use crate::channel::state::group;
-use crate::log::event::Position;
 use crate::machine::ident::{CodeId, codes};
+use crate::state::compensation::number_of;
+use crate::state::frames::offsets::{BASE, Radii, Table};
+use crate::state::frames::shift::DIAMETERS;
+use crate::state::modal::group;
+
+const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
+const LENGTHS: [CodeId; 5] = [
+    codes::COMP_LENGTH_ON,
+    codes::COMP_LENGTH_ON_NEG,
+    codes::COMP_LENGTH2_ON,
+    codes::COMP_LENGTH3_ON,
+    codes::COMP_LENGTH4_ON,
+];
 
 /// Axes of the long sequences that can be there: linear ones, then tables.
 const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
@@ -42,22 +51,12 @@ fn only_with(kernel: &Kernel<'_>, codes: &[CodeId]) -> Outcome<()> {
     Err(Fault::new(Number::BAD_VALUE, "this machine does not have that compensation"))
 }
 
-const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
-const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
-const LENGTHS: [CodeId; 5] = [
-    codes::COMP_LENGTH_ON,
-    codes::COMP_LENGTH_ON_NEG,
-    codes::COMP_LENGTH2_ON,
-    codes::COMP_LENGTH3_ON,
-    codes::COMP_LENGTH4_ON,
-];
-
 /// How a variable is read and written.
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
         "$TCD" => (
             |k, _| {
-                real(if k.is_turning() {
+                real(if k.channel.is_turning() {
                     k.channel.state.place.tool_offset
                 } else {
                     k.channel.state.place.compensation.diameter
@@ -69,7 +68,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
                 Ok(())
             }),
         ),
-        "$TCDM" => (|k, _| k.diameter_in_force().map_or(real(-1), real), None),
+        "$TCDM" => (|k, _| k.channel.diameter_in_force().map_or(real(-1), real), None),
         "$DCOMPM" => (
             |k, _| {
                 real(match k.channel.state.modal.code(group::DIAMETER) {
@@ -112,14 +111,14 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$TCL" => (
             |k, _| {
-                real(if k.is_turning() {
+                real(if k.channel.is_turning() {
                     k.channel.state.place.tool_offset
                 } else {
                     k.channel.state.place.length_number
                 })
             },
             Some(|k, _, value| {
-                if k.is_turning() {
+                if k.channel.is_turning() {
                     k.channel.state.place.tool_offset = whole(value);
                 } else {
                     only_with(k, &LENGTHS)?;
@@ -131,12 +130,12 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         ),
         "$TCLM" => (
             |k, _| {
-                let on = if k.is_turning() {
+                let on = if k.channel.is_turning() {
                     k.channel.state.place.tool_offset > 0
                 } else {
                     k.channel.state.place.length_sign != 0.0
                 };
-                match (on, k.is_turning()) {
+                match (on, k.channel.is_turning()) {
                     (false, _) => real(-1),
                     (true, true) => real(k.channel.state.place.tool_offset),
                     (true, false) => real(k.channel.state.place.length_number),
@@ -193,23 +192,6 @@ fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
 }
 
 impl Kernel<'_> {
-    /// Number of the diameter offset in force.
-    pub(crate) fn diameter_in_force(&self) -> Option<u32> {
-        let active = self.channel.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
-        active.map(|_| {
-            if self.is_turning() {
-                self.channel.state.place.tool_offset
-            } else {
-                self.channel.state.place.compensation.diameter
-            }
-        })
-    }
-
-    /// The tool word carries the offset number.
-    pub(crate) fn is_turning(&self) -> bool {
-        self.channel.env.machine.tool.offset_digits > 0
-    }
-
     fn which(&self, argument: Option<&Value>) -> Outcome<Which> {
         let axis = |at: usize| LETTERS.get(at).and_then(|letter| self.axis_of(*letter));
         match argument {
@@ -243,7 +225,7 @@ impl Kernel<'_> {
 
     /// `$FMSGLCV`, `$FMSGFCV`.
     pub(in crate::macros::host) fn read_offset(&self, table: Table, arguments: &[Value]) -> Outcome<Value> {
-        let values = self.offset_values(table, offset_number(arguments, table == Table::Work)?);
+        let values = self.channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
         let which = self.which(arguments.get(2))?;
         let axes = self.axes_of(&which);
         let numbers: Vec<f64> =
@@ -257,7 +239,7 @@ impl Kernel<'_> {
     /// `$FMSSLCV`, `$FMSSFCV`: 1, or 0 if it cannot be kept.
     pub(in crate::macros::host) fn write_offset(&mut self, table: Table, arguments: &[Value]) -> Outcome<Value> {
         let number = offset_number(arguments, table == Table::Work)?;
-        let mut values = self.offset_values(table, number);
+        let mut values = self.channel.offset_values(table, number);
         let given = |at: usize| arguments.get(at).and_then(Value::as_real);
         let (axes, numbers): (Vec<Option<usize>>, Vec<f64>) = match arguments.get(2) {
             Some(Value::Sequence(given)) => {
@@ -299,29 +281,13 @@ impl Kernel<'_> {
 
     /// `$FMSGDCV`, `$FMSGRCV`.
     pub(in crate::macros::host) fn read_radius(&self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
-        Ok(Value::Real(self.offset_radius(table, offset_number(arguments, false)?)))
+        Ok(Value::Real(self.channel.offset_radius(table, offset_number(arguments, false)?)))
     }
 
     /// `$FMSSDCV`, `$FMSSRCV`: 1, or 0 if it cannot be kept.
     pub(in crate::macros::host) fn write_radius(&mut self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
         let number = offset_number(arguments, false)?;
         let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
-        Ok(real(u8::from(value.is_some_and(|value| self.set_offset_radius(table, number, value)))))
-    }
-
-    /// Length compensation along one direction: what the offset has along Z goes there.
-    pub(crate) fn directed(&self, values: Position) -> Position {
-        let direction = self.channel.state.place.compensation.direction;
-        if direction == 0 {
-            return values;
-        }
-        let axis = |role: usize| self.channel.state.place.cartesian.get(role).copied().flatten().map(usize::from);
-        let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
-        let mut turned = [0.0; crate::log::event::MAX_AXES];
-        let role = usize::from((direction - 1) % 3);
-        if let Some(slot) = axis(role).and_then(|axis| turned.get_mut(axis)) {
-            *slot = if direction > 3 { -amount } else { amount } / self.channel.state.place.scale_of(role);
-        }
-        turned
+        Ok(real(u8::from(value.is_some_and(|value| self.channel.set_offset_radius(table, number, value)))))
     }
 }

@@ -52,7 +52,7 @@ impl Kernel<'_> {
 
     /// Channel axis of a name.
     fn axis_at(&self, place: Place) -> Option<usize> {
-        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.axis_of_data(*id));
+        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.channel.axis_of_data(*id));
         let of = |table: DataId, head: DataId| match place.side {
             'T' => find(&[table]),
             'H' => find(&[head]),
@@ -72,7 +72,7 @@ impl Kernel<'_> {
     pub(super) fn position_of(&self, place: Place) -> f64 {
         let Some(axis) = self.axis_at(place) else { return 0.0 };
         if place.kind == 'W' && !place.before {
-            return self.programmed().get(axis).copied().unwrap_or(0.0);
+            return self.channel.programmed().get(axis).copied().unwrap_or(0.0);
         }
         let at = match self.macros.as_deref() {
             Some(runtime) if place.before => &runtime.before,
@@ -80,13 +80,13 @@ impl Kernel<'_> {
         };
         let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
         match place.kind {
-            'M' if self.tip().is_some() => {
-                value(&self.machine_point(at)) - value(&self.channel.state.place.shift)
+            'M' if self.channel.tip().is_some() => {
+                value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)
                     + value(&self.channel.state.place.preset)
             }
             'M' => value(at) + value(&self.channel.state.place.preset),
-            'J' => value(&self.machine_point(at)),
-            _ => value(&self.program_point(at)),
+            'J' => value(&self.channel.machine_point(at)),
+            _ => value(&self.channel.program_point(at)),
         }
     }
 

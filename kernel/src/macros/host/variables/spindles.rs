@@ -10,10 +10,10 @@ use counterpoint_lang::value::Value;
 use super::{Read, Write};
 use crate::action::spindle::set_command;
 use crate::channel::Kernel;
-use crate::channel::state::group;
 use crate::log::event::Direction;
 use crate::log::info::Unit;
 use crate::machine::ident::codes;
+use crate::state::modal::group;
 
 use crate::multi::shared::Command;
 
@@ -165,8 +165,8 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
             }),
         ),
         "$LTHMOD" => (|k, _| number(u8::from(k.channel.state.others.spindles.milling)), None),
-        "$STID" => (|k, _| number(k.turning_code()), None),
-        "$SMID" => (|k, _| number(k.milling_code()), None),
+        "$STID" => (|k, _| number(k.channel.turning_code()), None),
+        "$SMID" => (|k, _| number(k.channel.milling_code()), None),
         "$SPINDLE" => (spindle_in_work, Some(set_spindle_in_work)),
         _ => return None,
     };

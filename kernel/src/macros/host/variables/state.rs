@@ -7,9 +7,9 @@ use counterpoint_lang::value::Value;
 use super::super::travel::End;
 use super::{Read, Write, names};
 use crate::channel::Kernel;
-use crate::channel::state::{feed_of, group};
 use crate::log::event::FeedUnit;
 use crate::machine::ident::{CodeId, codes};
+use crate::state::modal::{feed_of, group};
 
 fn number(value: impl Into<f64>) -> Value {
     Value::Real(value.into())

@@ -7,10 +7,11 @@ use counterpoint_lang::fault::Outcome;
 use counterpoint_lang::value::Value;
 
 use super::{Read, Write};
-use crate::action::thread::cycle::{Kind, State};
 use crate::channel::Kernel;
-use crate::channel::state::group;
+use crate::machine::ident::kind::thread::Kind;
 use crate::machine::ident::{CodeId, DataId, codes, data};
+use crate::state::modal::group;
+use crate::state::thread::ThreadCycle;
 
 fn real(value: &Value) -> f64 {
     value.as_real().filter(|value| value.is_finite()).unwrap_or(0.0)
@@ -66,13 +67,13 @@ fn kind(kernel: &Kernel<'_>) -> f64 {
 }
 
 /// Sets something that lasts.
-fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
+fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut ThreadCycle)) -> Outcome<()> {
     change(&mut kernel.channel.state.threads.cycle);
     Ok(())
 }
 
 /// Sets something of the cycle to come.
-fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut State)) -> Outcome<()> {
+fn next(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut ThreadCycle)) -> Outcome<()> {
     kernel.channel.state.threads.cycle.prepare();
     change(&mut kernel.channel.state.threads.cycle);
     Ok(())

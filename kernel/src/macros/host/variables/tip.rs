@@ -15,8 +15,8 @@ fn number(value: &Value) -> u8 {
 
 fn switch(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
     if value.as_logical() != Some(true) {
-        kernel.end_tip();
-    } else if kernel.tip().is_none() && !kernel.start_tip(false) {
+        kernel.channel.end_tip();
+    } else if kernel.channel.tip().is_none() && !kernel.channel.start_tip(false) {
         return Err(Fault::new(Number::BAD_VALUE, "the axes of this channel cannot follow the tool tip"));
     }
     Ok(())
@@ -28,14 +28,14 @@ fn axis<const PART: usize, const BEFORE: bool>(kernel: &Kernel<'_>, _: &[i64]) -
         Some(runtime) if BEFORE => runtime.before,
         _ => kernel.channel.state.place.position,
     };
-    let direction = kernel.local_direction(&at);
+    let direction = kernel.channel.local_direction(&at);
     Value::Real(direction.get(PART).copied().unwrap_or(0.0))
 }
 
 /// How a variable is read and written.
 pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
     let row: (Read, Option<Write>) = match name {
-        "$TCP" => (|k, _| Value::Logical(k.tip().is_some()), Some(switch)),
+        "$TCP" => (|k, _| Value::Logical(k.channel.tip().is_some()), Some(switch)),
         "$TCPFMT" => (
             |k, _| Value::Real(f64::from(k.channel.state.others.tip.format)),
             Some(|k, _, value| {

@@ -2,8 +2,8 @@
 //!
 //! Invariant: without an active cycle nothing is done.
 
-use crate::channel::Kernel;
 use crate::log::event::Position;
+use crate::state::channel::Channel;
 
 /// Where the levels of an active cycle are in the machine.
 #[derive(Debug, Clone, Copy)]
@@ -13,19 +13,18 @@ pub(crate) struct Levels {
     reference: Position,
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// The levels of an active cycle, taken before frames change.
     pub(crate) fn cycle_levels(&mut self) -> Option<Levels> {
-        let (_, axis) = self.channel.state.cycle.axis.filter(|_| self.channel.state.cycle.running)?;
-        let [initial, reference] =
-            [self.channel.state.cycle.initial, self.channel.state.cycle.reference].map(|level| {
-                let mut at = self.programmed();
-                if let Some(slot) = at.get_mut(axis) {
-                    *slot = level;
-                }
-                let work = self.work_point(&at);
-                self.machine_point(&work)
-            });
+        let (_, axis) = self.state.cycle.axis.filter(|_| self.state.cycle.running)?;
+        let [initial, reference] = [self.state.cycle.initial, self.state.cycle.reference].map(|level| {
+            let mut at = self.programmed();
+            if let Some(slot) = at.get_mut(axis) {
+                *slot = level;
+            }
+            let work = self.work_point(&at);
+            self.machine_point(&work)
+        });
         Some(Levels { axis, initial, reference })
     }
 
@@ -36,7 +35,7 @@ impl Kernel<'_> {
             let work = self.point_of_machine(&machine);
             self.program_point(&work).get(axis).copied().filter(|level| level.is_finite())
         });
-        self.channel.state.cycle.initial = initial.unwrap_or(self.channel.state.cycle.initial);
-        self.channel.state.cycle.reference = reference.unwrap_or(self.channel.state.cycle.reference);
+        self.state.cycle.initial = initial.unwrap_or(self.state.cycle.initial);
+        self.state.cycle.reference = reference.unwrap_or(self.state.cycle.reference);
     }
 }

@@ -2,15 +2,15 @@
 //!
 //! Invariant: a kind is its number in `$CYTYPE` (reference system-variables.md 8), 1 to 19.
 
-use crate::machine::ident::{self, CodeId};
+use super::super::CodeId;
 
 /// A kind of drilling cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Kind(u8);
+pub struct Kind(u8);
 
 /// How the depth is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Steps {
+pub enum Steps {
     /// In one go.
     None,
     /// Back to the clearance height after each step.
@@ -21,7 +21,7 @@ pub(super) enum Steps {
 
 /// How the tool comes out of the hole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Out {
+pub enum Out {
     /// At rapid.
     Rapid,
     /// At feed.
@@ -36,23 +36,23 @@ pub(super) enum Out {
 
 impl Kind {
     /// The kind of a code.
-    pub(crate) fn of(id: CodeId) -> Option<Self> {
-        let kinds = ident::HOLE_CYCLES.iter().zip(1_u8..);
+    pub fn of(id: CodeId) -> Option<Self> {
+        let kinds = super::super::HOLE_CYCLES.iter().zip(1_u8..);
         kinds.into_iter().find(|&(&code, _)| code == id).map(|(_, number)| Self(number))
     }
 
     /// The kind of a number in `$CYTYPE`.
-    pub(super) fn numbered(number: f64) -> Option<Self> {
+    pub fn numbered(number: f64) -> Option<Self> {
         (1..=19_u8).find(|&kind| f64::from(kind) == number).map(Self)
     }
 
     /// Its number in `$CYTYPE`.
-    pub(super) fn number(self) -> f64 {
+    pub fn number(self) -> f64 {
         f64::from(self.0)
     }
 
     /// The kind under rigid tapping: a tap becomes a rigid one, with steps one that breaks chips.
-    pub(super) fn rigid(self, steps: bool) -> Self {
+    pub fn rigid(self, steps: bool) -> Self {
         match (self.0, steps) {
             (3, false) => Self(14),
             (4, false) => Self(15),
@@ -62,7 +62,8 @@ impl Kind {
         }
     }
 
-    pub(super) fn steps(self) -> Steps {
+    /// How the depth is reached.
+    pub fn steps(self) -> Steps {
         match self.0 {
             11 | 16 | 17 => Steps::Full,
             12 | 18 | 19 => Steps::Small,
@@ -70,7 +71,8 @@ impl Kind {
         }
     }
 
-    pub(super) fn out(self) -> Out {
+    /// How the tool comes out of the hole.
+    pub fn out(self) -> Out {
         match self.0 {
             3 | 4 | 14..=19 => Out::Reversed,
             5 | 6 => Out::Stopped,
@@ -81,39 +83,39 @@ impl Kind {
     }
 
     /// Feeds upwards from below.
-    pub(super) fn bores_back(self) -> bool {
+    pub fn bores_back(self) -> bool {
         self.0 == 8
     }
 
     /// A tap of this type: 0 floating, 1 rigid, 2 deep, 3 breaking chips; none for another type.
-    pub(super) fn tap(self, kind: f64) -> Option<Self> {
+    pub fn tap(self, kind: f64) -> Option<Self> {
         let left = u8::from(self.direction() == 2.0);
         let base = [3, 14, 16, 18].into_iter().zip(0_u8..).find(|(_, number)| f64::from(*number) == kind)?.0;
         Some(Self(base + left))
     }
 
     /// Goes through several webs.
-    pub(super) fn has_webs(self) -> bool {
+    pub fn has_webs(self) -> bool {
         self.0 == 13
     }
 
     /// Taps.
-    pub(super) fn taps(self) -> bool {
+    pub fn taps(self) -> bool {
         self.out() == Out::Reversed
     }
 
     /// A rigid tap.
-    pub(super) fn is_rigid(self) -> bool {
+    pub fn is_rigid(self) -> bool {
         self.0 >= 14
     }
 
     /// Dwells at depth.
-    pub(super) fn dwells(self) -> bool {
+    pub fn dwells(self) -> bool {
         !matches!(self.0, 1 | 5 | 9)
     }
 
     /// `$CYDIR`: in-feed of a tap clockwise 1, counter-clockwise 2.
-    pub(super) fn direction(self) -> f64 {
+    pub fn direction(self) -> f64 {
         match self.0 {
             3 | 14 | 16 | 18 => 1.0,
             4 | 15 | 17 | 19 => 2.0,
@@ -125,7 +127,7 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::ident::codes;
+    use crate::ident::codes;
 
     #[test]
     fn kinds_are_their_numbers() {

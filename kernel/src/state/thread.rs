@@ -1,17 +1,33 @@
-//! What a channel remembers of its threading cycles.
+//! What a channel remembers of its threads and threading cycles.
 //!
 //! Invariant: settings last until they are changed; depth, first step and number of passes belong to one cycle, and a
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
 
-use super::Kind;
 use crate::machine::Machine;
+use crate::machine::ident::kind::thread::Kind;
+
+/// What is known about the threads of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Threads {
+    /// Starts of the last thread.
+    pub(crate) starts: f64,
+    /// Its cycles.
+    pub(crate) cycle: ThreadCycle,
+}
+
+impl Threads {
+    /// No thread yet.
+    pub(crate) fn new(machine: &Machine) -> Self {
+        Self { starts: 1.0, cycle: ThreadCycle::new(machine) }
+    }
+}
 
 /// Threading cycles of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
+pub(crate) struct ThreadCycle {
     /// The cycle that acted last, and on which block.
-    pub(super) kind: Option<Kind>,
-    pub(super) block: u64,
+    pub(crate) kind: Option<Kind>,
+    pub(crate) block: u64,
     /// A macro has set depth, step or passes of the cycle to come.
     prepared: bool,
     /// `$THMODE`
@@ -22,7 +38,7 @@ pub(crate) struct State {
     /// Number of passes, if it is told.
     pub(crate) cuts: Option<f64>,
     /// Passes that were made without being told.
-    pub(super) made: u32,
+    pub(crate) made: u32,
     /// Smallest step.
     pub(crate) least: f64,
     pub(crate) finish_cuts: f64,
@@ -33,15 +49,15 @@ pub(crate) struct State {
     /// Its length along the thread, 0 = by the lead.
     pub(crate) chamfer_length: f64,
     /// Its length in leads, if it was told like this.
-    pub(super) chamfer_leads: Option<f64>,
+    pub(crate) chamfer_leads: Option<f64>,
     /// Its angle to the thread, degrees.
     pub(crate) chamfer_angle: f64,
     /// End of threads of one pass along X and Z, as programmed, and their taper; they last as long as their code.
-    pub(super) end: [Option<f64>; 2],
-    pub(super) taper: f64,
+    pub(crate) end: [Option<f64>; 2],
+    pub(crate) taper: f64,
 }
 
-impl State {
+impl ThreadCycle {
     /// Settings of the machine.
     pub(crate) fn new(machine: &Machine) -> Self {
         let threads = &machine.threads;
@@ -76,7 +92,7 @@ impl State {
     }
 
     /// A cycle begins.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         if !self.prepared {
             self.forget();
         }

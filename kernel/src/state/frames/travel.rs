@@ -6,19 +6,19 @@
 //! of its axis away; axes without a word keep it; rotary axes have none.
 
 use super::NOISE;
-use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Position};
+use crate::state::channel::Channel;
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// What incremental words count from, where that is not where the axes stand after a change of frames.
     pub(crate) fn counts_from(&self) -> Option<Position> {
-        self.channel.env.machine.habits.frame_increments.then(|| self.counted())
+        self.env.machine.habits.frame_increments.then(|| self.counted())
     }
 
     /// The values that the axes were programmed to.
     pub(crate) fn counted(&self) -> Position {
         let mut from = self.programmed();
-        if let Some(ways) = self.channel.state.place.frames.as_deref().and_then(|frames| frames.ways.as_deref()) {
+        if let Some(ways) = self.state.place.frames.as_deref().and_then(|frames| frames.ways.as_deref()) {
             for (slot, way) in from.iter_mut().zip(ways) {
                 *slot += way;
             }
@@ -31,13 +31,13 @@ impl Kernel<'_> {
         let Some(before) = before else { return };
         let after = self.programmed();
         let mut ways = [0.0; MAX_AXES];
-        let axes = self.channel.state.place.axes.iter();
+        let axes = self.state.place.axes.iter();
         for (((slot, axis), before), after) in ways.iter_mut().zip(axes).zip(before).zip(after) {
             let way = before - after;
             *slot = if axis.rotary || way.abs() < NOISE { 0.0 } else { way };
         }
         let ways = ways.iter().any(|way| *way != 0.0).then(|| Box::new(ways));
-        if ways.is_some() || self.channel.state.place.frames.is_some() {
+        if ways.is_some() || self.state.place.frames.is_some() {
             self.frames().ways = ways;
             self.frames_changed();
         }
@@ -45,7 +45,7 @@ impl Kernel<'_> {
 
     /// Axes that were programmed have no way left.
     pub(crate) fn ways_travelled(&mut self, coded: u8) {
-        let Some(frames) = self.channel.state.place.frames.as_deref_mut() else { return };
+        let Some(frames) = self.state.place.frames.as_deref_mut() else { return };
         let Some(ways) = frames.ways.as_deref_mut() else { return };
         for (at, way) in ways.iter_mut().enumerate() {
             if coded & 1 << at != 0 {

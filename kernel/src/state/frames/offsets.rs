@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::channel::Kernel;
 use crate::log::event::{MAX_AXES, Position};
+use crate::state::channel::Channel;
 
 /// Number of the base values.
 pub(crate) const BASE: u32 = 0;
@@ -67,10 +67,10 @@ impl Offsets {
     }
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// Values of an offset.
     pub(crate) fn offset_values(&self, table: Table, number: u32) -> Position {
-        let set = self.channel.state.place.offsets.as_deref().and_then(|offsets| {
+        let set = self.state.place.offsets.as_deref().and_then(|offsets| {
             let table = match table {
                 Table::Work => &offsets.work,
                 Table::Length => &offsets.length,
@@ -82,27 +82,24 @@ impl Kernel<'_> {
             return *values;
         }
         let values = match table {
-            Table::Work => {
-                (number as usize).checked_sub(1).and_then(|at| self.channel.env.machine.work_offsets.get(at))
-            }
-            Table::Length => {
-                self.channel.env.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values)
-            }
+            Table::Work => (number as usize).checked_sub(1).and_then(|at| self.env.machine.work_offsets.get(at)),
+            Table::Length => self.env.machine.tool.offsets.iter().find(|o| o.number == number).map(|o| &o.values),
             Table::Wear => None,
         };
         let mut position = [0.0; MAX_AXES];
-        for (slot, axis) in position.iter_mut().zip(&self.channel.state.place.axes) {
+        for (slot, axis) in position.iter_mut().zip(&self.state.place.axes) {
             *slot = values.and_then(|values| values.get(axis.machine)).copied().unwrap_or(0.0);
         }
         position
     }
 
-    /// Sets an offset; `false` when there is no room for it or it is out of all bounds.
-    pub(crate) fn set_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
+    /// Stores an offset, which is not in force before the frame is made anew; `false` when there is no room for it or it
+    /// is out of all bounds.
+    pub(crate) fn store_offset(&mut self, table: Table, number: u32, values: Position) -> bool {
         if values.iter().any(|value| value.is_nan() || value.abs() > BOUND) {
             return false;
         }
-        let offsets = self.channel.state.place.offsets.get_or_insert_default();
+        let offsets = self.state.place.offsets.get_or_insert_default();
         let slot = match table {
             Table::Work => &mut offsets.work,
             Table::Length => &mut offsets.length,
@@ -112,14 +109,13 @@ impl Kernel<'_> {
             return false;
         }
         slot.insert(number, values);
-        self.reframe();
         true
     }
 
     /// Length and wear of an offset together.
     pub(crate) fn worn_length(&self, number: u32) -> Position {
         let mut values = self.offset_values(Table::Length, number);
-        if self.channel.state.place.offsets.is_some() {
+        if self.state.place.offsets.is_some() {
             for (slot, wear) in values.iter_mut().zip(self.offset_values(Table::Wear, number)) {
                 *slot += wear;
             }
@@ -133,13 +129,13 @@ impl Kernel<'_> {
     }
 
     fn radii(&self, table: Radii) -> Radii {
-        if self.channel.env.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
+        if self.env.machine.tool.offset_digits > 0 && table == Radii::Corner { Radii::Cutter } else { table }
     }
 
     /// A radius, without the base value.
     pub(crate) fn offset_radius(&self, table: Radii, number: u32) -> f64 {
         let table = self.radii(table);
-        let set = self.channel.state.place.offsets.as_deref().and_then(|offsets| {
+        let set = self.state.place.offsets.as_deref().and_then(|offsets| {
             let table = match table {
                 Radii::Cutter => &offsets.radius,
                 Radii::Corner => &offsets.corner,
@@ -148,8 +144,7 @@ impl Kernel<'_> {
             table.get(&number)
         });
         set.copied().unwrap_or_else(|| {
-            let own =
-                self.channel.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
+            let own = self.env.machine.tool.offsets.iter().find(|o| o.number == number && table == Radii::Cutter);
             own.map_or(0.0, |own| own.radius)
         })
     }
@@ -160,7 +155,7 @@ impl Kernel<'_> {
         if value.is_nan() || value.abs() > BOUND {
             return false;
         }
-        let offsets = self.channel.state.place.offsets.get_or_insert_default();
+        let offsets = self.state.place.offsets.get_or_insert_default();
         let slot = match table {
             Radii::Cutter => &mut offsets.radius,
             Radii::Corner => &mut offsets.corner,

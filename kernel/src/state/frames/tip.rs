@@ -3,10 +3,10 @@
 //! While it is active a point of the work frame is that of the tip with the tables at zero; the linear axes follow. Facts:
 //! reference control-emulator.md 6.8. Invariant: switching it never moves the machine.
 
-use crate::channel::Kernel;
-use crate::channel::state::Place;
 use crate::log::event::{MAX_AXES, Position};
 use crate::machine::ident::{DataId, data};
+use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::kinematics::{Angles, Chain, Joint, unit};
 
@@ -93,38 +93,37 @@ fn plus([a, b, c]: Point, [x, y, z]: Point) -> Point {
     [a + x, b + y, c + z]
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// The rotary axes of the channel as tool tip control uses them: those that a macro has chosen, else the first two.
     pub(crate) fn chain(&self) -> Chain {
-        let settings = &self.channel.state.others.tip;
-        let joint = |(index, axis): (usize, &crate::channel::state::Axis)| {
-            let own = self.channel.env.machine.axes.get(axis.machine)?;
+        let settings = &self.state.others.tip;
+        let joint = |(index, axis): (usize, &crate::state::position::Axis)| {
+            let own = self.env.machine.axes.get(axis.machine)?;
             let made = Joint { axis: index, vector: own.vector, center: own.center };
             let chosen = settings.chosen.is_empty() || settings.chosen.contains(&index);
             let changed = settings.changed.iter().find(|changed| changed.axis == index).copied();
             (axis.rotary && chosen).then(|| (axis.data, changed.unwrap_or(made)))
         };
-        let joints: Vec<(DataId, Joint)> =
-            self.channel.state.place.axes.iter().enumerate().filter_map(joint).take(2).collect();
+        let joints: Vec<(DataId, Joint)> = self.state.place.axes.iter().enumerate().filter_map(joint).take(2).collect();
         let side = |table: bool| joints.iter().filter(|(id, _)| is_table(*id) == table).map(|(_, j)| *j).collect();
-        let tool = settings.direction.unwrap_or(self.channel.env.machine.tool_direction);
+        let tool = settings.direction.unwrap_or(self.env.machine.tool_direction);
         Chain { tables: side(true), heads: side(false), tool }
     }
 
     /// Active tool tip control.
     pub(crate) fn tip(&self) -> Option<&Tip> {
-        self.channel.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
+        self.state.place.frames.as_deref().and_then(|frames| frames.tip.as_deref())
     }
 
     /// Switches it on; `false` if the channel has no axes for it. The machine stands still.
     pub(crate) fn start_tip(&mut self, with_length: bool) -> bool {
         let chain = self.chain();
-        if !chain.is_possible() || self.channel.state.place.has_axes().contains(&false) {
+        if !chain.is_possible() || self.state.place.has_axes().contains(&false) {
             return false;
         }
         let tool = self.tool_shift();
         let levels = self.cycle_levels();
-        self.standing(|kernel| kernel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
+        self.standing(|channel| channel.frames().tip = Some(Box::new(Tip { chain, tool, with_length })));
         self.keep_levels(levels);
         true
     }
@@ -135,8 +134,8 @@ impl Kernel<'_> {
             return false;
         }
         let levels = self.cycle_levels();
-        self.standing(|kernel| {
-            if let Some(frames) = kernel.channel.state.place.frames.as_deref_mut() {
+        self.standing(|channel| {
+            if let Some(frames) = channel.state.place.frames.as_deref_mut() {
                 frames.tip = None;
             }
         });
@@ -150,7 +149,7 @@ impl Kernel<'_> {
             return;
         }
         let (chain, tool) = (self.chain(), self.tool_shift());
-        if let Some(tip) = self.channel.state.place.frames.as_deref_mut().and_then(|frames| frames.tip.as_deref_mut()) {
+        if let Some(tip) = self.state.place.frames.as_deref_mut().and_then(|frames| frames.tip.as_deref_mut()) {
             (tip.chain, tip.tool) = (chain, tool);
         }
     }
@@ -158,23 +157,23 @@ impl Kernel<'_> {
     /// Direction of the tool on the part with the axes at a position of the work frame.
     pub(crate) fn tool_direction(&self, work: &Position) -> Point {
         let chain = self.chain();
-        let direction = chain.direction(|axis| at(work, axis) + at(&self.channel.state.place.shift, axis));
+        let direction = chain.direction(|axis| at(work, axis) + at(&self.state.place.shift, axis));
         direction.unwrap_or([0.0, 0.0, 1.0])
     }
 
     /// The same in the local frame.
     pub(crate) fn local_direction(&self, work: &Position) -> Point {
         let direction = self.tool_direction(work);
-        let back = self.channel.state.place.frames.as_deref().and_then(|frames| frames.local.map().inverse());
+        let back = self.state.place.frames.as_deref().and_then(|frames| frames.local.map().inverse());
         back.and_then(|back| unit(back.direction(direction))).unwrap_or(direction)
     }
 
     /// Puts the angles of a solution next to where the axes stand, in the work frame.
     pub(crate) fn near(&self, solution: &Angles) -> Angles {
         let near = |(axis, angle): &(usize, Option<f64>)| {
-            let stands = at(&self.channel.state.place.position, *axis);
+            let stands = at(&self.state.place.position, *axis);
             let angle = angle.map_or(stands, |angle| {
-                let angle = angle - at(&self.channel.state.place.shift, *axis);
+                let angle = angle - at(&self.state.place.shift, *axis);
                 angle + 360.0 * turns((stands - angle) / 360.0)
             });
             (*axis, Some(super::clean(angle, stands)))
@@ -184,17 +183,14 @@ impl Kernel<'_> {
 
     /// How far the axes would have to turn.
     pub(crate) fn turned(&self, solution: &Angles) -> f64 {
-        solution
-            .iter()
-            .map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.channel.state.place.position, *axis)).abs())
-            .sum()
+        solution.iter().map(|(axis, angle)| (angle.unwrap_or(0.0) - at(&self.state.place.position, *axis)).abs()).sum()
     }
 
     /// The axes stay within their limits.
     pub(crate) fn within(&self, solution: &Angles) -> bool {
         solution.iter().all(|(axis, angle)| {
-            let machine = angle.unwrap_or(0.0) + at(&self.channel.state.place.shift, *axis);
-            let limits = self.channel.state.place.axes.get(*axis).and_then(|axis| axis.limits);
+            let machine = angle.unwrap_or(0.0) + at(&self.state.place.shift, *axis);
+            let limits = self.state.place.axes.get(*axis).and_then(|axis| axis.limits);
             limits.is_none_or(|(low, high)| (low..=high).contains(&machine))
         })
     }

@@ -6,9 +6,9 @@
 //! control-emulator.md 6.8. Invariant: the rotary axis never turns further than the move goes round the centre.
 
 use super::{Frames, NOISE, clean};
-use crate::channel::Kernel;
-use crate::channel::state::Place;
 use crate::log::event::Position;
+use crate::state::channel::Channel;
+use crate::state::position::Place;
 use counterpoint_motion::frame::affine::turn;
 
 /// Distances from the centre below this have no direction.
@@ -134,17 +134,17 @@ impl Polar {
     }
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// Polar interpolation, if it is active.
     pub(crate) fn polar(&self) -> Option<Polar> {
-        self.channel.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
+        self.state.place.frames.as_deref().and_then(|frames: &Frames| frames.polar)
     }
 
     /// Change of each coordinate that the feed counts: under polar interpolation those of the part.
     #[inline(always)]
     pub(crate) fn feed_changes(&self, from: &Position, to: &Position) -> Position {
         let changes = self.changes(from, to);
-        if self.channel.state.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
+        if self.state.place.frames.is_none() { changes } else { self.part_changes(changes, from, to) }
     }
 
     #[cold]
@@ -152,15 +152,13 @@ impl Kernel<'_> {
         if self.tip().is_some() {
             // The feed is that of the tip; where it stands, that of the rotary axes.
             let linear =
-                changes.iter().zip(&self.channel.state.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
-            for (slot, _) in
-                changes.iter_mut().zip(&self.channel.state.place.axes).filter(|(_, axis)| axis.rotary && linear)
-            {
+                changes.iter().zip(&self.state.place.axes).any(|(change, axis)| !axis.rotary && *change != 0.0);
+            for (slot, _) in changes.iter_mut().zip(&self.state.place.axes).filter(|(_, axis)| axis.rotary && linear) {
                 *slot = 0.0;
             }
         }
         let Some(polar) = self.polar() else { return changes };
-        let [before, after] = [from, to].map(|point| polar.part(&self.channel.state.place, point));
+        let [before, after] = [from, to].map(|point| polar.part(&self.state.place, point));
         for (axis, (a, b)) in [polar.linear, polar.rotary].into_iter().zip(before.into_iter().zip(after)) {
             if let Some(slot) = changes.get_mut(axis) {
                 *slot = b - a;

@@ -2,33 +2,36 @@
 //!
 //! | point | is | here |
 //! |---|---|---|
-//! | programmed | what the words say, in the local frame | [`Kernel::programmed`] |
-//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Kernel::work_point`] |
-//! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Kernel::machine_point`] |
+//! | programmed | what the words say, in the local frame | [`Channel::programmed`] |
+//! | work | after scale, mirror, rotation, translation; events and `Place::position` | [`Channel::work_point`] |
+//! | machine | after fixture offset, presets and length compensation (`Place::shift`) | [`Channel::machine_point`] |
 //!
 //! Lengths, feeds and arcs are those of the work frame. What couples axes to each other on the way from the work frame to
-//! the axes of the machine (tool tip control) is in [`Kernel::machine_point`] and its inverse
-//! [`Kernel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
-//! rapids all ask these two. What changes programmed words before they are points is in [`Kernel::work_point`] and
-//! [`Kernel::programmed`]; polar interpolation is there, since events name the axes.
+//! the axes of the machine (tool tip control) is in [`Channel::machine_point`] and its inverse
+//! [`Channel::point_of_machine`]: travel limits, `G53`, reference points, changes of frames, joint positions and rates of
+//! rapids all ask these two. What changes programmed words before they are points is in [`Channel::work_point`] and
+//! [`Channel::programmed`]; polar interpolation is there, since events name the axes.
 //!
-//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Kernel::contour`] the point of the
+//! Under compensation of the cutter radius `Place::position` is where the tool is, and [`Channel::contour`] the point of the
 //! work frame that the program has reached.
 //!
 //! Invariant: `Place::frames` is `None` unless something of this is active, and then nothing here is done but to look.
 //! A point that has come from the program goes back to it unchanged. Facts: reference control-emulator.md 6.7.
 
+mod distance;
+pub(crate) mod levels;
 pub(crate) mod offsets;
 pub(crate) mod polar;
+pub(crate) mod shift;
 pub(crate) mod tip;
-mod told;
 mod travel;
+mod values;
 
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Local;
 
-use super::Kernel;
-use super::state::Place;
+use super::channel::Channel;
+use super::position::Place;
 use crate::log::event::Position;
 
 /// Differences below this are none.
@@ -48,7 +51,7 @@ pub(crate) struct Frames {
     /// Tool tip control.
     pub(crate) tip: Option<Box<tip::Tip>>,
     /// Compensation of the cutter radius.
-    pub(crate) cutter: Option<Box<crate::action::cutter::Cutter>>,
+    pub(crate) cutter: Option<Box<super::cutter::Cutter>>,
     /// What incremental words travel beside their distance, by axis.
     pub(crate) ways: Option<Box<Position>>,
     /// The last point that the program reached: in the work frame, and as programmed.
@@ -132,20 +135,20 @@ pub(crate) fn clean(value: f64, old: f64) -> f64 {
     }
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// The programmed point where the channel stands.
     #[inline(always)]
     pub(crate) fn programmed(&self) -> Position {
-        match &self.channel.state.place.frames {
-            None => self.channel.state.place.position,
+        match &self.state.place.frames {
+            None => self.state.place.position,
             Some(frames) => self.programmed_point(frames, &self.contour()),
         }
     }
 
     /// Where the program is in the work frame: beside the tool's place under compensation of the cutter radius.
     pub(crate) fn contour(&self) -> Position {
-        let cutter = self.channel.state.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
-        cutter.map_or(self.channel.state.place.position, |cutter| cutter.contour)
+        let cutter = self.state.place.frames.as_deref().and_then(|frames| frames.cutter.as_deref());
+        cutter.map_or(self.state.place.position, |cutter| cutter.contour)
     }
 
     /// The programmed point of a point of the work frame.
@@ -158,37 +161,35 @@ impl Kernel<'_> {
         }
         let mut point = *work;
         if let Some(polar) = frames.polar {
-            polar.to_program(&self.channel.state.place, &mut point);
+            polar.to_program(&self.state.place, &mut point);
         }
-        let seen = frames.seen(&self.channel.state.place, &point);
-        frames.put(&self.channel.state.place, &mut point, frames.local.to_program(seen));
+        let seen = frames.seen(&self.state.place, &point);
+        frames.put(&self.state.place, &mut point, frames.local.to_program(seen));
         point
     }
 
     /// A programmed point as the local frame sees it.
     pub(crate) fn seen(&self, programmed: &Position) -> Point {
-        let frames = self.channel.state.place.frames.as_deref();
-        frames.map_or_else(
-            || self.channel.state.place.geometry(programmed),
-            |frames| frames.seen(&self.channel.state.place, programmed),
-        )
+        let frames = self.state.place.frames.as_deref();
+        frames
+            .map_or_else(|| self.state.place.geometry(programmed), |frames| frames.seen(&self.state.place, programmed))
     }
 
     /// A point of the work frame as the local frame sees it from outside.
     pub(crate) fn seen_from_work(&self, work: &Position) -> Point {
         let mut point = *work;
         if let Some(polar) = self.polar() {
-            polar.to_program(&self.channel.state.place, &mut point);
+            polar.to_program(&self.state.place, &mut point);
         }
         self.seen(&point)
     }
 
     /// Carries out what changes the way from the work frame to the axes: they stay where they are, and the contour too.
     pub(crate) fn standing(&mut self, change: impl FnOnce(&mut Self)) {
-        let machine = self.machine_point(&self.channel.state.place.position);
+        let machine = self.machine_point(&self.state.place.position);
         let contour = self.cutter().map(|cutter| cutter.contour).map(|contour| self.machine_point(&contour));
         change(self);
-        self.channel.state.place.position = self.point_of_machine(&machine);
+        self.state.place.position = self.point_of_machine(&machine);
         let contour = contour.map(|contour| self.point_of_machine(&contour));
         if let (Some(cutter), Some(contour)) = (self.cutter(), contour) {
             cutter.contour = contour;
@@ -198,18 +199,18 @@ impl Kernel<'_> {
 
     /// Any point of the work frame as it would be programmed.
     pub(crate) fn program_point(&self, work: &Position) -> Position {
-        self.channel.state.place.frames.as_deref().map_or(*work, |frames| self.programmed_point(frames, work))
+        self.state.place.frames.as_deref().map_or(*work, |frames| self.programmed_point(frames, work))
     }
 
     /// The point of the work frame that the program means.
     #[inline(always)]
     pub(crate) fn work_point(&mut self, programmed: &Position) -> Position {
-        if self.channel.state.place.frames.is_none() { *programmed } else { self.reach(programmed) }
+        if self.state.place.frames.is_none() { *programmed } else { self.reach(programmed) }
     }
 
     #[cold]
     fn reach(&mut self, programmed: &Position) -> Position {
-        let place = &self.channel.state.place;
+        let place = &self.state.place;
         let Some(frames) = place.frames.as_deref() else { return *programmed };
         let mut work = *programmed;
         frames.put(place, &mut work, frames.local.to_work(frames.seen(place, programmed)));
@@ -219,7 +220,7 @@ impl Kernel<'_> {
         if let Some(polar) = frames.polar {
             polar.to_axes(place, &mut work);
         }
-        if let Some(frames) = self.channel.state.place.frames.as_deref_mut() {
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.reached = Some([work, *programmed]);
         }
         work
@@ -229,13 +230,13 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn machine_point(&self, work: &Position) -> Position {
         let mut machine = *work;
-        for (slot, shift) in machine.iter_mut().zip(&self.channel.state.place.shift) {
+        for (slot, shift) in machine.iter_mut().zip(&self.state.place.shift) {
             *slot += shift;
         }
-        if let Some(frames) = self.channel.state.place.frames.as_deref()
+        if let Some(frames) = self.state.place.frames.as_deref()
             && let Some(tip) = &frames.tip
         {
-            tip.to_machine(&self.channel.state.place, work, &mut machine);
+            tip.to_machine(&self.state.place, work, &mut machine);
         }
         machine
     }
@@ -244,13 +245,13 @@ impl Kernel<'_> {
     #[inline(always)]
     pub(crate) fn point_of_machine(&self, machine: &Position) -> Position {
         let mut work = *machine;
-        for (slot, shift) in work.iter_mut().zip(&self.channel.state.place.shift) {
+        for (slot, shift) in work.iter_mut().zip(&self.state.place.shift) {
             *slot -= shift;
         }
-        if let Some(frames) = self.channel.state.place.frames.as_deref()
+        if let Some(frames) = self.state.place.frames.as_deref()
             && let Some(tip) = &frames.tip
         {
-            tip.to_work(&self.channel.state.place, machine, &mut work);
+            tip.to_work(&self.state.place, machine, &mut work);
         }
         work
     }
@@ -258,7 +259,7 @@ impl Kernel<'_> {
     /// The same, with the axes that stay exactly where they stand.
     pub(crate) fn way_of_machine(&self, machine: &Position) -> Position {
         let mut work = self.point_of_machine(machine);
-        for (slot, stands) in work.iter_mut().zip(&self.channel.state.place.position) {
+        for (slot, stands) in work.iter_mut().zip(&self.state.place.position) {
             if (*slot - stands).abs() < NOISE {
                 *slot = *stands;
             }
@@ -268,16 +269,16 @@ impl Kernel<'_> {
 
     /// The frames, made if there are none.
     pub(crate) fn frames(&mut self) -> &mut Frames {
-        self.channel.state.place.frames.get_or_insert_default()
+        self.state.place.frames.get_or_insert_default()
     }
 
     /// Something about the frames has changed: the machine stands still, the programmed point is what changes.
     pub(crate) fn frames_changed(&mut self) {
-        if let Some(frames) = self.channel.state.place.frames.as_deref_mut() {
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
             frames.reached = None;
         }
-        if self.channel.state.place.frames.as_deref().is_some_and(Frames::is_idle) {
-            self.channel.state.place.frames = None;
+        if self.state.place.frames.as_deref().is_some_and(Frames::is_idle) {
+            self.state.place.frames = None;
         }
     }
 }

@@ -3,9 +3,9 @@
 //! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
-use super::Kind;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::Machine;
+use crate::machine::ident::kind::cycle::Kind;
 use crate::machine::ident::{CodeId, codes};
 
 /// A height: a position, or a distance from another height, as programmed.
@@ -17,41 +17,44 @@ pub(crate) struct Height {
 
 impl Height {
     /// The position; a distance counts from `base`.
-    pub(super) fn from(self, base: f64) -> f64 {
+    pub(crate) fn from(self, base: f64) -> f64 {
         if self.relative { base + self.value } else { self.value }
     }
 }
 
+/// Webs after the first one.
+pub(crate) const FURTHER_WEBS: usize = 3;
+
 /// The cycle of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
+pub(crate) struct Cycle {
     /// A code of its own carries out cycles; cycle codes only define them.
-    pub(super) activator: bool,
+    pub(crate) activator: bool,
     /// Row of the code that cancels.
-    pub(super) off: u16,
+    pub(crate) off: u16,
     /// A cycle is in effect (`$CYMCH`).
     pub(crate) running: bool,
     /// A macro has set values for the cycle that is to begin.
     prepared: bool,
     /// Block on which a cycle code acted last.
-    pub(super) block: u64,
+    pub(crate) block: u64,
     /// `$CYTYPE`
     pub(crate) number: f64,
-    pub(super) code: Option<CodeId>,
+    pub(crate) code: Option<CodeId>,
     /// Role and channel axis that it works along.
-    pub(super) axis: Option<(usize, usize)>,
+    pub(crate) axis: Option<(usize, usize)>,
     /// Level along the axis when it began.
-    pub(super) initial: f64,
+    pub(crate) initial: f64,
     /// Level that heights count from under a code that carries out.
-    pub(super) reference: f64,
+    pub(crate) reference: f64,
     pub(crate) clear: Option<Height>,
     pub(crate) depth: Option<Height>,
     pub(crate) retract: Option<Height>,
     pub(crate) bottom: Option<Height>,
     /// Start and depth of further webs.
-    pub(super) webs: [[Option<Height>; 2]; super::webs::FURTHER],
+    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
     /// Type of a tap as programmed.
-    pub(super) tap: Option<f64>,
+    pub(crate) tap: Option<f64>,
     /// The feed is the cycle's own, not that of the feed mode.
     pub(crate) own_feed: bool,
     pub(crate) feed: (Option<f64>, FeedUnit),
@@ -59,7 +62,7 @@ pub(crate) struct State {
     pub(crate) step: Option<f64>,
     pub(crate) decrement: f64,
     pub(crate) least: f64,
-    pub(super) step_back: f64,
+    pub(crate) step_back: f64,
     /// Dwell at depth, per step, at the top: positive seconds, negative revolutions.
     pub(crate) dwell: [f64; 3],
     /// Shift of oriented boring, and its parts along X, Y, Z.
@@ -73,7 +76,7 @@ pub(crate) struct State {
     pub(crate) direction: f64,
 }
 
-impl State {
+impl Cycle {
     /// No cycle yet.
     pub(crate) fn new(machine: &Machine) -> Self {
         let row = |id| machine.codes.iter().position(|row| row.id == id && row.enable);
@@ -126,7 +129,7 @@ impl State {
     }
 
     /// A cycle code acts: begins a cycle, or goes on with another kind.
-    pub(super) fn begin(&mut self, machine: &Machine, kind: Kind, code: CodeId, (axis, level): ((usize, usize), f64)) {
+    pub(crate) fn begin(&mut self, machine: &Machine, kind: Kind, code: CodeId, (axis, level): ((usize, usize), f64)) {
         self.running &= !self.activator;
         self.prepare(machine);
         if !self.running || self.axis != Some(axis) {
@@ -149,7 +152,7 @@ impl State {
     }
 
     /// The cycle is over; its values can still be read.
-    pub(super) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.running = false;
         self.prepared = false;
         self.number = 0.0;

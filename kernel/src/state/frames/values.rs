@@ -1,15 +1,15 @@
-//! What the local frame tells of itself: all parts of a kind taken together, in programmed units.
+//! The values of the local frame: all parts of a kind taken together, in programmed units.
 //!
 //! Facts: reference system-variables.md 12. Decision: translations add up, scales multiply, a mirror takes the one
 //! before away again; of rotations and centres the newest counts.
 
-use crate::channel::Kernel;
+use crate::state::channel::Channel;
 use counterpoint_motion::frame::affine::Point;
 use counterpoint_motion::frame::local::Part;
 
 /// The values of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Told {
+pub(crate) struct FrameValues {
     pub(crate) translation: Point,
     pub(crate) rotation: Point,
     pub(crate) order: &'static str,
@@ -19,10 +19,10 @@ pub(crate) struct Told {
     pub(crate) center: Point,
 }
 
-impl Kernel<'_> {
+impl Channel<'_> {
     /// The values of the local frame.
-    pub(crate) fn frame_values(&self) -> Told {
-        let mut told = Told {
+    pub(crate) fn frame_values(&self) -> FrameValues {
+        let mut values = FrameValues {
             translation: [0.0; 3],
             rotation: [0.0; 3],
             order: "",
@@ -31,25 +31,25 @@ impl Kernel<'_> {
             mirror: [0.0; 3],
             center: [0.0; 3],
         };
-        let Some(local) = self.channel.state.place.frames.as_deref().map(|frames| &frames.local) else { return told };
+        let Some(local) = self.state.place.frames.as_deref().map(|frames| &frames.local) else { return values };
         for given in local.parts(Part::Translate) {
-            each(&mut told.translation, given.values, |all, one| all + one);
+            each(&mut values.translation, given.values, |all, one| all + one);
         }
         for given in local.parts(Part::Scale) {
-            each(&mut told.scale, given.values, |all, one| all * one);
+            each(&mut values.scale, given.values, |all, one| all * one);
         }
         for given in local.parts(Part::Mirror) {
-            each(&mut told.mirror, given.values, |all, one| f64::from(u8::from(all != one)));
+            each(&mut values.mirror, given.values, |all, one| f64::from(u8::from(all != one)));
         }
         if let Some(given) = local.parts(Part::Rotate).last() {
-            (told.rotation, told.order, told.angle) = (given.values, given.order, given.angle);
+            (values.rotation, values.order, values.angle) = (given.values, given.order, given.angle);
         }
-        told.center = local.center().unwrap_or_default();
-        for (role, (shift, center)) in told.translation.iter_mut().zip(&mut told.center).enumerate() {
-            let scale = self.channel.state.place.scale_of(role);
+        values.center = local.center().unwrap_or_default();
+        for (role, (shift, center)) in values.translation.iter_mut().zip(&mut values.center).enumerate() {
+            let scale = self.state.place.scale_of(role);
             (*shift, *center) = (*shift / scale, *center / scale);
         }
-        told
+        values
     }
 }
 

@@ -1,0 +1,70 @@
+//! Alarms of a channel, and what they make of a block.
+
+use super::channel::Channel;
+use crate::diag::Facts;
+use counterpoint_fault::{Acted, Halt};
+
+/// Alarms of a channel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Alarms {
+    /// A diagnostic of this block stops the channel before the next code acts.
+    pub(crate) stopping: bool,
+    /// Diagnostics of severity 8 or more in the log.
+    pub(crate) errors: u32,
+    /// Alarms gone on from that are not among them.
+    pub(crate) softened: u32,
+}
+
+/// Severity from which a diagnostic is an error.
+pub(crate) const ERROR: u8 = 8;
+
+/// What an alarm makes of its block.
+pub(crate) const NOT_DONE: &str = "nothing of the block is done";
+
+/// What a circle becomes that cannot be made.
+pub(crate) const STRAIGHT: &str = "the end is reached straight";
+
+impl Channel<'_> {
+    /// Whether the channel stops at a diagnostic.
+    pub(crate) fn stops_at(&self, facts: &Facts) -> bool {
+        self.env.machine.stops_at(facts)
+    }
+
+    /// A diagnostic is an alarm of real controls, or of the control of this machine.
+    pub(crate) fn is_alarm(&self, facts: &Facts) -> bool {
+        self.env.machine.is_alarm(facts)
+    }
+
+    /// The machine goes on from this alarm.
+    pub(crate) fn goes_on_at(&self, facts: &Facts) -> bool {
+        !self.stops_at(facts)
+    }
+
+    /// What becomes of a block about which this is reported: what is done instead, unless the channel stops.
+    pub(crate) fn becomes(&self, facts: &Facts, instead: &'static str) -> &'static str {
+        if self.goes_on_at(facts) { instead } else { NOT_DONE }
+    }
+
+    /// Counts what has come into the log.
+    pub(crate) fn count_error(&mut self, severity: u8) {
+        if severity >= ERROR {
+            self.reports.alarms.errors = self.reports.alarms.errors.saturating_add(1);
+        }
+    }
+
+    /// A diagnostic of this block has stopped the channel.
+    #[inline(always)]
+    pub(crate) fn check_stop(&self) -> Acted {
+        if self.reports.alarms.stopping { Err(Halt::Alarm) } else { Ok(()) }
+    }
+
+    /// The channel stops before the next code acts.
+    pub(crate) fn stop_here(&mut self) {
+        self.reports.alarms.stopping = true;
+    }
+
+    /// Program Shutdown runs behind an alarm.
+    pub(crate) fn clear_stop(&mut self) {
+        self.reports.alarms.stopping = false;
+    }
+}

@@ -1,0 +1,110 @@
+//! What a kernel uses up besides time: memory of its job, and work within blocks.
+//!
+//! Invariants: every part is counted in the order of the program that makes it, or of the tags of shared operations, so
+//! that whether a limit is reached depends on nothing else; a block that does the work of many counts as many.
+
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::Scale;
+
+use crate::log::event::Event;
+use crate::log::timeline::bars::Bar;
+use crate::log::toolpath::store::{Curve, Move};
+
+/// Elements that a block may set or look at before it counts as one more.
+pub(crate) const PER_BLOCK: u64 = 256;
+/// Elements that a block within a block counts as.
+pub(crate) const BLOCK: usize = PER_BLOCK as usize;
+/// Elements between two looks at whether the job is to end.
+pub(crate) const LOOK_EVERY: u64 = 4096;
+/// Bytes of the text of a message or a diagnostic; the rest is cut off.
+pub(crate) const LONGEST_TEXT: usize = 4096;
+
+/// Bytes that a diagnostic or a stay takes besides its text.
+pub(crate) const RESULT: usize = 256;
+
+/// Bytes that an event takes at most: in the toolpath, as half of the block and the move with an arc that it mostly is;
+/// as a bar; and while it waits.
+pub(crate) const PATH: u64 = (size_of::<Move>() + size_of::<Curve>()) as u64 / 2;
+pub(crate) const BAR: u64 = size_of::<Bar>() as u64 / 2;
+pub(crate) const EVENT: u64 = size_of::<Event>() as u64;
+
+/// What a kernel has used up.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Burden {
+    /// Work within blocks, in elements.
+    pub(crate) work: u64,
+    /// Steps of macros.
+    pub(crate) steps: u64,
+    /// Bytes of diagnostics and of stays at meetings.
+    pub(crate) results: u64,
+}
+
+impl Burden {
+    /// Blocks that the work within blocks counts as.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.work / PER_BLOCK
+    }
+
+    /// Counts bytes that stay in the results.
+    pub(crate) fn result(&mut self, bytes: usize) {
+        self.results += bytes as u64;
+    }
+}
+
+/// A text without its part beyond [`LONGEST_TEXT`].
+pub(crate) fn shortened(text: &str) -> &str {
+    let mut end = text.len().min(LONGEST_TEXT);
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    text.get(..end).unwrap_or(text)
+}
+
+/// Variables that many may write to, with what they take. They are weighed when what was written since could be too
+/// much.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Hoard {
+    kept: u64,
+    fresh: u64,
+}
+
+impl Hoard {
+    /// Counts a change that adds so many bytes at most; true if all together is more than `limit`.
+    pub(crate) fn grown(&mut self, bytes: usize, limit: u64, weigh: impl FnOnce() -> u64) -> bool {
+        self.fresh += bytes as u64;
+        if self.kept + self.fresh <= limit {
+            return false;
+        }
+        (self.kept, self.fresh) = (weigh(), 0);
+        self.kept > limit - limit / 8
+    }
+}
+
+/// Bytes of values.
+pub(crate) fn weight<'v>(values: impl Iterator<Item = &'v Value>) -> u64 {
+    let mut scale = Scale::default();
+    values.for_each(|value| scale.add(value));
+    scale.bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hoard_is_weighed_when_it_could_be_too_much() {
+        let mut hoard = Hoard::default();
+        assert!(!hoard.grown(600, 1000, || unreachable!("it fits for sure")));
+        assert!(!hoard.grown(600, 1000, || 100), "most of it is gone again");
+        assert!(!hoard.grown(800, 1000, || unreachable!("it fits for sure")));
+        assert!(hoard.grown(200, 1000, || 900), "too little would be left");
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_characters() {
+        let text = "ä".repeat(LONGEST_TEXT);
+        assert_eq!(shortened(&text).len(), LONGEST_TEXT);
+        let text = format!("x{text}");
+        assert_eq!(shortened(&text).len(), LONGEST_TEXT - 1);
+    }
+}

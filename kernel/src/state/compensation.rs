@@ -1,0 +1,45 @@
+//! States of compensation: numbers, sets and directions of offsets, dynamic fixtures, corners.
+//!
+//! Facts: reference system-variables.md 7.
+
+use super::frames::offsets::{EXTENDED, RANGE};
+use crate::machine::Machine;
+use crate::machine::model::OutsideCorner;
+
+/// States that only offsets and macros ask for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Compensation {
+    /// Type of length compensation, 1 to 4.
+    pub(crate) set: u8,
+    /// Direction of the length: 0 as the offset has its values, 1 to 3 along X Y Z, 4 to 6 against them.
+    pub(crate) direction: u8,
+    /// Corners of compensated paths: 0 by angle, 1 sharp, 2 arc.
+    pub(crate) corner: u8,
+    /// Dynamic fixture compensation.
+    pub(crate) dynamic: bool,
+    /// Number of the diameter offset, as last programmed.
+    pub(crate) diameter: u32,
+    /// Direction of the vector form.
+    pub(crate) vector: [f64; 3],
+}
+
+impl Compensation {
+    /// At the start of a job.
+    pub(crate) fn of(machine: &Machine) -> Self {
+        let corner = match machine.compensation.corner {
+            OutsideCorner::Angle => 0,
+            OutsideCorner::Linear => 1,
+            OutsideCorner::Arc => 2,
+        };
+        Self { set: 1, direction: 0, corner, dynamic: false, diameter: 0, vector: [0.0; 3] }
+    }
+}
+
+/// Number of an extended work offset among all; 0 for none.
+pub(crate) fn number_of(range: u32, register: u32) -> u32 {
+    if register == 0 {
+        return 0;
+    }
+    let before = range.max(1).saturating_sub(1).saturating_mul(RANGE);
+    EXTENDED.saturating_add(before).saturating_add(register)
+}

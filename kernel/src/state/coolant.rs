@@ -1,0 +1,57 @@
+//! Coolant of a channel: what the active codes do not say.
+//!
+//! Invariant: what flows is the active code of its modal group.
+
+use crate::log::event::{Coolant, Outlet};
+use crate::machine::ident::kind::coolant::{Flow, fluid_code};
+use crate::machine::ident::{self, CodeId};
+use crate::machine::model::Pump;
+
+/// What the codes of the groups do not say.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CoolantState {
+    /// What flowed last at the main and at the side head.
+    pub(crate) last: [u8; 2],
+    /// The high-pressure pump runs; unknown before its first code.
+    pub(crate) pump: Option<bool>,
+    /// Pressure.
+    pub(crate) pressure: f64,
+    /// Largest pressure that a macro allows, 0 = that of the machine.
+    pub(crate) limit: f64,
+}
+
+impl Default for CoolantState {
+    fn default() -> Self {
+        Self { last: [1; 2], pump: None, pressure: 0.0, limit: 0.0 }
+    }
+}
+
+pub(crate) fn head(outlet: Outlet) -> usize {
+    usize::from(outlet == Outlet::Side)
+}
+
+impl CoolantState {
+    /// Largest pressure that is allowed, 0 = any.
+    pub(crate) fn largest(&self, pump: &Pump) -> f64 {
+        if self.limit > 0.0 { self.limit } else { pump.max_pressure }
+    }
+
+    /// What the active code of a head means: 0 off, 1 to 9.
+    pub(crate) fn fluid(&self, code: Option<CodeId>) -> u8 {
+        match code.and_then(fluid_code) {
+            Some((Flow::Fluid(fluid), _)) => fluid,
+            Some((Flow::Again, outlet)) => self.last.get(head(outlet)).copied().unwrap_or(1),
+            _ => 0,
+        }
+    }
+}
+
+/// The code of a fluid at the main or the side head, by its number.
+pub(crate) fn code_of(fluid: u8, outlet: Outlet) -> Option<CodeId> {
+    let name = match fluid {
+        0 => "OFF".to_owned(),
+        _ => Coolant::FLUIDS.get(usize::from(fluid))?.to_uppercase(),
+    };
+    let side = if outlet == Outlet::Side { "_SIDE" } else { "" };
+    ident::code(&format!("CODE_COOLANT_{name}{side}"))
+}

@@ -1,0 +1,127 @@
+//! What compensation remembers between moves.
+
+use std::sync::Arc;
+
+use counterpoint_motion::arc::Arc as MotionArc;
+
+use super::channel::Channel;
+use crate::log::event::{FeedUnit, FileId, Position};
+use counterpoint_motion::contour::element::{Element, Spot};
+
+/// Where compensation is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stage {
+    /// Switched on; the next move in the plane comes to the contour.
+    Start,
+    /// Beside the contour.
+    On,
+    /// Beside the end of a piece that did not know the next one: that end and its direction.
+    Settled {
+        /// Point of the contour.
+        corner: Spot,
+        /// Direction of the way there.
+        along: Spot,
+    },
+    /// Side or radius have changed beside the contour.
+    Turned,
+    /// Switched off; the next move in the plane goes to its point.
+    Ending,
+}
+
+/// A move as programmed, in the work frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Step {
+    pub(crate) shape: Shape,
+    pub(crate) coded: u8,
+    pub(crate) to: Position,
+    pub(crate) feed: Option<f64>,
+    pub(crate) unit: FeedUnit,
+}
+
+/// How a move goes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Shape {
+    Rapid,
+    Linear,
+    Circle {
+        /// With full turns.
+        made: MotionArc,
+        axes: [usize; 2],
+        turns: u16,
+    },
+}
+
+/// A move that waits for the next one.
+#[derive(Debug, Clone)]
+pub(crate) struct Waiting {
+    pub(crate) step: Step,
+    /// Its piece of the contour; none for a move beside the plane.
+    pub(crate) element: Option<Element>,
+    pub(crate) file: FileId,
+    pub(crate) line: u32,
+    pub(crate) block: u64,
+    /// Held time when it came, ns.
+    pub(crate) clock: i64,
+    pub(crate) micro: u32,
+    pub(crate) exact: bool,
+    pub(crate) text: Option<Arc<[u8]>>,
+    /// Events that were held back before it.
+    pub(crate) events: usize,
+}
+
+/// Active compensation.
+#[derive(Debug, Clone)]
+pub(crate) struct Cutter {
+    /// +1 left of the way, −1 right.
+    pub(crate) side: f64,
+    pub(crate) radius: f64,
+    /// From the imaginary tip to the centre of the nose.
+    pub(crate) tip: Spot,
+    /// Channel axes of the plane.
+    pub(crate) axes: [usize; 2],
+    /// End of the last programmed move, in the work frame.
+    pub(crate) contour: Position,
+    pub(crate) stage: Stage,
+    /// The move that waits, and moves beside the plane after it.
+    pub(crate) waiting: Vec<Waiting>,
+    /// Blocks without motion in the plane since then.
+    pub(crate) idle: u32,
+    /// Last block that was counted.
+    pub(crate) seen: u64,
+    /// An action goes without compensation.
+    pub(crate) suspended: bool,
+}
+
+impl Cutter {
+    /// A position with the plane's axes of another one.
+    pub(crate) fn lifted(&self, to: &Position, stands: &Position) -> Position {
+        let mut lifted = *to;
+        for axis in self.axes {
+            if let (Some(slot), Some(at)) = (lifted.get_mut(axis), stands.get(axis)) {
+                *slot = *at;
+            }
+        }
+        lifted
+    }
+}
+
+impl Channel<'_> {
+    /// Compensation, if it is active.
+    pub(crate) fn cutter(&mut self) -> Option<&mut Cutter> {
+        self.state.place.frames.as_deref_mut()?.cutter.as_deref_mut()
+    }
+
+    /// Compensation takes moves of this kernel.
+    #[inline(always)]
+    pub(crate) fn is_compensated(&self) -> bool {
+        self.state.place.frames.as_deref().is_some_and(|frames| frames.cutter.is_some())
+    }
+
+    /// Compensation has come to its end.
+    pub(crate) fn forget_cutter(&mut self) {
+        if let Some(frames) = self.state.place.frames.as_deref_mut() {
+            frames.cutter = None;
+        }
+        self.frames_changed();
+    }
+}

@@ -1,0 +1,78 @@
+//! How far the machine frame lies from the work frame: presets, work offset and tool together.
+
+use super::offsets::{BASE, Table};
+use crate::log::event::{MAX_AXES, Position};
+use crate::machine::ident::{CodeId, codes};
+use crate::state::channel::Channel;
+use crate::state::modal::group;
+
+pub(crate) const DIAMETERS: [CodeId; 3] = [codes::COMP_DIAM_LEFT, codes::COMP_DIAM_RIGHT, codes::COMP_3D_VECTOR];
+
+impl Channel<'_> {
+    /// The part of the shift that is the tool.
+    pub(crate) fn tool_shift(&self) -> Position {
+        let place = &self.state.place;
+        let mut shift = [0.0; MAX_AXES];
+        let mut add = |values: Position, sign: f64| {
+            for (slot, value) in shift.iter_mut().zip(values) {
+                *slot += sign * value;
+            }
+        };
+        if place.tool_offset != BASE {
+            add(self.worn_length(place.tool_offset), 1.0);
+        }
+        if place.length_sign != 0.0 && place.length_number != BASE {
+            add(self.directed(self.worn_length(place.length_number)), place.length_sign);
+        }
+        if place.offsets.is_some() && (place.length_sign != 0.0 || place.tool_offset != BASE) {
+            let sign = if place.length_sign < 0.0 { -1.0 } else { 1.0 };
+            add(self.directed(self.offset_values(Table::Length, BASE)), sign);
+        }
+        shift
+    }
+
+    /// Presets, the work offset and the tool together.
+    pub(crate) fn wanted_shift(&self) -> Position {
+        let place = &self.state.place;
+        let mut shift = place.preset;
+        let mut add = |values: Position, more: Position| {
+            for ((slot, value), more) in shift.iter_mut().zip(values).zip(more) {
+                *slot += value + more;
+            }
+        };
+        add(self.offset_values(Table::Work, place.work_offset), self.tool_shift());
+        if place.work_offset != BASE && place.offsets.is_some() {
+            add(self.offset_values(Table::Work, BASE), [0.0; MAX_AXES]);
+        }
+        shift
+    }
+
+    /// Length compensation along one direction: what the offset has along Z goes there.
+    pub(crate) fn directed(&self, values: Position) -> Position {
+        let direction = self.state.place.compensation.direction;
+        if direction == 0 {
+            return values;
+        }
+        let axis = |role: usize| self.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+        let amount = axis(2).and_then(|z| values.get(z)).copied().unwrap_or(0.0);
+        let mut turned = [0.0; crate::log::event::MAX_AXES];
+        let role = usize::from((direction - 1) % 3);
+        if let Some(slot) = axis(role).and_then(|axis| turned.get_mut(axis)) {
+            *slot = if direction > 3 { -amount } else { amount } / self.state.place.scale_of(role);
+        }
+        turned
+    }
+
+    /// The tool word carries the offset number.
+    pub(crate) fn is_turning(&self) -> bool {
+        self.env.machine.tool.offset_digits > 0
+    }
+
+    /// Number of the diameter offset in force.
+    pub(crate) fn diameter_in_force(&self) -> Option<u32> {
+        let active = self.state.modal.code(group::DIAMETER).filter(|code| DIAMETERS.contains(code));
+        active.map(|_| {
+            if self.is_turning() { self.state.place.tool_offset } else { self.state.place.compensation.diameter }
+        })
+    }
+}

@@ -1,0 +1,138 @@
+//! Modal codes and data of a channel.
+//!
+//! Invariant: a group has one active code at most.
+
+use crate::log::event::FeedUnit;
+use crate::machine::Machine;
+use crate::machine::ident::{CodeId, DataId, codes, data};
+
+/// Modal groups the kernel itself asks for (reference control-emulator.md 3.2).
+pub(crate) mod group {
+    pub(crate) const MOTION: u16 = 1;
+    pub(crate) const PLANE: u16 = 2;
+    pub(crate) const POSITION: u16 = 3;
+    pub(crate) const FEED: u16 = 5;
+    pub(crate) const UNITS: u16 = 6;
+    pub(crate) const DIAMETER: u16 = 7;
+    pub(crate) const CYCLE: u16 = 9;
+    pub(crate) const RETRACT: u16 = 10;
+    pub(crate) const EXACT_STOP: u16 = 15;
+    pub(crate) const COOLANT: u16 = 54;
+    pub(crate) const COOLANT_SIDE: u16 = 540;
+    pub(crate) const SPINDLES: u16 = 67;
+    pub(crate) const HEAD: u16 = 68;
+    pub(crate) const ACROSS: u16 = 109;
+}
+
+/// Modal codes and data.
+#[derive(Debug)]
+pub(crate) struct Modal {
+    /// Active code row of each group, `None` = `CODE_NONE`.
+    groups: Vec<Option<(CodeId, u16)>>,
+    /// Remembered values by data identifier.
+    data: Vec<Option<f64>>,
+    /// Groups whose active code fires again on blocks without a code of the group; `true` = on every block.
+    pub(crate) refires: Vec<(u16, bool)>,
+}
+
+impl Modal {
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let data_ids = data::TABLE.len() + machine.custom_data.len();
+        Self { groups: vec![None; 1000], data: vec![None; data_ids], refires: Vec::new() }
+    }
+
+    /// Active code of a group.
+    pub(crate) fn code(&self, group: u16) -> Option<CodeId> {
+        self.groups.get(usize::from(group)).copied().flatten().map(|(id, _)| id)
+    }
+
+    /// Active row of a group.
+    pub(crate) fn row(&self, group: u16) -> Option<u16> {
+        self.groups.get(usize::from(group)).copied().flatten().map(|(_, row)| row)
+    }
+
+    /// Makes a code the active one of its group (group 0 has none).
+    pub(crate) fn activate(&mut self, group: u16, id: CodeId, row: u16) {
+        if group != 0
+            && let Some(slot) = self.groups.get_mut(usize::from(group))
+        {
+            *slot = Some((id, row));
+            if !self.refires.is_empty() {
+                self.refires.retain(|&(g, _)| g != group);
+            }
+        }
+    }
+
+    /// Makes a code active that fires again on every block.
+    pub(crate) fn activate_persistent(&mut self, group: u16, id: CodeId, row: u16) {
+        self.activate(group, id, row);
+        if group != 0 {
+            self.refires.push((group, true));
+        }
+    }
+
+    /// The active code of the group fires once on the next block without a code of the group.
+    pub(crate) fn refire_once(&mut self, group: u16) {
+        if self.code(group).is_some() && !self.refires.iter().any(|&(g, _)| g == group) {
+            self.refires.push((group, false));
+        }
+    }
+
+    /// Active codes of all groups.
+    pub(crate) fn saved(&self) -> Vec<(u16, CodeId, u16)> {
+        let groups = self.groups.iter().zip(0_u16..);
+        groups.filter_map(|(active, group)| active.map(|(id, row)| (group, id, row))).collect()
+    }
+
+    /// Puts active codes back; groups that had none have none again.
+    pub(crate) fn restore(&mut self, saved: &[(u16, CodeId, u16)]) {
+        self.groups.fill(None);
+        for &(group, id, row) in saved {
+            if let Some(slot) = self.groups.get_mut(usize::from(group)) {
+                *slot = Some((id, row));
+            }
+        }
+        let groups = &self.groups;
+        self.refires.retain(|&(group, _)| groups.get(usize::from(group)).is_some_and(Option::is_some));
+    }
+
+    /// Remembered value.
+    pub(crate) fn value(&self, id: DataId) -> Option<f64> {
+        self.data.get(usize::from(id.0)).copied().flatten()
+    }
+
+    /// Remembers a value.
+    pub(crate) fn remember(&mut self, id: DataId, value: f64) {
+        if let Some(slot) = self.data.get_mut(usize::from(id.0)) {
+            *slot = Some(value);
+        }
+    }
+}
+
+/// Plane of arcs: names for listings and the roles of its axes (first, second), and the identifiers of their
+/// centre words.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) first: usize,
+    pub(crate) second: usize,
+    pub(crate) centers: [DataId; 2],
+}
+
+/// Plane of a plane code.
+pub(crate) fn plane(code: CodeId) -> Option<Plane> {
+    match code {
+        codes::PLANE_XY => Some(Plane { first: 0, second: 1, centers: [data::ARC_CENTER_X, data::ARC_CENTER_Y] }),
+        codes::PLANE_ZX => Some(Plane { first: 2, second: 0, centers: [data::ARC_CENTER_Z, data::ARC_CENTER_X] }),
+        codes::PLANE_YZ => Some(Plane { first: 1, second: 2, centers: [data::ARC_CENTER_Y, data::ARC_CENTER_Z] }),
+        _ => None,
+    }
+}
+
+/// Identifier and unit of the feed under a feed mode.
+pub(crate) fn feed_of(mode: Option<CodeId>) -> (DataId, FeedUnit) {
+    match mode {
+        Some(codes::FEED_UPR) => (data::FEED_UPR, FeedUnit::PerRevolution),
+        Some(codes::FEED_1T) => (data::FEED_1T, FeedUnit::InverseTime),
+        _ => (data::FEED_UPM, FeedUnit::PerMinute),
+    }
+}

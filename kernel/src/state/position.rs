@@ -1,0 +1,163 @@
+//! Axes of a channel, where they are, and what lies between the program and them.
+
+use crate::diag;
+use crate::log::event::{MAX_AXES, Position};
+use crate::machine::ident::DataId;
+use crate::machine::model::{AxisRole, Machine, Turn};
+
+/// An axis of the channel as the motion actions use it.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    /// Index in the machine's axis list.
+    pub(crate) machine: usize,
+    /// Identifier of its words.
+    pub(crate) data: DataId,
+    pub(crate) role: AxisRole,
+    pub(crate) rotary: bool,
+    /// Factor from programmed value to geometry: 0.5 on a diameter axis.
+    pub(crate) scale: f64,
+    /// Rapid rate per second, geometry units.
+    pub(crate) rapid: f64,
+    /// Acceleration, geometry units.
+    pub(crate) acceleration: Option<f64>,
+    pub(crate) home: f64,
+    pub(crate) references: [Option<f64>; 3],
+    pub(crate) limits: Option<(f64, f64)>,
+}
+
+/// What the axes of a channel do not allow.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// One of them has limits of travel.
+    pub(crate) limited: bool,
+    /// An end beyond them stops the channel before the move.
+    pub(crate) stop: bool,
+    /// Registers of axes that other channels have, where their words are alarms, bit by register.
+    pub(crate) foreign: u128,
+}
+
+/// Where the channel stands and how it moves.
+#[derive(Debug)]
+pub(crate) struct Place {
+    /// Axes in channel order.
+    pub(crate) axes: Vec<Axis>,
+    /// One of them turns.
+    pub(crate) rotary: bool,
+    /// What the axes do not allow.
+    pub(crate) bounds: Bounds,
+    /// Axes whose absolute words are angles, not positions, bit by axis.
+    pub(crate) angles: u8,
+    /// Programmed position in the work frame.
+    pub(crate) position: Position,
+    /// Machine frame = work frame + shift.
+    pub(crate) shift: Position,
+    /// Part of the shift from presets and manual settings, without work and tool offsets.
+    pub(crate) preset: Position,
+    /// Active work offset number, 0 = none.
+    pub(crate) work_offset: u32,
+    /// Active tool offset number, 0 = none.
+    pub(crate) tool_offset: u32,
+    /// Active length compensation: +1, −1 or 0.
+    pub(crate) length_sign: f64,
+    /// Its number.
+    pub(crate) length_number: u32,
+    /// Intermediate point of the last home move, for the return.
+    pub(crate) home_via: Option<Position>,
+    /// Channel axis of the X, Y and Z roles.
+    pub(crate) cartesian: [Option<u8>; 3],
+    /// Current tool.
+    pub(crate) tool: u32,
+    /// Preselected tool.
+    pub(crate) selected: u32,
+    /// It has been told that the machine has no tool offsets.
+    pub(crate) told_offsets: bool,
+    /// A tool has been preselected, be it none (T0).
+    pub(crate) chosen: bool,
+    /// Clamped axes, bit by axis.
+    pub(crate) clamped: u8,
+    /// What lies between the program and the work frame; none while nothing of it is active.
+    pub(crate) frames: Option<Box<super::frames::Frames>>,
+    /// Offsets that macros have set; none while those of the machine hold.
+    pub(crate) offsets: Option<Box<super::frames::offsets::Offsets>>,
+    /// Numbers, sets and directions of compensations.
+    pub(crate) compensation: super::compensation::Compensation,
+}
+
+impl Place {
+    /// A channel at home, work offset 1 active if the machine has it.
+    pub(crate) fn new(machine: &Machine, channel: &crate::machine::model::Channel) -> Self {
+        let axes: Vec<Axis> = channel
+            .axes
+            .iter()
+            .take(MAX_AXES)
+            .filter_map(|&index| {
+                machine.axes.get(index).map(|a| {
+                    let scale = if a.diameter { 0.5 } else { 1.0 };
+                    Axis {
+                        machine: index,
+                        data: a.data,
+                        role: a.role,
+                        rotary: a.role.is_rotary(),
+                        scale,
+                        rapid: a.rapid / 60.0,
+                        acceleration: a.acceleration,
+                        home: a.home,
+                        references: a.references,
+                        limits: a.limits,
+                    }
+                })
+            })
+            .collect();
+        let find = |role: AxisRole| axes.iter().position(|a| a.role == role).map(|i| i as u8);
+        let cartesian = [find(AxisRole::X), find(AxisRole::Y), find(AxisRole::Z)];
+        Self {
+            position: machine.home(channel),
+            rotary: axes.iter().any(|axis| axis.rotary),
+            bounds: Bounds {
+                limited: axes.iter().any(|axis| axis.limits.is_some()),
+                stop: machine.stops_at(&diag::OVER_TRAVEL),
+                foreign: foreign(machine, &axes),
+            },
+            angles: angles(machine, &axes),
+            axes,
+            shift: [0.0; MAX_AXES],
+            preset: [0.0; MAX_AXES],
+            work_offset: 1,
+            tool_offset: 0,
+            length_sign: 0.0,
+            length_number: 0,
+            home_via: None,
+            cartesian,
+            tool: 0,
+            selected: 0,
+            told_offsets: false,
+            chosen: false,
+            clamped: 0,
+            frames: None,
+            offsets: None,
+            compensation: super::compensation::Compensation::of(machine),
+        }
+    }
+}
+
+/// Registers that only move axes which the channel does not have; none where such words are no alarms.
+fn foreign(machine: &Machine, axes: &[Axis]) -> u128 {
+    if !machine.stops_at(&diag::AXIS_NOT_IN_CHANNEL) {
+        return 0;
+    }
+    let registers = machine.tables.data_of_register.iter().enumerate().take(127);
+    let foreign = registers.filter(|(_, rows)| {
+        let mut ids = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))).map(|row| row.id);
+        let names = ["REG_AXIS_", "REG_LCS_TRANS_", "REG_LCS_ROT_CENTER_", "REG_LCS_SCALE_CENTER_", "REG_C2P_INTERP_"];
+        let only = ids.clone().all(|id| names.iter().any(|name| machine.data_name(id).starts_with(name)));
+        let moves = ids.clone().any(|id| machine.data_name(id).starts_with("REG_AXIS_"));
+        only && moves && !ids.any(|id| axes.iter().any(|axis| axis.data == id))
+    });
+    foreign.fold(0, |bits, (register, _)| bits | 1 << register)
+}
+
+/// Axes of a channel whose absolute words are angles, bit by axis.
+fn angles(machine: &Machine, axes: &[Axis]) -> u8 {
+    let is = |axis: &Axis| machine.axes.get(axis.machine).is_some_and(|axis| axis.turn != Turn::Position);
+    axes.iter().enumerate().filter(|(_, axis)| is(axis)).fold(0, |bits, (at, _)| bits | 1 << at)
+}

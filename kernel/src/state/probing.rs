@@ -1,0 +1,23 @@
+//! What is known about probing moves. Facts: reference system-variables.md 12.
+
+use crate::log::event::{MAX_AXES, Position};
+
+/// What is known about probing moves.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Probing {
+    /// `$SKIPERR`: 0 none, 1 touched, 2 missed.
+    pub(crate) result: f64,
+    /// Where the last one ended, in the work frame.
+    pub(crate) end: Position,
+    /// Block of the last one.
+    pub(crate) block: u64,
+}
+
+const _: () = assert!(MAX_AXES == 8, "the variables of the end count eight axes");
+
+impl Probing {
+    /// A probing move belongs to this block.
+    pub(crate) fn acts(&self, block: u64) -> bool {
+        self.block == block && self.result != 0.0
+    }
+}
