@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+pub use counterpoint_event::Outcome;
 use counterpoint_lang::compile;
 
 use crate::control::{Control, Stop};
 use crate::files::Files;
+use crate::log::builder::ResultsBuilder;
 use crate::log::event::Event;
-use crate::log::fold::Folds;
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
@@ -62,8 +63,8 @@ pub type WrittenFiles = Vec<(String, Arc<str>)>;
 /// Receives what a job logs.
 pub trait Sink: Send {
     /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
-    /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
-    fn folds(&mut self) -> Option<&mut Folds> {
+    /// makes those of its own channel on its own thread, nothing is merged, and [`events`](Self::events) is never called.
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
         None
     }
 
@@ -75,17 +76,6 @@ pub trait Sink: Send {
     /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
     /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;
-}
-
-/// How the run ended, apart from what the log says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Outcome {
-    /// Events in the log.
-    pub events: u64,
-    /// It was cancelled.
-    pub cancelled: bool,
-    /// The sink refused events.
-    pub sink_failed: bool,
 }
 
 /// Bytes of a text that are searched between two looks at whether the job is to end.

@@ -12,12 +12,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::log::meetings::{Arrival, Meeting, Waits};
+pub use crate::log::sync_points::{Arrival, SyncPoint, Waits};
 pub use crate::log::tools::Tool;
 
 use crate::log::event::{FileId, Origin, VerdictKind};
 use crate::log::info::{self, BLOCK_TEXT, Info};
-use crate::log::told::{Told, What};
+use crate::log::reported::{Reported, What};
 use tally::Tally;
 
 /// Diagnostics that a summary lists; the log holds them all.
@@ -64,7 +64,7 @@ pub struct Summary {
     pub log_digest: String,
     /// Channels, ascending.
     pub channels: Vec<Channel>,
-    /// Meetings in order of their number, then waits that never came true.
+    /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
     /// Why channels can never go on.
     pub verdict: Option<Verdict>,
@@ -93,7 +93,7 @@ pub struct Channel {
     pub rapid_ns: i64,
     /// Dwell, tool changes, run-up, functions, ns.
     pub misc_ns: i64,
-    /// Standing at meeting points, ns.
+    /// Waiting at sync points, ns.
     pub wait_ns: i64,
     /// Its tools, in the order of the tooling tables; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -158,7 +158,7 @@ pub struct Diagnostic {
     pub t_ns: i64,
 }
 
-/// What people were told in the course of a log.
+/// The diagnostics and verdicts of a log.
 #[derive(Debug)]
 pub(crate) struct Findings {
     info: Arc<Info>,
@@ -193,9 +193,9 @@ impl Findings {
     }
 
     /// The next one in the order of the log.
-    pub(crate) fn take(&mut self, told: &Told) {
-        match &told.what {
-            What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
+    pub(crate) fn take(&mut self, reported: &Reported) {
+        match &reported.what {
+            What::Diagnostic(diagnostic) => self.diagnostic(reported, diagnostic),
             What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
             What::Verdict(_) => {}
         }
@@ -228,24 +228,24 @@ impl Findings {
         }
     }
 
-    fn diagnostic(&mut self, told: &Told, diagnostic: &crate::log::event::Diagnostic) {
+    fn diagnostic(&mut self, reported: &Reported, diagnostic: &crate::log::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }
-        let (file, block) = self.place(told.file, told.line);
+        let (file, block) = self.place(reported.file, reported.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
             severity: diagnostic.severity,
-            channel: told.channel,
+            channel: reported.channel,
             file,
-            line: told.line,
+            line: reported.line,
             block,
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
             kernel: diagnostic.kernel.to_string(),
             origin: diagnostic.origin.clone(),
-            t_ns: told.t_ns,
+            t_ns: reported.t_ns,
         });
     }
 

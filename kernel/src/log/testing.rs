@@ -5,9 +5,9 @@ use std::sync::{Arc, OnceLock};
 use crate::control::Control;
 use crate::files::Memory;
 use crate::job::{Job, Outcome, Program, Sink, Spec};
+use crate::log::builder::{Results, ResultsBuilder};
 use crate::log::event::{Diagnostic, FeedUnit};
 use crate::log::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
-use crate::log::fold::{Folds, Results};
 use crate::log::info::{Axis, Channel, File, Info, Unit};
 use crate::options::Options;
 use counterpoint_event::Text;
@@ -132,7 +132,7 @@ pub(crate) fn outcome(events: usize) -> Outcome {
 
 /// Results of a log.
 pub(crate) fn results(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Results {
-    let mut folds = Folds::new(info);
-    events.iter().for_each(|event| folds.event(event));
-    folds.finish(outcome)
+    let mut builder = ResultsBuilder::new(info);
+    events.iter().for_each(|event| builder.event(event));
+    builder.finish(outcome)
 }

@@ -5,8 +5,8 @@
 use std::io;
 
 use counterpoint_kernel::job::{Sink, WrittenFiles};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::fold::Folds;
 
 use super::live::Live;
 
@@ -14,7 +14,7 @@ use super::live::Live;
 pub(crate) struct JobSink<'a> {
     live: &'a Live,
     logged: bool,
-    pub(crate) folds: Folds,
+    pub(crate) builder: ResultsBuilder,
     pub(crate) files: WrittenFiles,
     /// The files have more bytes than the job may keep.
     pub(crate) dropped: bool,
@@ -23,14 +23,14 @@ pub(crate) struct JobSink<'a> {
 
 impl<'a> JobSink<'a> {
     /// `logged`: the live job has a log.
-    pub(crate) fn new(live: &'a Live, logged: bool, folds: Folds) -> Self {
-        Self { live, logged, folds, files: WrittenFiles::new(), dropped: false, error: None }
+    pub(crate) fn new(live: &'a Live, logged: bool, builder: ResultsBuilder) -> Self {
+        Self { live, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }
 
 impl Sink for JobSink<'_> {
-    fn folds(&mut self) -> Option<&mut Folds> {
-        (!self.logged).then_some(&mut self.folds)
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        (!self.logged).then_some(&mut self.builder)
     }
 
     fn files(&mut self, files: WrittenFiles) {
@@ -46,7 +46,7 @@ impl Sink for JobSink<'_> {
             self.error = Some(error);
             return false;
         }
-        batch.iter().for_each(|event| self.folds.event(event));
+        batch.iter().for_each(|event| self.builder.event(event));
         true
     }
 }

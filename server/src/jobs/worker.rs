@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::job::Outcome;
-use counterpoint_kernel::log::fold::Folds;
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
 use prost::Message as _;
@@ -208,9 +208,9 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
-    let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
+    let mut sink = JobSink::new(live, core.options.log, ResultsBuilder::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, files: written, dropped, error, .. } = sink;
+    let JobSink { builder, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();
     if let Some(error) = error {
         return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
@@ -221,7 +221,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         return Ok(Ran::Over(queued_again()));
     }
     let limit = limit.unwrap_or_default();
-    let finished = Finished::new(folds.finish(&outcome), written, &limit);
+    let finished = Finished::new(builder.finish(&outcome), written, &limit);
     Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
 }
 

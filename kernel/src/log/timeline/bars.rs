@@ -9,7 +9,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::log::event::Work;
-use crate::log::meetings::Stay;
+use crate::log::sync_points::Stay;
 
 /// Bars a channel has at most.
 pub const MOST: usize = 20_000;

@@ -1,13 +1,13 @@
-//! What people are told, and what the master says in the stream of a channel: the few events that results need in the
-//! order of the whole log.
+//! Diagnostics and verdicts: the few events that results need in the order of the whole log, also those of the master in
+//! the stream of a channel.
 //!
-//! Invariant: kept whole; everything else is read off each channel alone ([`super::lane`]).
+//! *Invariant:* kept whole; everything else is read off each channel alone ([`super::channel_results`]).
 
 use crate::log::event::{Diagnostic, Event, FileId, Kind, Verdict};
 
 /// One such event.
 #[derive(Debug)]
-pub(crate) struct Told {
+pub(crate) struct Reported {
     pub(crate) t_ns: i64,
     pub(crate) micro: u32,
     pub(crate) channel: u16,
@@ -23,8 +23,8 @@ pub(crate) enum What {
     Verdict(Box<Verdict>),
 }
 
-impl Told {
-    /// `None` for events that only their channel is concerned with.
+impl Reported {
+    /// `None` for all other events.
     pub(crate) fn of(event: &Event) -> Option<Self> {
         let what = match &event.kind {
             Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),

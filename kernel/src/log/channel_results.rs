@@ -1,23 +1,23 @@
 //! What is read off the events of one channel alone: its fingerprint, times, bars and path.
 //!
-//! Invariant: a lane needs nothing of other channels, so kernels may feed their lanes each on its own thread.
+//! *Invariant:* they need nothing of other channels, so each kernel may make its own on its own thread.
 
 use std::sync::Arc;
 
 use crate::log::digest::Digest;
 use crate::log::event::{Event, FileId, Kind, MotionKind, Phase, Work};
 use crate::log::info::{self, Info};
-use crate::log::meetings::Stay;
+use crate::log::reported::Reported;
 use crate::log::spans::Spans;
 use crate::log::summary::tally::Tally;
+use crate::log::sync_points::Stay;
 use crate::log::timeline::bars::Bars;
-use crate::log::told::Told;
 use crate::log::toolpath::Track;
 use crate::log::tools::Tools;
 
 /// One channel of the results in the making.
 #[derive(Debug)]
-pub(crate) struct Lane {
+pub(crate) struct ChannelResults {
     pub(crate) number: u16,
     info: Arc<Info>,
     pub(super) digest: Digest,
@@ -28,8 +28,8 @@ pub(crate) struct Lane {
     pub(super) wait: Option<Stay>,
     /// Stays that have ended.
     pub(super) stays: Vec<Stay>,
-    /// What was told while the lane was fed on its own.
-    pub(super) told: Vec<Told>,
+    /// Diagnostics and verdicts that came while they were made on their own.
+    pub(super) reported: Vec<Reported>,
     /// Start of the latest event.
     pub(super) last_ns: i64,
     /// Its tools.
@@ -40,7 +40,7 @@ pub(crate) struct Lane {
     pub(super) program: Option<FileId>,
 }
 
-impl Lane {
+impl ChannelResults {
     pub(super) fn new(info: &Arc<Info>, channel: &info::Channel) -> Self {
         Self {
             number: channel.number,
@@ -51,7 +51,7 @@ impl Lane {
             track: Track::new(info, channel),
             wait: None,
             stays: Vec::new(),
-            told: Vec::new(),
+            reported: Vec::new(),
             last_ns: 0,
             tools: Tools::default(),
             spans: Spans::default(),
@@ -64,12 +64,12 @@ impl Lane {
         self.tally.ended()
     }
 
-    /// The next events of the channel's own stream; those of the master that came up in it are put aside.
-    pub(crate) fn feed(&mut self, events: &[Event]) {
+    /// The next events of the channel's own stream; those of the master in it are put aside.
+    pub(crate) fn take(&mut self, events: &[Event]) {
         for event in events {
             match event.kind {
                 Kind::Block(_) | Kind::Motion(_) => {}
-                _ => self.told.extend(Told::of(event)),
+                _ => self.reported.extend(Reported::of(event)),
             }
             if event.channel == self.number {
                 self.event(event);
