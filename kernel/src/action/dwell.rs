@@ -41,7 +41,7 @@ impl Kernel<'_> {
 
     /// The word that supplies a value is in a smaller unit and has a decimal point.
     fn is_pointed(&self, id: DataId) -> bool {
-        let sources = self.plan.sources.get(usize::from(id.0)).into_iter().flatten();
+        let sources = self.plan.data.sources.get(usize::from(id.0)).into_iter().flatten();
         let found = sources.filter_map(|source| Some((source.mul, self.channel.block.look(source.register)?))).next();
         let Some((mul, word)) = found.filter(|(mul, _)| mul.abs() < 1.0) else { return false };
         let text = self.current_text().get(word.start as usize..word.end as usize).unwrap_or_default();

@@ -149,7 +149,7 @@ fn center(kernel: &mut Kernel<'_>, ids: [DataId; 3], part: Part, change: Change)
     };
     let mut missing = [0.0; 3];
     for ((slot, id), stands) in missing.iter_mut().zip(ids).zip(stands) {
-        if kernel.plan.sources.get(usize::from(id.0)).is_some_and(|sources| !sources.is_empty()) {
+        if kernel.plan.data.sources.get(usize::from(id.0)).is_some_and(|sources| !sources.is_empty()) {
             *slot = stands;
         }
     }

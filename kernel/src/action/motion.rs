@@ -69,7 +69,7 @@ impl Kernel<'_> {
             self.diagnose(&diag::FEED_NOT_POSITIVE, text);
             return None;
         }
-        let mut sources = self.plan.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
+        let mut sources = self.plan.data.sources.get(usize::from(data::RAPID_FEED.0)).into_iter().flatten();
         if sources.any(|source| source.modal) {
             self.channel.state.modal.remember(data::RAPID_FEED, datum.value);
         }
@@ -306,8 +306,8 @@ impl Kernel<'_> {
     pub(super) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         self.check_travel_before(motion)?;
-        if self.macros.is_some() {
-            return self.motion_event(seconds, motion);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.motion)(self, seconds, motion);
         }
         self.move_to(seconds, motion)
     }
@@ -343,15 +343,8 @@ impl Kernel<'_> {
     /// The motion itself.
     #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.before = self.channel.state.place.position;
-            let rapid = usize::from(motion.kind == MotionKind::Rapid);
-            if let Some(time) = runtime.store.times.get_mut(rapid) {
-                *time += seconds;
-            }
-            runtime.store.moving += crate::state::channel::nanoseconds(seconds);
-            self.sum_motion(rapid == 1, seconds, motion.length);
-            self.note_travel(motion);
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.moved)(self, seconds, motion);
         }
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);

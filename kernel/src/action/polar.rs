@@ -164,7 +164,7 @@ impl Kernel<'_> {
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
         let (id, scale) = self.channel.state.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
-        let registers = |id: DataId| self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        let registers = |id: DataId| self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.
             return None;

@@ -4,7 +4,7 @@
 //! acts first.
 
 use crate::channel::Kernel;
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::diag;
 use crate::machine::ident::data;

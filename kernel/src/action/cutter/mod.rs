@@ -377,9 +377,7 @@ impl Kernel<'_> {
 
     /// A macro is about to change offsets: the move that waits is made before.
     pub(crate) fn settle_for_macro(&mut self) {
-        if let Err(halt) = self.settle()
-            && self.macros.is_some()
-        {
+        if let Err(halt) = self.settle() {
             self.keep_halt(halt);
         }
     }

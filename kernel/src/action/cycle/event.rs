@@ -8,8 +8,8 @@ use counterpoint_lang::value::Value;
 use super::Hole;
 use crate::channel::Kernel;
 use crate::machine::macros::model::Hook;
-use crate::macros::host::code_value;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
+use crate::macros::values::code_value;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.

@@ -17,7 +17,7 @@ use crate::log::event::{Kind as EventKind, Position};
 use crate::machine::ident::codes;
 use crate::machine::ident::kind::cycle::Kind;
 use crate::machine::model::{CodeRow, Heights, MachineKind};
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 use crate::state::block::Firing;
 use crate::state::burden::BLOCK;
 use crate::state::cycle::FURTHER_WEBS;
@@ -119,7 +119,7 @@ pub(super) fn rigid(kernel: &mut Kernel<'_>, on: bool) -> Acted {
 /// gives, belongs to the cycle.
 #[cold]
 pub(super) fn meets_motion(kernel: &mut Kernel<'_>) -> Acted {
-    let inside = kernel.macros.as_deref().is_some_and(|runtime| !runtime.calls.is_empty());
+    let inside = !kernel.macros.calls.running.is_empty();
     if inside || kernel.channel.state.cycle.block == kernel.channel.at.blocks {
         return Ok(());
     }
@@ -142,7 +142,7 @@ fn not_cancelled(kernel: &mut Kernel<'_>) {
 
 /// Words of a position or a height are free on the block.
 fn has_position(kernel: &Kernel<'_>) -> bool {
-    kernel.channel.has_any(kernel.plan.motion_registers) || !kernel.channel.block.added.is_empty()
+    kernel.channel.has_any(kernel.plan.registers.motion) || !kernel.channel.block.added.is_empty()
 }
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
@@ -258,7 +258,7 @@ impl Kernel<'_> {
 
     /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
     fn inside_cycle_macro(&self) -> bool {
-        let calls = self.macros.as_deref().map_or(&[][..], |runtime| runtime.calls.as_slice());
+        let calls = self.macros.calls.running.as_slice();
         calls.iter().any(|call| match &call.task {
             Task::Code(_, id) => Kind::of(*id).is_some() || *id == codes::CYCLE_ON,
             Task::Cycle(_) => true,

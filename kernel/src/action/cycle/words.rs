@@ -145,7 +145,7 @@ fn position(kernel: &mut Kernel<'_>) -> Words {
     let mode = kernel.channel.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
     for (index, axis) in kernel.channel.state.place.axes.iter().enumerate() {
-        let sources = kernel.plan.sources.get(usize::from(axis.data.0)).into_iter().flatten();
+        let sources = kernel.plan.data.sources.get(usize::from(axis.data.0)).into_iter().flatten();
         let word = sources.filter_map(|source| kernel.channel.block.look(source.register)).next();
         let added = || kernel.channel.block.added.iter().any(|(id, _)| *id == axis.data);
         if word.is_some_and(|word| word.incremental || mode) || mode && added() {
