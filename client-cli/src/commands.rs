@@ -74,7 +74,7 @@ async fn watch_once(
 ) -> Result<v1::JobStatus, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     let level = v1::WatchLevel::Diagnostics.into();
-    let request = v1::WatchJobRequest { job_id: arguments.job.clone(), after_seq: *cursor, level };
+    let request = v1::WatchJobRequest { job_id: arguments.job.clone(), after_seq: *cursor, level, heartbeat_ms: 0 };
     let mut stream = client.jobs().watch_job(request).await?.into_inner();
     while let Some(message) = stream.message().await? {
         *failures = 0;

@@ -160,7 +160,7 @@ async fn submit_pack(
 /// Follows a job to its end; the first interrupt cancels it, the second leaves.
 async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> Result<v1::JobStatus, Error> {
     let level = v1::WatchLevel::Progress.into();
-    let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level };
+    let request = v1::WatchJobRequest { job_id: job.to_owned(), after_seq: 0, level, heartbeat_ms: 0 };
     let mut stream = client.jobs().watch_job(request).await?.into_inner();
     let progress = RefCell::new(Progress::new(quiet));
     let asking = Cell::new(false);

@@ -34,30 +34,6 @@ use crate::machine::macros::model::Hook;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
-use crate::multi::shared::Shared;
-use crate::state::burden::weight;
-
-impl Shared {
-    /// A global variable that all kernels share.
-    fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
-        if self.globals.len() <= index {
-            self.globals.resize(index + 1, Value::Unset);
-        }
-        if let Some(value) = self.globals.get_mut(index) {
-            access(value);
-        }
-    }
-
-    /// Counts a change of what all kernels share; true if it has become too much.
-    pub(crate) fn grown(&mut self, bytes: usize, limit: u64) -> bool {
-        let Self { hoard, globals, named, files, .. } = self;
-        let bytes_of_files = files.bytes() as u64;
-        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
-            let names: usize = named.keys().map(|name| name.len() + 60).sum();
-            weight(globals.iter().chain(named.values())) + names as u64
-        })
-    }
-}
 
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
@@ -150,7 +126,7 @@ impl Variables for Kernel<'_> {
 
 impl Blocks for Kernel<'_> {
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_command(state, command)
     }
 }
@@ -179,7 +155,7 @@ impl Dialog for Kernel<'_> {
         if self.hook(Hook::Diagnostic).is_none() {
             return self.issue(what, message, origin);
         }
-        // Whatever stops the run here is met again by the next thing the macro asks for.
+        // A halt raised here surfaces at the macro's next call of the host.
         let _ = self.meanwhile(state, |kernel| {
             kernel.issue(what, message, origin);
             Ok(())
@@ -197,7 +173,7 @@ impl Dialog for Kernel<'_> {
 
 impl Host for Kernel<'_> {
     fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
-        self.going_on(state)?;
+        self.check_running(state)?;
         self.macro_function(state, function, arguments)
     }
 
@@ -208,11 +184,11 @@ impl Host for Kernel<'_> {
 
 impl Kernel<'_> {
     /// Refuses everything once the kernel has to leave its program.
-    fn going_on(&mut self, state: &mut State) -> Outcome<()> {
+    fn check_running(&mut self, state: &mut State) -> Outcome<()> {
         if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
     }
 
-    /// Says that something is not possible in this kind of macro.
+    /// Refuses what is not available in this kind of macro.
     fn not_here<T>(what: &str) -> Outcome<T> {
         Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
     }

@@ -161,7 +161,7 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
         let seams = local::open(&options, disk, &metrics)?;
-        let core = Core::new(options, Box::new(runner), seams, metrics);
+        let core = Core::new(options, Box::new(runner), seams, metrics)?;
         core.recover()?;
         Ok::<_, Refusal>(core)
     });

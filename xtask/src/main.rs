@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use xtask::tidy;
+use xtask::{deny, tidy};
 
 const HELP: &str = "\
 Usage: cargo xtask TASK
@@ -12,6 +12,7 @@ Usage: cargo xtask TASK
   spec    Run the specification pages and scenarios only; spec FILTER those whose name contains it
   bench   Run the benchmarks of the kernel
   tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
+  deny    Check licences, banned crates and sources of everything that is built (deny.toml)
   doc     Build the documentation of the code, with warnings as errors
 ";
 
@@ -51,8 +52,9 @@ fn spec(filter: &[&str]) -> bool {
     pages.iter().filter(|pages| !run(pages)).count() == 0
 }
 
-fn tidied(update: bool) -> bool {
-    match tidy::check(&root(), update) {
+/// Prints what a check found; whether it found nothing.
+fn is_clean(findings: Result<Vec<String>, String>) -> bool {
+    match findings {
         Ok(findings) => {
             findings.iter().for_each(|finding| complain(finding));
             findings.is_empty()
@@ -72,8 +74,9 @@ fn main() -> ExitCode {
         ["spec"] => spec(&[]),
         ["spec", filter] => spec(&[filter]),
         ["bench"] => cargo(&["bench", "--package", "counterpoint-kernel"]),
-        ["tidy"] => tidied(false),
-        ["tidy", "--update"] => tidied(true),
+        ["tidy"] => is_clean(tidy::check(&root(), false)),
+        ["tidy", "--update"] => is_clean(tidy::check(&root(), true)),
+        ["deny"] => is_clean(deny::check(&root())),
         ["doc"] => run("cargo", &["doc", "--workspace", "--no-deps"], Some(("RUSTDOCFLAGS", "-D warnings"))),
         _ => {
             complain(HELP);

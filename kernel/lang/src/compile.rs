@@ -95,7 +95,7 @@ fn load(
     for statement in macros.iter().flat_map(|one| &one.statements) {
         if let StatementKind::Include(name) = &statement.kind {
             if register::restricted(options) && depth == 0 {
-                let message = "under strong declaration INCLUD stands in the declaration macro";
+                let message = "under strong declaration INCLUD is allowed in the declaration macro only";
                 added.diagnostics.push(Diagnostic::new(source, statement.span, Number::UNDECLARED, message));
             }
             include(program, environment, source, (name, statement.span), options, added, depth);

@@ -42,7 +42,7 @@ pub enum Way {
     Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
     /// By the host.
     Host(HostFn),
-    /// Part of another product; the text tells which.
+    /// Part of another product, which the text names.
     Missing(&'static str),
 }
 
@@ -93,7 +93,7 @@ impl Function {
     }
 }
 
-/// Tells whether a value of this type may stand for a letter of a signature.
+/// Whether a value of this type fits a letter of a signature.
 #[must_use]
 pub fn fits(letter: u8, kind: Kind) -> bool {
     match letter {

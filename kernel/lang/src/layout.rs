@@ -27,7 +27,7 @@ pub fn format(text: &str, style: Style) -> Result<String, Vec<Diagnostic>> {
     let (mut out, mut depth) = (String::new(), 0usize);
     for line in &lines {
         let (before, after) = shifts(line);
-        // A comment that gets a line of its own stands where it will stand when it is formatted again.
+        // A comment on a line of its own gets the place that the next formatting keeps.
         let outer = "  ".repeat(depth.min(20));
         depth = depth.saturating_sub(before);
         let indent = "  ".repeat(depth.min(20));

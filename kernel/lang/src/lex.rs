@@ -138,7 +138,7 @@ fn span(start: u32, text: &str) -> Span {
     Span { start, end: start + u32::try_from(text.len()).unwrap_or(0) }
 }
 
-/// Appends the characters that count; tells whether the line goes on in the next one.
+/// Appends the characters that count; says whether the line continues in the next one.
 fn squeeze(
     source: &Source,
     start: u32,
@@ -148,7 +148,7 @@ fn squeeze(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> bool {
     if text.len() > MAX_LINE && text.chars().count() > MAX_LINE {
-        let message = format!("this line is longer than {MAX_LINE} characters; go on in the next line after a `$`");
+        let message = format!("this line is longer than {MAX_LINE} characters; continue in the next line after a `$`");
         diagnostics.push(Diagnostic::new(source, Span { start, end: start + 1 }, Number::LINE_TOO_LONG, message));
     }
     let mut quoted: Option<u32> = None;

@@ -1,6 +1,6 @@
 //! From tokens to the tree.
 //!
-//! Invariant: parsing never fails; it gives a tree and diagnostics, goes on at the next line after an error, and takes
+//! Invariant: parsing never fails; it gives a tree and diagnostics, continues at the next line after an error, and takes
 //! linear time. Facts: reference macro-language.md 1 to 3; the grammar is in docs/macro-language/grammar.md.
 
 mod expression;
@@ -17,7 +17,7 @@ use std::collections::HashSet;
 /// Most diagnostics of one file.
 pub const MAX_DIAGNOSTICS: usize = 200;
 
-/// Marks that a diagnostic was made and the line is given up.
+/// Marks that a diagnostic was made and the line is abandoned.
 pub(crate) struct GivenUp;
 
 type Parsed<T> = Result<T, GivenUp>;
@@ -67,7 +67,7 @@ pub fn parse(source: &Source) -> (Vec<Macro>, Vec<Diagnostic>) {
     (macros, diagnostics)
 }
 
-/// Reads one expression, as embedded macro code has it; none if the text is no expression.
+/// Reads one expression, as embedded macro code has it; none if the text is not an expression.
 #[must_use]
 pub fn expression(source: &Source) -> Option<crate::ast::Expr> {
     let (lines, diagnostics) = lex::lex(source);

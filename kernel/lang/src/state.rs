@@ -169,7 +169,7 @@ impl State {
         Err(Fault::new(Number::SIZE, format!("there are more than {} elements", self.limits.elements)))
     }
 
-    /// Notes a warning of a function that goes on with `$NULL`; it is reported with the place of the
+    /// Notes a warning of a function that continues with `$NULL`; it is reported with the place of the
     /// call, as a warning at most.
     pub fn warn(&mut self, fault: Fault) {
         self.notes.push(fault);

@@ -52,7 +52,7 @@ pub enum Error {
     },
 }
 
-/// Arc by centre. The end point may lie off the circle; [`Arc::end_error`] tells how far.
+/// Arc by centre. The end point may lie off the circle; [`Arc::end_error`] gives the distance.
 ///
 /// # Errors
 /// [`Error::ZeroRadius`].
@@ -107,7 +107,7 @@ pub fn by_radius(start: [f64; 2], end: [f64; 2], radius: f64, clockwise: bool, t
     by_center(start, end, center, clockwise)
 }
 
-/// Arc from start to end that goes through `angle` degrees, less than a full turn: the angle tells the radius.
+/// Arc from start to end that goes through `angle` degrees, less than a full turn: the angle determines the radius.
 ///
 /// # Errors
 /// [`Error::Angle`] for an angle of no turn or of one and more, [`Error::SamePoint`].

@@ -71,7 +71,7 @@ impl Circle {
         })
     }
 
-    /// The same arc by the place of its middle over the chord, as [`Circle::bulge`] tells it.
+    /// The same arc by the place of its middle over the chord, as [`Circle::bulge`] gives it.
     ///
     /// # Errors
     /// As [`Circle::through`].

@@ -70,7 +70,7 @@ impl Speed {
         sum * length / feed
     }
 
-    /// Minutes for an arc at `feed` per revolution. `radial` tells which plane coordinate is the radius (0 or 1).
+    /// Minutes for an arc at `feed` per revolution. `radial`: the plane coordinate that is the radius (0 or 1).
     #[must_use]
     pub fn arc_minutes(&self, arc: &Arc, radial: usize, feed: f64) -> f64 {
         let offset = arc.center.get(radial).copied().unwrap_or(0.0);

@@ -45,7 +45,7 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
         };
         super::cutter::switched(kernel, code)?;
         kernel.emit(0, mode);
-        kernel.tell_tool();
+        kernel.report_tool();
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ pub(super) fn load(kernel: &mut Kernel<'_>) -> Acted {
             super::cutter::switched(kernel, code)?;
         }
     }
-    kernel.tell_tool();
+    kernel.report_tool();
     Ok(())
 }
 

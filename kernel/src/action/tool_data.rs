@@ -8,9 +8,9 @@
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
-use crate::host::tools::column;
 use crate::log::event::{Kind, ToolData};
 use crate::machine::ident::codes;
+use crate::macros::store::column;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
 
@@ -22,7 +22,7 @@ const LONGEST_NAME: usize = 80;
 
 impl Kernel<'_> {
     /// The tool in use has been loaded, or another offset is in force.
-    pub(crate) fn tell_tool(&mut self) {
+    pub(crate) fn report_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
         if self.channel.state.place.tool != 0 && !(nothing && self.plan.hooks.is_none()) {
@@ -32,7 +32,7 @@ impl Kernel<'_> {
 
     /// Macros have written into the tool table.
     #[cold]
-    pub(crate) fn tell_tools(&mut self) {
+    pub(crate) fn report_tools(&mut self) {
         for at in 0.. {
             let Some(tool) = self.macros.tools.loaded.get(at).copied() else { break };
             self.tell(self.tool_data(tool));
@@ -40,9 +40,9 @@ impl Kernel<'_> {
     }
 
     /// The program is over: the order of its tools, if `$TLSORT` asks for one.
-    pub(crate) fn tell_order(&mut self) {
+    pub(crate) fn report_order(&mut self) {
         if std::mem::take(&mut self.macros.tools.changed) {
-            self.tell_tools();
+            self.report_tools();
         }
         let column = self.tool_sort().abs();
         if column == 0 {

@@ -6,28 +6,25 @@
 
 mod burden;
 pub(crate) mod carried;
+pub(crate) mod custom_macro;
 pub(crate) mod data;
 mod diagnostics;
 pub(crate) mod emit;
 pub(crate) mod flow;
 pub(crate) mod hook_points;
-mod interpreted;
+mod host;
 mod letter_zero;
 pub(crate) mod life;
-mod macro_call;
-pub(crate) mod macros;
-pub(crate) mod modal_call;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
-mod print;
 mod refusals;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
+mod statement;
 mod unknown;
 pub(crate) mod variables;
-pub(crate) mod word_calls;
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
@@ -76,7 +73,7 @@ impl<'a> Kernel<'a> {
             ports,
             plan,
             flow: Flow::default(),
-            dialect: DialectState { interpreter: crate::dialect::interpreter(machine), ..DialectState::default() },
+            dialect: DialectState::new(machine),
             macros: Box::default(),
         }
     }

@@ -98,7 +98,7 @@ impl Kernel<'_> {
     }
 
     /// Says that there were alarms, where the log would not show an error. Nothing changes this diagnostic.
-    pub(crate) fn tell_softened(&mut self, halt: Halt) {
+    pub(crate) fn report_softened(&mut self, halt: Halt) {
         let Alarms { errors, softened, .. } = self.channel.reports.alarms;
         if errors > 0 || softened == 0 && halt != Halt::Alarm {
             return;

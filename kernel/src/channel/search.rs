@@ -193,8 +193,8 @@ impl Kernel<'_> {
     /// The file of this subprogram alone, and the file of all of them.
     fn subprogram_files(&self, what: &Callee) -> (String, String) {
         let (folder, stem) = self.main_program();
-        let extension = match self.macros.variables.store.get(store::names().extension) {
-            Value::Text(set) => set.trim().trim_start_matches('.'),
+        let extension = match self.plan.hooks.map(|_| self.macros.variables.store.get(store::names().extension)) {
+            Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
             _ => self.channel.env.machine.subprograms.extension.as_str(),
         };
         let id = match what {

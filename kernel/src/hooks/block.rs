@@ -1,4 +1,4 @@
-//! A block on a kernel with macros: embedded code, pre-processor and block macros around what every kernel does.
+//! Hooks around the text of a block: embedded code, macros of the pre-processor and of the block.
 //!
 //! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
 //! asks for it; it is split into words again only when somebody has changed it.
@@ -21,10 +21,10 @@ use crate::trace::{self, Stage};
 impl Kernel<'_> {
     /// A text becomes the block: a line of the file, or what EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
-        let machine = self.channel.env.machine;
+        let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
         let runtime = &mut *self.macros;
         if text.is_some() && runtime.reading.unmarked.is_none() {
-            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine, syntax)));
         }
         runtime.block.begin(text);
         runtime.variables.store.number = 0;
@@ -56,7 +56,7 @@ impl Kernel<'_> {
         self.macros.block.text.clone()
     }
 
-    /// Pre-Processor Shutdown behind a statement that left no words; the text that the macro gives is the block.
+    /// Pre-Processor Shutdown after a statement that made no words; the text that the macro returns becomes the block.
     pub(crate) fn consumed_block(&mut self) -> Acted {
         let made = std::mem::take(&mut self.macros.block.made);
         if made || self.hook(Hook::PreprocessorShutdown).is_none() {
@@ -96,7 +96,7 @@ impl Kernel<'_> {
     }
 
     /// Pre-Processor Shutdown for a text that the pre-processor left.
-    pub(crate) fn text_block(&mut self, text: &str) -> Acted {
+    pub(crate) fn text_left(&mut self, text: &str) -> Acted {
         self.macros.block.made = true;
         self.macros.block.text = Some(Arc::new(text.to_owned()));
         self.block_macro(Hook::PreprocessorShutdown)?;
@@ -165,11 +165,10 @@ impl Kernel<'_> {
         let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
-        let machine = self.channel.env.machine;
-        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, &levels)));
+        let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
+        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, syntax, &levels)));
         // Lines compiled before have the parts that were skipped then.
-        self.flow.compiled.clear();
-        self.flow.pairs.clear();
+        self.forget_lines();
     }
 
     /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
@@ -299,7 +298,7 @@ impl Kernel<'_> {
 /// What a block macro decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Verdict {
-    /// The block goes on as it is.
+    /// The block continues as it is.
     Go,
     /// Its text has changed.
     Edited,

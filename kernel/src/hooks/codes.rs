@@ -1,4 +1,4 @@
-//! The code loop on a kernel with macros: code macros before built-in actions, data macros on every value taken.
+//! Hooks around the codes of a block: code macros before built-in actions, data macros on every value taken.
 //!
 //! Facts: reference control-emulator.md 2.3, 4.2. Invariants: a macro that runs is no candidate; a code counts as fired
 //! (and modal) before its macro runs; codes that macros add act on this block, by their order.
@@ -107,7 +107,7 @@ impl Kernel<'_> {
     }
 
     /// The first code macro for a code that is on, not running, and whose condition holds.
-    pub(crate) fn matching_macro(&self, id: CodeId) -> Option<u16> {
+    pub(crate) fn matching_code_macro(&self, id: CodeId) -> Option<u16> {
         let macros = self.channel.env.machine.macros.as_deref()?;
         let list = macros.of_code(id);
         let runtime = &*self.macros;
@@ -145,7 +145,7 @@ impl Kernel<'_> {
     }
 
     fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
-        let Some(code) = self.matching_macro(id) else {
+        let Some(code) = self.matching_code_macro(id) else {
             let machine = self.channel.env.machine;
             let row = machine.codes.get(usize::from(firing.row));
             return row.map_or(Ok(()), |row| self.perform(row, firing));
@@ -162,7 +162,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
+    /// OUTPUT of a code macro: passes the code in `$P1` to its next macro, or to its action.
     pub(crate) fn output_code(&mut self, firing: Firing, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
@@ -296,7 +296,7 @@ impl Kernel<'_> {
         (may && holds()).then_some(named.code)
     }
 
-    /// A data macro returns numbers; anything else is told and put back.
+    /// A data macro returns numbers; anything else is reported and replaced by the value before.
     fn check_result(&mut self, before: &[Value; 5], after: &mut [Value; 5]) {
         for (at, (old, new)) in before.iter().zip(after.iter_mut()).enumerate() {
             if at == 2 || matches!(new, Value::Real(number) if number.is_finite()) {

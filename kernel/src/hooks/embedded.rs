@@ -1,4 +1,4 @@
-//! Embedded macro code: what stands between `#{` or `!{` and `}` is run and replaced by its value.
+//! Embedded macro code: code between `#{` or `!{` and `}` runs and its value takes its place.
 //!
 //! Facts: reference control-emulator.md 2.2, 5.3. Invariant: a piece of code is compiled once; code in a skipped
 //! portion of a block is not run.
@@ -53,7 +53,7 @@ impl Kernel<'_> {
         seen
     }
 
-    /// The block may hold embedded code of this kind: 0 before, 1 behind the pre-processor.
+    /// The block may hold embedded code of this kind: 0 before, 1 after the pre-processor.
     pub(crate) fn has_embedded(&self, kind: usize) -> bool {
         let runtime = &*self.macros;
         let open = runtime.variables.store.embedding.get(kind).map_or("", String::as_str);

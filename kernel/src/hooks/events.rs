@@ -1,4 +1,4 @@
-//! Event macros of motions and tools: the event takes place where its macro says OUTPUT.
+//! Event macros of motions and tools: the event takes place where its macro executes OUTPUT.
 //!
 //! Facts: reference control-emulator.md 4.3. Decision: the end of a straight move and rapid or linear may be changed;
 //! circles and threads stay as they are.
@@ -8,11 +8,11 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::host::tools::column;
 use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use crate::log::geometry::Loop;
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
+use crate::macros::store::column;
 use crate::macros::store::names;
 
 /// Rows of the tool table with the dummy tool (reference system-variables.md 13).
@@ -199,7 +199,7 @@ impl Kernel<'_> {
         Ok(())
     }
 
-    /// Gives a loaded tool its row of the tool table, with the name that waits for it.
+    /// Assigns a row of the tool table to a loaded tool, with the name set for it.
     fn tool_row(&mut self, tool: u32) {
         let clock = self.channel.at.clock;
         let runtime = &mut *self.macros;

@@ -43,7 +43,7 @@ impl Kernel<'_> {
         self.block(&[])
     }
 
-    /// Tells the listing what such a block is: no line of a file has it.
+    /// Writes such a block to the listing: it is not a line of a file.
     fn name_block(&mut self, block: &Later) {
         let text = match block {
             Later::Text(text, _) => text.to_string(),
@@ -137,7 +137,7 @@ impl Kernel<'_> {
         self.codes(Origin::Items)
     }
 
-    /// Says that EXEC or OUTPUT named a code without a row.
+    /// Reports that EXEC or OUTPUT named a code without a row.
     pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
         let name = self.channel.env.machine.code_name(id).to_owned();
         self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));

@@ -71,7 +71,7 @@ impl Kernel<'_> {
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
         self.keep_remark(id, &text);
         let outer = self.set_code(Some(id));
-        let done = match self.matching_macro(id) {
+        let done = match self.matching_code_macro(id) {
             Some(code) => {
                 let mut arguments = [code_value(Some(id)), Value::Text(Arc::clone(&text))];
                 self.run_macro(code, Task::Remark(id, text), &mut arguments).map(|_| ())

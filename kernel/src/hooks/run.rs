@@ -1,4 +1,4 @@
-//! Macros of a kernel as they run: how one begins and ends, and what the kernel does meanwhile.
+//! Macros of a kernel as they run: how one starts and ends, and how the kernel works while it runs.
 //!
 //! Invariant: the state of the machine of the language lies with the kernel while no macro runs, and goes to the one that
 //! does; macros nest as deep as the stack of their thread holds.
@@ -30,7 +30,7 @@ fn command_line(info: &Info) -> String {
 }
 
 impl Kernel<'_> {
-    /// Gives the kernel the macros of its machine.
+    /// Sets up the macros of the kernel's machine.
     pub(crate) fn with_macros(mut self, program: Option<&Arc<Program>>) -> Self {
         let none = Macros::default();
         // A machine without macros has a program all the same if its programs have embedded code.
@@ -93,7 +93,7 @@ impl Kernel<'_> {
         Ok(value)
     }
 
-    /// A macro begins; whether macros matched before.
+    /// Notes that a macro starts; returns whether macros matched before.
     fn begin_macro(&mut self, code: u16, task: Task) -> bool {
         self.macros.calls.begin(code, task);
         std::mem::replace(&mut self.macros.hooks.matching, true)
@@ -132,7 +132,7 @@ impl Kernel<'_> {
         let halt = if inside { None } else { runtime.calls.halt.take() };
         if runtime.tools.changed && !inside {
             runtime.tools.changed = false;
-            self.tell_tools();
+            self.report_tools();
         }
         halt.map_or(Ok(outputs), Err)
     }

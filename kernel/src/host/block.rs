@@ -61,7 +61,7 @@ impl Kernel<'_> {
         !self.channel.env.machine.tables.data(id).is_empty()
     }
 
-    /// Puts a code where its order says among those that have not acted yet.
+    /// Inserts a code by its order among those that have not acted yet.
     pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
         let Some(row) = self.row_of_code(id) else { return false };
         let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };

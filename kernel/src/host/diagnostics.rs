@@ -68,8 +68,8 @@ impl Kernel<'_> {
         })
     }
 
-    /// The statement that raised a diagnostic. What ends a macro because of an error tells nothing that the error has
-    /// not told.
+    /// The statement that raised a diagnostic. What ends a macro because of an error adds nothing to what the
+    /// error has reported.
     pub(crate) fn origin_of(&self, diagnostic: &language::Diagnostic) -> Option<Box<Origin>> {
         if diagnostic.number == Number::TERMAC_GENERATED {
             return None;

@@ -177,7 +177,7 @@ impl Kernel<'_> {
         wanted.map(|(.., at)| *at)
     }
 
-    /// Takes over changed kinematics; the machine stands still. `false` if tool tip control could not go on.
+    /// Takes over changed kinematics; nothing moves. `false` if tool tip control could not continue.
     fn change_kinematics(&mut self, change: impl FnOnce(&mut crate::state::frames::tip::Settings)) -> bool {
         let before = self.channel.state.others.tip.clone();
         change(&mut self.channel.state.others.tip);

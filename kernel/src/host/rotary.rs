@@ -25,7 +25,7 @@ pub(crate) fn is(value: Option<&Value>, word: &str) -> bool {
     matches!(value, Some(Value::Keyword(code)) if minor_code(word) == Some(*code))
 }
 
-/// Refuses what can be neither an axis nor what is told of one.
+/// Refuses what can be neither an axis nor a setting of one.
 pub(crate) fn only_axes(arguments: &[Value]) -> Outcome<&[Value]> {
     let fits = |value: &&Value| matches!(value, Value::Real(_) | Value::Keyword(_) | Value::Record(_));
     match arguments.iter().find(|value| !fits(value)) {

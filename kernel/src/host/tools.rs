@@ -11,17 +11,7 @@ use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
 use crate::machine::model::ToolFacts;
-use crate::macros::store::names;
-
-/// Columns of the tool table that the control knows.
-pub(crate) mod column {
-    pub(crate) const NUMBER: i64 = 1;
-    pub(crate) const OFFSET: i64 = 5;
-    pub(crate) const LENGTH: i64 = 6;
-    pub(crate) const ID: i64 = 9;
-    pub(crate) const DIAMETER: i64 = 11;
-    pub(crate) const NAME: i64 = 20;
-}
+use crate::macros::store::{column, names};
 
 /// What the machine knows about a loaded tool, by column.
 fn known(tool: u32, facts: Option<&ToolFacts>) -> [(i64, Option<Value>); 6] {
@@ -75,6 +65,9 @@ impl Kernel<'_> {
 
     /// `$TLSORT` as a column: 0 for none, negative for the listing only.
     pub(crate) fn tool_sort(&self) -> i64 {
+        if self.plan.hooks.is_none() {
+            return 0;
+        }
         let value = self.macros.variables.store.get(names().tool_sort).as_real();
         value.map_or(0, |column| column as i64)
     }

@@ -76,7 +76,7 @@ impl Kernel<'_> {
         text
     }
 
-    /// The macro that goes on, innermost first; none if there is none.
+    /// The macro that continues, innermost first; none if no macro is running.
     fn running_name(&self) -> Option<&str> {
         let call = self.macros.calls.running.last()?;
         Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))

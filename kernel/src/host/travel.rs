@@ -35,7 +35,7 @@ pub(crate) enum End {
     High,
 }
 
-/// Place of a column and of a row that a macro gave.
+/// Place of a column and of a row by the numbers of a macro.
 fn place(at: &[i64]) -> Option<(usize, usize)> {
     let index = |at: Option<&i64>| usize::try_from(*at?).ok()?.checked_sub(1);
     Some((index(at.first())?, index(at.get(1))?))
@@ -54,7 +54,7 @@ impl Kernel<'_> {
         columns
     }
 
-    /// A second table about Z stands for the first one where there is none.
+    /// A second table about Z takes the place of the first one where that is missing.
     fn second_table(&self, id: DataId) -> Option<usize> {
         self.channel.axis_of_data(data::AXIS_CT2).filter(|_| id == data::AXIS_CT)
     }

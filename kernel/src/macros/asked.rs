@@ -8,6 +8,6 @@ use rustc_hash::FxHashMap;
 pub(crate) struct Asked {
     /// How often each dialog was shown, by name.
     pub(crate) dialogs: FxHashMap<String, usize>,
-    /// Functions of which it has been told that there is nothing here for them.
+    /// Functions that have been reported as not available.
     pub(crate) without: Vec<HostFn>,
 }

@@ -12,10 +12,10 @@ use counterpoint_lang::fault::Fault;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Limits, State};
 
-use crate::action::cycle::Hole;
 use crate::log::event::{Motion, ToolAction};
 use crate::machine::ident::CodeId;
 use crate::state::block::Firing;
+use crate::state::cycle::Hole;
 
 /// Steps that one call of a macro may take, with everything it calls.
 pub(crate) const TICKS: u64 = 5_000_000;
@@ -138,13 +138,13 @@ impl Calls {
         self.running.last_mut()
     }
 
-    /// A macro begins.
+    /// Notes that a macro starts.
     pub(crate) fn begin(&mut self, code: u16, task: Task) {
         self.running.push(Call { code, task, matching: true, outputs: 0, functions: Vec::new() });
         self.set_busy(code, true);
     }
 
-    /// A macro has ended; OUTPUT commands in it.
+    /// Notes that a macro has ended; returns how often it executed OUTPUT.
     pub(crate) fn end(&mut self, code: u16) -> u32 {
         self.set_busy(code, false);
         self.running.pop().map_or(0, |call| call.outputs)
@@ -177,7 +177,7 @@ impl Calls {
         self.state = Some(spare);
     }
 
-    /// Gives the running macro its state again.
+    /// Returns the state to the running macro.
     pub(crate) fn return_state(&mut self, state: &mut State) {
         if let Some(mut spare) = self.state.take() {
             std::mem::swap(&mut *spare, state);

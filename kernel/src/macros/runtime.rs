@@ -18,7 +18,7 @@ use crate::machine::macros::model::{Hook, Macros};
 /// Macros of one kernel.
 #[derive(Debug, Default)]
 pub(crate) struct Runtime {
-    /// The machine's program, or a longer copy with the embedded code met so far.
+    /// The machine's program, or a longer copy with the embedded code compiled so far.
     pub(crate) program: Arc<Program>,
     pub(crate) hooks: Hooks,
     pub(crate) calls: Calls,

@@ -13,6 +13,16 @@ use crate::machine::macros::system;
 /// Elements of indexed variables that a kernel keeps.
 const MOST_ELEMENTS: usize = 200_000;
 
+/// Columns of the tool table that the control knows.
+pub(crate) mod column {
+    pub(crate) const NUMBER: i64 = 1;
+    pub(crate) const OFFSET: i64 = 5;
+    pub(crate) const LENGTH: i64 = 6;
+    pub(crate) const ID: i64 = 9;
+    pub(crate) const DIAMETER: i64 = 11;
+    pub(crate) const NAME: i64 = 20;
+}
+
 /// Indices of variables that the kernel itself sets.
 pub(crate) struct Names {
     pub(crate) mcdrd: u32,
@@ -146,7 +156,7 @@ impl Store {
         self.elements.insert((index, first, second), value);
     }
 
-    /// Sets an element that a macro gave, as long as there is room.
+    /// Sets an element for a macro, unless there are too many.
     pub(crate) fn keep_element(&mut self, index: u32, (first, second): (i64, i64), value: Value) -> Outcome<()> {
         if self.elements.len() >= MOST_ELEMENTS {
             return Err(Fault::new(Number::SIZE, "there are too many elements of system variables"));

@@ -58,7 +58,7 @@ impl<'a> Shop<'a> {
         }
         let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
         if let Err(halt) = done {
-            kernel.tell_softened(halt);
+            kernel.report_softened(halt);
         }
         let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
         let mut programs = Vec::new();
@@ -160,7 +160,7 @@ impl<'a> Shop<'a> {
         kernel.macros = runtime;
         let done = kernel.plain_macro(Hook::MachineShutdown);
         if let Err(halt) = done {
-            kernel.tell_softened(halt);
+            kernel.report_softened(halt);
         }
         kernel.close_files(Halt::End(None));
         let restart = kernel.macros.course.restart.take();

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
 //! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that
-//! another channel runs, where the text ends as at the end of the file. Invariant: text that nothing owns is told once
+//! another channel runs, where the text ends as at the end of the file. Invariant: text that no program owns is reported once
 //! for each file and channel.
 
 use crate::channel::Kernel;
@@ -13,7 +13,7 @@ use crate::mcd::program::{Callers, Range};
 use crate::mcd::source::Source;
 
 impl Kernel<'_> {
-    /// The text of the program goes on with the definition behind it, if that is so here.
+    /// Continues with the definition after the text of the program, where the control does so.
     pub(crate) fn runs_into_definition(&mut self) -> bool {
         if self.channel.env.machine.subprograms.placement != Placement::SameFile {
             return false;
@@ -35,8 +35,6 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.range.last = next.last;
         }
-        // Partners of loops were looked for in the shorter text.
-        self.flow.pairs.remove(&(file, range.first));
         if self.first_time(file, next.first) {
             let text =
                 format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);
@@ -45,21 +43,21 @@ impl Kernel<'_> {
         true
     }
 
-    /// Says what stands before the rewind-stop that a main program begins with.
-    pub(crate) fn tell_leader(&mut self, file: FileId, range: Range) {
+    /// Reports text before the rewind-stop that starts a main program.
+    pub(crate) fn report_leader(&mut self, file: FileId, range: Range) {
         let format = &self.channel.env.machine.format;
         let sources = self.channel.env.sources;
-        // Where a rewind-stop is expected, everything before it is passed over by rule (reference 5.1).
+        // Where a rewind-stop is expected, everything before it is ignored by rule (reference 5.1).
         let Some(source) = sources.get(file).filter(|_| format.rws_at != RewindStop::Start) else {
             return;
         };
         if range.first > 1 && !format.rws.is_empty() && source.line(range.first).trim_ascii() == format.rws.as_bytes() {
-            self.tell_unowned(file, source, (1, range.first - 1));
+            self.report_unowned(file, source, (1, range.first - 1));
         }
     }
 
-    /// Says what stands before the definitions of a file when one of them is called and nothing runs that text.
-    pub(crate) fn tell_heading(&mut self, file: FileId, called: Range) {
+    /// Reports text before the definitions of a file when one of them is called and nothing runs that text.
+    pub(crate) fn report_heading(&mut self, file: FileId, called: Range) {
         let info = self.channel.env.info;
         let Some(source) = self.channel.env.sources.get(file) else { return };
         let [heading, _, ..] = source.programs() else { return };
@@ -69,14 +67,15 @@ impl Kernel<'_> {
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
         let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
         // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
-        let is_main = channels.peek().is_some() && Callers::of(self.channel.env.machine).ends_in(source, *heading);
+        let is_main = channels.peek().is_some()
+            && Callers::of(self.channel.env.machine, source.syntax()).ends_in(source, *heading);
         let is_run = is_main || channels.any(|c| runs(c.lines));
         if !is_run && !runs((called.first, called.last)) {
-            self.tell_unowned(file, source, (heading.first, heading.last));
+            self.report_unowned(file, source, (heading.first, heading.last));
         }
     }
 
-    fn tell_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
+    fn report_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
         let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
         let Some(from) = lines.next() else { return };
         let to = lines.next_back().unwrap_or(from);
@@ -92,11 +91,11 @@ impl Kernel<'_> {
         (self.channel.at.file, self.channel.at.line) = place;
     }
 
-    /// This place has not been told of before.
+    /// Whether this place is reported for the first time.
     fn first_time(&mut self, file: FileId, line: u32) -> bool {
-        let new = !self.flow.told.contains(&(file, line));
+        let new = !self.flow.reported.contains(&(file, line));
         if new {
-            self.flow.told.push((file, line));
+            self.flow.reported.push((file, line));
         }
         new
     }

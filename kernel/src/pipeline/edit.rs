@@ -33,7 +33,7 @@ impl Reshaped<'_> {
 
 impl Kernel<'_> {
     /// The block of a line: its part up to the character that ends blocks, after the tape editor. Sets where reading
-    /// goes on.
+    /// continues.
     ///
     /// # Errors
     /// A rule of the tape editor makes the block too long, or the job is to end.
@@ -102,7 +102,7 @@ impl Kernel<'_> {
         (rest.get(..end).unwrap_or_default(), from == 0 && last)
     }
 
-    /// The blocks of a line that are not blank, each with the byte behind its end.
+    /// The blocks of a line that are not blank, each with the byte after its end.
     fn blocks_of<'l>(&self, line: &'l [u8]) -> Vec<(&'l [u8], usize)> {
         let (mut from, mut found) = (0, Vec::new());
         while let Some(rest) = line.get(from..).filter(|rest| !rest.is_empty()) {
@@ -116,7 +116,7 @@ impl Kernel<'_> {
         found
     }
 
-    /// Text of the block before or behind the current one, none at the ends of the program. A line may have several.
+    /// Text of the block before or after the current one, none at the ends of the program. A line may have several.
     pub(crate) fn neighbour(&self, behind: bool) -> Option<String> {
         let frame = self.flow.frames.last()?;
         let source = self.channel.env.sources.get(frame.file)?;
@@ -136,7 +136,7 @@ impl Kernel<'_> {
         own.map(|(block, _)| text(block)).or_else(|| (frame.range.first..self.channel.at.line).rev().find_map(last))
     }
 
-    /// Where the block being processed begins. Only a block with a text of its own can begin within its line.
+    /// Where the block being processed starts. Only a block with a text of its own can start within its line.
     pub(crate) fn spot(&self) -> Spot {
         Spot {
             line: self.channel.at.line,
@@ -144,7 +144,7 @@ impl Kernel<'_> {
         }
     }
 
-    /// Where the block after another one of the current program begins.
+    /// Where the block after another one of the current program starts.
     pub(crate) fn after(&self, spot: Spot) -> Spot {
         let file = self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file);
         let line = self.channel.env.sources.get(file).map_or(&[][..], |source| source.line(spot.line));

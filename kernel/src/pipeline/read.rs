@@ -91,7 +91,7 @@ impl Kernel<'_> {
         self.follow()
     }
 
-    /// Counts the block, tells others how far this kernel has come, and checks the limits.
+    /// Counts the block, publishes how far this kernel is, and checks the limits.
     #[inline(always)]
     pub(crate) fn begin_block(&mut self) -> Acted {
         use std::sync::atomic::Ordering::Relaxed;
@@ -128,7 +128,7 @@ impl Kernel<'_> {
         text.first() == rws.first() && is_alone(text, rws)
     }
 
-    /// A rewind-stop: opens the text, closes it, or is passed over with a warning.
+    /// A rewind-stop: opens the text, closes it, or is ignored with a warning.
     fn rewind_stop(&mut self, source: &Source, line: u32) -> Acted {
         if !self.flow.opened {
             self.flow.opened = true;
@@ -146,14 +146,14 @@ impl Kernel<'_> {
     /// The text of a program ends without an end or return code.
     fn text_ends(&mut self) -> Acted {
         if self.flow.frames.last().is_some_and(|frame| frame.closes) {
-            return self.give_back(None);
+            return self.return_from(None);
         }
         if self.runs_into_definition() {
             return Ok(());
         }
         let name = self.flow.frames.last().map_or_else(String::new, |f| f.name.to_string());
         self.diagnose(&diag::NO_PROGRAM_END, format!("the text of {name} ends without an end code"));
-        if self.flow.frames.len() > 1 { self.give_back(None) } else { Err(Halt::End(None)) }
+        if self.flow.frames.len() > 1 { self.return_from(None) } else { Err(Halt::End(None)) }
     }
 
     fn too_long(&mut self, length: usize) -> Halt {
@@ -169,8 +169,11 @@ impl Kernel<'_> {
         if self.channel.env.sources.is_known(file) {
             return Ok(());
         }
-        let (name, shape, stop) =
-            (entry.name.clone(), Arc::new(Shape::of(self.channel.env.machine)), self.ports.control.stop().clone());
+        let (name, shape, stop) = (
+            entry.name.clone(),
+            Arc::new(Shape::of(self.channel.env.machine, self.plan.scanner.syntax())),
+            self.ports.control.stop().clone(),
+        );
         let (source, failure) = match self.channel.env.files.read(&name) {
             Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
             Err(error) => (None, Some(error)),

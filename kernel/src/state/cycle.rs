@@ -159,3 +159,24 @@ impl Cycle {
         self.rigid = 0.0;
     }
 }
+
+/// One hole: where it is and between which heights, all in the work frame as programmed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hole {
+    /// Position; its value along the axis of the cycle does not count.
+    pub(crate) target: Position,
+    /// Axes that were coded, bit by axis.
+    pub(crate) coded: u8,
+    /// Axis of the cycle in channel order.
+    pub(crate) axis: usize,
+    /// Height where feeding begins.
+    pub(crate) clear: f64,
+    /// Height where the tool is left.
+    pub(crate) back: f64,
+    /// Depth; none if none has been programmed.
+    pub(crate) depth: Option<f64>,
+    /// Lower clearance of back boring.
+    pub(crate) bottom: Option<f64>,
+    /// Start and depth of the webs after the first one.
+    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
+}

@@ -49,6 +49,8 @@ pub(crate) struct Live {
     finished: OnceLock<Arc<Finished>>,
     /// Log of the running job; locked for the time of one append or write.
     writer: Mutex<Option<Writer>>,
+    /// The log will be written soon.
+    promised: AtomicBool,
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
     limits: Mutex<RunLimits>,
@@ -73,6 +75,7 @@ impl Live {
             finished: OnceLock::new(),
             writer: Mutex::new(None),
             limits: Mutex::default(),
+            promised: AtomicBool::new(false),
         }
     }
 
@@ -193,21 +196,23 @@ impl Live {
         lock(&self.writer).take()
     }
 
-    /// Appends to the log of the running job.
-    pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<()> {
+    /// Appends to the log of the running job. Gives whether somebody waits for events that are not written yet, and has
+    /// not been promised them.
+    pub(crate) fn append(&self, first_seq: u64, batch: &[Event]) -> io::Result<bool> {
         let mut writer = lock(&self.writer);
-        let Some(log) = writer.as_mut() else { return Ok(()) };
+        let Some(log) = writer.as_mut() else { return Ok(false) };
         log.append(first_seq, batch)?;
-        let bytes = log.bytes();
+        let (bytes, unwritten) = (log.bytes(), log.unwritten());
         drop(writer);
         self.check_bytes(bytes);
-        Ok(())
+        Ok(unwritten && self.tail.followed() && !self.promised.swap(true, Ordering::SeqCst))
     }
 
-    /// Makes events readable that the kernel has handed over a while ago. An error shows at the next append.
-    pub(crate) fn flush_old(&self) {
+    /// Makes all events readable that the kernel has handed over. An error shows at the next append.
+    pub(crate) fn flush(&self) {
+        self.promised.store(false, Ordering::SeqCst);
         if let Some(writer) = lock(&self.writer).as_mut() {
-            let _ = writer.flush_old();
+            let _ = writer.flush();
         }
     }
 

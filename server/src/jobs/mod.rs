@@ -6,6 +6,7 @@
 
 pub(crate) mod describe;
 mod files;
+mod flusher;
 mod housekeeping;
 pub(crate) mod live;
 mod observe;
@@ -41,6 +42,7 @@ use crate::queue::{Entry, Queue};
 use crate::reason::Refusal;
 use crate::runner::Runner;
 pub(crate) use files::Sandbox;
+use flusher::Flusher;
 use live::{Live, lock};
 use recent::Recent;
 use streams::Streams;
@@ -84,6 +86,7 @@ pub(crate) struct Core {
     pub(crate) drain: Drain,
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) streams: Arc<Streams>,
+    flusher: Flusher,
     live: DashMap<String, Arc<Live>>,
     queue: Mutex<Waiting>,
     recent: Mutex<Recent>,
@@ -100,11 +103,17 @@ impl std::fmt::Debug for Core {
 }
 
 impl Core {
-    pub(crate) fn new(options: Options, runner: Box<dyn Runner>, seams: Seams, metrics: Arc<Metrics>) -> Arc<Self> {
+    pub(crate) fn new(
+        options: Options,
+        runner: Box<dyn Runner>,
+        seams: Seams,
+        metrics: Arc<Metrics>,
+    ) -> Result<Arc<Self>, Refusal> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
         let limits = &options.connections;
         let uploads = Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection));
-        Arc::new(Self {
+        Ok(Arc::new(Self {
+            flusher: Flusher::start()?,
             ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
             host,
@@ -120,7 +129,7 @@ impl Core {
             uploads,
             running: watch::Sender::new(0),
             options,
-        })
+        }))
     }
 
     /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.

@@ -3,17 +3,21 @@
 //! Invariant: nothing here waits for a watcher. A job that keeps no log gives its results to the kernels to feed.
 
 use std::io;
+use std::sync::Arc;
 
 use counterpoint_kernel::job::{Sink, WrittenFiles};
 use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
 use prometheus_client::metrics::counter::Counter;
 
+use super::Core;
+use super::flusher::Flusher;
 use super::live::Live;
 
 /// What a run leaves behind.
 pub(crate) struct JobSink<'a> {
-    live: &'a Live,
+    live: &'a Arc<Live>,
+    flusher: &'a Flusher,
     events: &'a Counter,
     logged: bool,
     pub(crate) builder: ResultsBuilder,
@@ -24,9 +28,9 @@ pub(crate) struct JobSink<'a> {
 }
 
 impl<'a> JobSink<'a> {
-    /// `logged`: the live job has a log.
-    pub(crate) fn new(live: &'a Live, events: &'a Counter, logged: bool, builder: ResultsBuilder) -> Self {
-        Self { live, events, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
+    pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, builder: ResultsBuilder) -> Self {
+        let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.log);
+        Self { live, flusher, events, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }
 
@@ -44,9 +48,13 @@ impl Sink for JobSink<'_> {
     }
 
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool {
-        if let Err(error) = self.live.append(first_seq, batch) {
-            self.error = Some(error);
-            return false;
+        match self.live.append(first_seq, batch) {
+            Ok(true) => self.flusher.later(self.live),
+            Ok(false) => {}
+            Err(error) => {
+                self.error = Some(error);
+                return false;
+            }
         }
         self.events.inc_by(batch.len() as u64);
         batch.iter().for_each(|event| self.builder.event(event));

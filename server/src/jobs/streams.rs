@@ -19,7 +19,7 @@ pub(crate) struct Stream {
 impl Stream {
     /// Events of the log that have not been sent.
     fn lag(&self) -> u64 {
-        self.live.tail.follow().borrow().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
+        self.live.tail.position().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
     }
 }
 

@@ -194,7 +194,7 @@ enum Ran {
     Through(Box<Through>),
 }
 
-fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
+fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
     // A run that takes the server down has left its mark.
     core.host.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {
@@ -237,7 +237,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
-    let mut sink = JobSink::new(live, &core.metrics.jobs.events, core.options.log, ResultsBuilder::new(&info));
+    let mut sink = JobSink::new(live, core, ResultsBuilder::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
     let JobSink { builder, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();

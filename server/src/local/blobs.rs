@@ -186,11 +186,19 @@ impl Blobs for LocalBlobs {
         Ok(Box::new(Receiver {
             blobs: self.clone(),
             announced: digest.to_owned(),
+            bytes: size,
             content,
             hash: Sha256::new(),
             size: 0,
         }))
     }
+}
+
+fn wrong_size(announced: Option<u64>, got: u64) -> Refusal {
+    Refusal::field(
+        "size",
+        format!("{} bytes were announced, the content has another size ({got} so far)", announced.unwrap_or(0)),
+    )
 }
 
 fn gone(digest: &str) -> io::Error {
@@ -221,6 +229,8 @@ impl Read for Checked {
 struct Receiver {
     blobs: LocalBlobs,
     announced: String,
+    /// Bytes that were announced.
+    bytes: Option<u64>,
     content: Content,
     hash: Sha256,
     size: u64,
@@ -239,6 +249,9 @@ impl blobs::Receiver for Receiver {
 
     fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal> {
         self.size += data.len() as u64;
+        if self.bytes.is_some_and(|bytes| self.size > bytes) {
+            return Err(wrong_size(self.bytes, self.size));
+        }
         if self.size > self.blobs.max {
             return Err(Refusal::BlobTooLarge(self.blobs.max));
         }
@@ -251,6 +264,9 @@ impl blobs::Receiver for Receiver {
     }
 
     fn finish(self: Box<Self>) -> Result<u64, Refusal> {
+        if self.bytes.is_some_and(|bytes| self.size != bytes) {
+            return Err(wrong_size(self.bytes, self.size));
+        }
         let actual = hex(&self.hash.finalize());
         if actual != self.announced {
             return Err(Refusal::DigestMismatch { announced: self.announced, actual });
@@ -336,9 +352,15 @@ mod tests {
         let mut receiver = blobs.receive(&digest(b"x"), None).unwrap();
         receiver.chunk(b"y").unwrap();
         assert!(matches!(receiver.finish(), Err(Refusal::DigestMismatch { .. })));
-        let mut receiver = blobs.receive(&digest(b"12345"), Some(4)).unwrap();
+        let mut receiver = blobs.receive(&digest(b"12345"), None).unwrap();
         assert_eq!(receiver.chunk(b"12345"), Err(Refusal::BlobTooLarge(4)));
         drop(receiver);
+        let mut receiver = blobs.receive(&digest(b"123"), Some(2)).unwrap();
+        assert!(matches!(receiver.chunk(b"123"), Err(Refusal::InvalidField { .. })), "more than announced");
+        drop(receiver);
+        let mut receiver = blobs.receive(&digest(b"123"), Some(4)).unwrap();
+        receiver.chunk(b"123").unwrap();
+        assert!(matches!(receiver.finish(), Err(Refusal::InvalidField { .. })), "less than announced");
         assert!(matches!(blobs.receive(&digest(b"12345"), Some(5)), Err(Refusal::BlobTooLarge(4))));
         assert!(matches!(blobs.receive("../../x", None), Err(Refusal::InvalidField { .. })));
         assert_eq!(fs::read_dir(folder.path().join("tmp")).unwrap().count(), 0);

@@ -34,6 +34,16 @@ impl Tail {
         self.0.send_modify(|position| *position = Position { dropped: position.dropped + 1, ..Position::default() });
     }
 
+    /// Whether somebody follows.
+    pub(crate) fn followed(&self) -> bool {
+        self.0.receiver_count() > 0
+    }
+
+    /// The end now.
+    pub(crate) fn position(&self) -> Position {
+        *self.0.borrow()
+    }
+
     pub(crate) fn follow(&self) -> watch::Receiver<Position> {
         self.0.subscribe()
     }

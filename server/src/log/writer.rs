@@ -1,7 +1,7 @@
 //! Writes the log of a running job.
 //!
 //! Records are gathered and written together: after 256 KiB, with the first call later than 10 ms after the last
-//! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
+//! write, or a few ms after they came when somebody watches. Invariant: readers are told of bytes only after they are in the
 //! file.
 
 use std::fmt::Debug;
@@ -103,7 +103,7 @@ impl Writer {
     }
 
     /// Writes what has been gathered for long enough.
-    pub(crate) fn flush_old(&mut self) -> io::Result<()> {
+    fn flush_old(&mut self) -> io::Result<()> {
         if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
@@ -118,9 +118,15 @@ impl Writer {
         Ok(None)
     }
 
-    fn flush(&mut self) -> io::Result<()> {
+    /// Whether events have not been written yet.
+    pub(crate) fn unwritten(&self) -> bool {
+        self.open.is_some() || !self.buffer.is_empty()
+    }
+
+    /// Writes everything.
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
         self.close_record();
-        self.write()
+        if self.buffer.is_empty() { Ok(()) } else { self.write() }
     }
 
     fn open_record(&mut self, seq: u64) -> (usize, u64) {

@@ -51,6 +51,12 @@ impl Service for Jobs {
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
         let (tenant, request) = (Caller::of(&request)?.tenant().to_owned(), request.into_inner());
+        if !request.page_token.is_empty() && uuid::Uuid::try_parse(&request.page_token).is_err() {
+            return Err(Refusal::field("page_token", "is not a next_page_token of this call").into());
+        }
+        if let Some(at) = request.states.iter().position(|state| v1::JobState::try_from(*state).is_err()) {
+            return Err(Refusal::field(format!("states[{at}]"), "is not a state of a job").into());
+        }
         let size = if request.page_size == 0 { 50 } else { request.page_size.min(500) as usize };
         let core = self.0.clone();
         let answer = blocking(move || {

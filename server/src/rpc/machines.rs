@@ -47,12 +47,14 @@ impl Service for Machines {
         request: Request<v1::GetMachineRequest>,
     ) -> Result<Response<v1::GetMachineResponse>, Status> {
         let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let section = v1::MachineSection::try_from(request.section)
+            .map_err(|_| Refusal::field("section", format!("{} is not a section", request.section)))?;
         let answer = blocking(move || {
             let definition = submit::machine(&core, caller.tenant(), &request.name)?;
             let checked = core.machines.load(&definition)?;
             let machine = Some(summary(&definition, &checked));
             let text = match &checked.machine {
-                Some(machine) => shown(machine, request.section(), request.json),
+                Some(machine) => shown(machine, section, request.json),
                 None => return Err(invalid(&checked.findings)),
             };
             let file = |(path, digest)| v1::MachineFile { path, digest };

@@ -79,7 +79,7 @@ impl Service for Results {
 
     async fn get_timeline(&self, request: Request<v1::GetTimelineRequest>) -> Answer<v1::GetTimelineResponse> {
         let (caller, request) = (Caller::of(&request)?, request.into_inner());
-        let document = match request.format() {
+        let document = match format(request.format)? {
             v1::DrawingFormat::Json => Document::TimelineJson,
             _ => Document::TimelineSvg,
         };
@@ -90,7 +90,7 @@ impl Service for Results {
 
     async fn get_toolpath(&self, request: Request<v1::GetToolpathRequest>) -> Answer<v1::GetToolpathResponse> {
         let (caller, request) = (Caller::of(&request)?, request.into_inner());
-        let document = match request.format() {
+        let document = match format(request.format)? {
             v1::DrawingFormat::Json => Document::ToolpathJson,
             _ => Document::ToolpathSvg,
         };
@@ -128,6 +128,11 @@ impl Service for Results {
         let (_, text) = file.ok_or(Refusal::UnknownFile(path))?;
         Ok(stream(move |out| Ok(out.write_all(text.as_bytes())?)))
     }
+}
+
+/// A format that this server knows.
+fn format(number: i32) -> Result<v1::DrawingFormat, Refusal> {
+    v1::DrawingFormat::try_from(number).map_err(|_| Refusal::field("format", format!("{number} is not a format")))
 }
 
 /// What the macros of an ended job have written.

@@ -4,6 +4,7 @@
 //! stands still nothing else is held: what was read ahead is dropped and read again later. Invariant: a watcher never makes a kernel, a log or another watcher wait; it sees each event behind
 //! its cursor exactly once, in order, and the end of the job last.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -29,8 +30,10 @@ use crate::reason::Refusal;
 
 /// Progress at most this often.
 const PROGRESS_EVERY: Duration = Duration::from_millis(100);
-/// A sign of life on an idle stream.
-const HEARTBEAT: Duration = Duration::from_secs(5);
+/// A sign of life on an idle stream, unless the client asks for another interval.
+const HEARTBEAT_MS: u32 = 5_000;
+/// Intervals that it may ask for, ms.
+const HEARTBEATS_MS: RangeInclusive<u32> = 100..=60_000;
 /// Bytes read from the log at once.
 const PULL: usize = 256 * 1024;
 /// Time after which a client that takes nothing stands still.
@@ -46,6 +49,7 @@ pub(super) struct Watch {
     live: Arc<Live>,
     listed: Listed,
     level: v1::WatchLevel,
+    heartbeat: Duration,
     cursor: u64,
     reader: Option<Reader>,
     /// Where the log is to be read on after the client stood still.
@@ -76,7 +80,12 @@ impl From<Refusal> for Over {
 
 impl Watch {
     pub(super) fn new(core: Arc<Core>, request: v1::WatchJobRequest) -> Result<Self, Refusal> {
-        let level = request.level();
+        let level = v1::WatchLevel::try_from(request.level)
+            .map_err(|_| Refusal::field("level", format!("{} is not a level", request.level)))?;
+        let heartbeat = if request.heartbeat_ms == 0 { HEARTBEAT_MS } else { request.heartbeat_ms };
+        if !HEARTBEATS_MS.contains(&heartbeat) {
+            return Err(Refusal::field("heartbeat_ms", "must be 0, or 100 to 60,000"));
+        }
         let live = match core.live(&request.job_id) {
             Some(live) => live,
             None => from_ledger(&core, &request.job_id)?,
@@ -86,6 +95,7 @@ impl Watch {
             core,
             live,
             level,
+            heartbeat: Duration::from_millis(heartbeat.into()),
             cursor: request.after_seq,
             reader: None,
             resume: None,
@@ -109,6 +119,13 @@ impl Watch {
         let (mut states, mut tail) = (self.live.follow(), self.live.tail.follow());
         let mut drain = self.core.drain.follow();
         self.progress(out, true).await?;
+        let live = self.live.clone();
+        // Events from before somebody followed; the flusher cares for all later ones.
+        let flush = move || {
+            live.flush();
+            Ok(())
+        };
+        blocking(flush).await?;
         loop {
             // The state is read before the position: when it says ended, the position is final.
             let state = *states.borrow_and_update();
@@ -128,16 +145,7 @@ impl Watch {
                 _ = states.changed() => {}
                 _ = tail.changed(), if follows_log => {}
                 _ = drain.changed() => {}
-                () = tokio::time::sleep_until(self.looked_at + PROGRESS_EVERY) => {
-                    if follows_log {
-                        let live = self.live.clone();
-                        blocking(move || {
-                            live.flush_old();
-                            Ok(())
-                        })
-                        .await?;
-                    }
-                }
+                () = tokio::time::sleep_until(self.looked_at + PROGRESS_EVERY) => {}
                 () = out.closed() => return Err(Over::Gone),
             }
         }
@@ -233,7 +241,7 @@ impl Watch {
             channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
             queued_before: self.core.queued_before(&self.live.id) as u32,
         };
-        if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
+        if first || progress != self.last_progress || self.sent_at.elapsed() >= self.heartbeat {
             self.last_progress = progress.clone();
             self.sent_at = Instant::now();
             send(out, Content::Progress(progress)).await?;

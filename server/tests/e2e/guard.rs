@@ -168,7 +168,8 @@ async fn the_audit_log_says_who_changed_what_and_who_was_refused() {
 }
 
 async fn said(caller: &As, job: &str) -> String {
-    let request = v1::WatchJobRequest { job_id: job.into(), after_seq: 0, level: v1::WatchLevel::Everything.into() };
+    let request =
+        v1::WatchJobRequest { job_id: job.into(), level: v1::WatchLevel::Everything.into(), ..Default::default() };
     let mut stream = caller.jobs().watch_job(request).await.unwrap().into_inner();
     let mut text = String::new();
     while let Some(message) = stream.message().await.unwrap() {

@@ -151,3 +151,27 @@ async fn a_job_that_is_run_again_has_its_answers() {
     assert_eq!(said(&server, &job).await, ["Clamp: OK", "Turn: Leave"]);
     server.stop().await;
 }
+
+/// The job stands at its second question: nothing comes after the event that would take it along.
+#[tokio::test]
+async fn an_event_that_comes_alone_reaches_its_watcher() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = attended(&server, "ASK first\nASK second").await;
+    let mut person = Person::attend(&server, &job).await;
+    let (first, _) = person.question().await;
+    let mut watch = server.watch(&job, 0, v1::WatchLevel::Everything).await;
+    person.answer(first, "Go").await;
+    let event = async {
+        loop {
+            let content = watch.message().await.unwrap().expect("the job goes on").content;
+            if let Some(v1::watch_job_response::Content::Batch(batch)) = content {
+                return batch;
+            }
+        }
+    };
+    let batch = tokio::time::timeout(std::time::Duration::from_secs(20), event).await.expect("in time");
+    assert_eq!((batch.first_seq, batch.last_seq), (1, 1));
+    server.jobs().cancel_job(v1::CancelJobRequest { job_id: job }).await.unwrap();
+    server.stop().await;
+}

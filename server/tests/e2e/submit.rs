@@ -82,6 +82,38 @@ async fn wrong_fields_are_named() {
 }
 
 #[tokio::test]
+async fn numbers_tokens_and_sizes_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job_id = server.submit("r", "EVENTS 3").await;
+    server.wait(&job_id).await;
+    let field = |status: tonic::Status| {
+        assert_eq!(reason(&status), "INVALID_REQUEST");
+        status.get_error_details().bad_request().unwrap().field_violations[0].field.clone()
+    };
+    let watch = v1::WatchJobRequest { job_id: job_id.clone(), level: 99, ..Default::default() };
+    assert_eq!(field(server.jobs().watch_job(watch).await.unwrap_err()), "level");
+    let list = v1::ListJobsRequest { states: vec![1, 99], ..Default::default() };
+    assert_eq!(field(server.jobs().list_jobs(list).await.unwrap_err()), "states[1]");
+    let list = v1::ListJobsRequest { page_token: "zzz".into(), ..Default::default() };
+    assert_eq!(field(server.jobs().list_jobs(list).await.unwrap_err()), "page_token");
+    let timeline = v1::GetTimelineRequest { job_id: job_id.clone(), format: 99 };
+    assert_eq!(field(server.results().get_timeline(timeline).await.unwrap_err()), "format");
+    let toolpath = v1::GetToolpathRequest { job_id, format: 99 };
+    assert_eq!(field(server.results().get_toolpath(toolpath).await.unwrap_err()), "format");
+    let machine = v1::GetMachineRequest { name: "fanuc-mill".into(), section: 99, ..Default::default() };
+    assert_eq!(field(server.machines().get_machine(machine).await.unwrap_err()), "section");
+    for size in [0, 2, 4] {
+        let chunk = v1::UploadRequest { digest: digest(b"abc"), size: Some(size), data: "abc".into() };
+        let refused = server.blobs().upload(tokio_stream::iter([chunk])).await.unwrap_err();
+        assert_eq!(field(refused), "size", "{size}");
+    }
+    let chunk = v1::UploadRequest { digest: digest(b"abc"), size: Some(3), data: "abc".into() };
+    server.blobs().upload(tokio_stream::iter([chunk])).await.unwrap();
+    server.stop().await;
+}
+
+#[tokio::test]
 async fn a_full_queue_refuses_and_says_when_to_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let server =

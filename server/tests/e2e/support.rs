@@ -343,7 +343,7 @@ impl Server {
         after_seq: u64,
         level: v1::WatchLevel,
     ) -> tonic::Streaming<v1::WatchJobResponse> {
-        let request = v1::WatchJobRequest { job_id: job.into(), after_seq, level: level.into() };
+        let request = v1::WatchJobRequest { job_id: job.into(), after_seq, level: level.into(), heartbeat_ms: 0 };
         self.jobs().watch_job(request).await.unwrap().into_inner()
     }
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 use tonic::{Code, Streaming};
+use tonic_types::StatusExt;
 
 use crate::support::*;
 
@@ -164,6 +165,39 @@ async fn a_watcher_that_stood_still_gets_the_rest_once() {
             }
         }
         assert_eq!(last, 100_000);
+    }
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_sign_of_life_comes_at_the_interval_that_was_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let job = server.submit("r", "HANG").await;
+    server.until(&job, v1::JobState::Running).await;
+    let request = |heartbeat_ms| v1::WatchJobRequest {
+        job_id: job.clone(),
+        level: v1::WatchLevel::Progress.into(),
+        heartbeat_ms,
+        ..Default::default()
+    };
+    let begin = tokio::time::Instant::now();
+    let mut often = server.jobs().watch_job(request(100)).await.unwrap().into_inner();
+    let mut rarely = server.jobs().watch_job(request(60_000)).await.unwrap().into_inner();
+    let mut signs = 0;
+    while signs < 20 {
+        signs += i32::from(matches!(often.message().await.unwrap().unwrap().content, Some(Content::Progress(_))));
+    }
+    assert!(begin.elapsed() >= Duration::from_millis(1900), "no more often than asked");
+    server.script.hang.store(false, std::sync::atomic::Ordering::SeqCst);
+    let mut messages = 0;
+    while rarely.message().await.unwrap().is_some() {
+        messages += 1;
+    }
+    assert!(messages < 10, "{messages}");
+    for wrong in [99, 60_001] {
+        let refused = server.jobs().watch_job(request(wrong)).await.unwrap_err();
+        assert_eq!(refused.get_error_details().bad_request().unwrap().field_violations[0].field, "heartbeat_ms");
     }
     server.stop().await;
 }

@@ -99,3 +99,62 @@ impl<'a> Check<'a> {
         (self.wrong, if self.hopeless { Vec::new() } else { self.edits })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    use super::Check;
+    use crate::page::{Fences, Page, Role};
+    use crate::update::rewritten;
+
+    const FENCES: Fences = &[
+        ("nc", Role::Program),
+        ("events", Role::Outcome),
+        ("diagnostics", Role::Outcome),
+        ("findings", Role::Outcome),
+    ];
+
+    /// What differs, and the page after the update.
+    fn checked(text: &str, check: impl FnOnce(&mut Check<'_>, &crate::Example)) -> (String, String) {
+        let page = Page::parse(Path::new("page.md"), text, FENCES).unwrap();
+        let example = &page.examples[0];
+        let mut found = Check::new("page.md", example);
+        check(&mut found, example);
+        let (wrong, edits) = found.finish();
+        (wrong, rewritten(text, &edits))
+    }
+
+    #[test]
+    fn an_update_makes_the_page_true() {
+        let text = "# Page\n\nProse  \nstays.\n\n```nc\nG1 X1\nM30   \u{2190} error no-feed\n```\n\n```findings\nold\n```\n\n\
+            ```events\nrapid\nstop\n```\n\nProse.\n";
+        let run = |check: &mut Check<'_>, example: &crate::Example| {
+            check.marks(example.fence("nc").unwrap(), BTreeMap::from([(1, vec!["error no-feed".to_owned()])]));
+            check.given("events", || "linear\nstop\n".to_owned());
+            check.required("findings", "");
+            check.required("diagnostics", "fatal deadlock\n");
+        };
+        let (wrong, updated) = checked(text, run);
+        assert!(
+            wrong.contains("page.md:15: events differs (- expected, + found)\n-rapid\n+linear\n stop\n"),
+            "{wrong}"
+        );
+        let expected = "# Page\n\nProse  \nstays.\n\n```nc\nG1 X1   \u{2190} error no-feed\nM30\n```\n\n\
+            ```events\nlinear\nstop\n```\n\n```diagnostics\nfatal deadlock\n```\n\nProse.\n";
+        assert_eq!(updated, expected);
+        assert_eq!(checked(&updated, run), (String::new(), updated.clone()));
+    }
+
+    #[test]
+    fn what_cannot_be_mended_changes_nothing() {
+        let text = "```nc\nG1\n```\n\n```events\nrapid\n```\n";
+        let (wrong, updated) = checked(text, |check, _| {
+            check.given("events", || "linear\n".to_owned());
+            check.wrong(1, "the log depends on scheduling");
+        });
+        assert!(wrong.contains("page.md:1: the log depends on scheduling\n"), "{wrong}");
+        assert_eq!(updated, text);
+    }
+}

@@ -114,9 +114,16 @@ fn forget(table: &mut Table) {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use counterpoint_kernel::files::Memory;
+    use counterpoint_kernel::machine::load;
+    use counterpoint_kernel::machine::package::{Overlay, shipped};
+    use counterpoint_mdspec::Page;
     use toml_edit::DocumentMut;
 
-    use super::merge;
+    use super::{definition, merge, named};
+    use crate::spec::FENCES;
 
     fn merged(base: &str, add: &str) -> String {
         let (mut base, add) = (base.parse::<DocumentMut>().unwrap(), add.parse::<DocumentMut>().unwrap());
@@ -135,5 +142,27 @@ mod tests {
             .parse()
             .unwrap();
         assert_eq!(whole, expected);
+    }
+
+    #[test]
+    fn a_machine_that_is_not_there_is_named_with_its_line() {
+        let page = |text: &str| Page::parse(Path::new("page.md"), text, FENCES).unwrap().examples.remove(0);
+        let (line, text) = definition(&page("# Page\n\nmachine: mil\n\n```nc\nM30\n```\n")).unwrap_err();
+        assert!(line == 3 && text.starts_with("no machine is called 'mil'; known are: "), "{line} {text}");
+        let (line, text) = definition(&page("```nc\nM30\n```\n")).unwrap_err();
+        assert!(line == 1 && text.starts_with("this example has no machine"), "{line} {text}");
+        let (line, text) = definition(&page("machine: mill\n\n```toml more\n```\n")).unwrap_err();
+        assert!(line == 3 && text.starts_with("'toml more' means nothing"), "{line} {text}");
+    }
+
+    #[test]
+    fn every_named_machine_loads() {
+        for (name, text) in named() {
+            let mut folder = Memory::default();
+            folder.insert("example/machine.toml", text.clone());
+            let found: Vec<_> = load(&Overlay::new(folder, shipped()), "example").findings;
+            assert!(found.is_empty() || name == "lathe", "{name}: {found:?}");
+            assert!(text.contains(&format!("name = \"{name}\"")), "{name} calls itself otherwise");
+        }
     }
 }

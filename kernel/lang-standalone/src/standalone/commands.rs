@@ -45,7 +45,7 @@ impl Standalone {
             return Ok(0);
         }
         state.ticks = 0;
-        Err(Fault::new(Number::TICKS, "nobody reads what is printed any more"))
+        Err(Fault::new(Number::TICKS, "the output is not read any more"))
     }
 
     /// A command for the control as text.

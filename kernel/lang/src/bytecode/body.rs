@@ -1,7 +1,7 @@
 //! Small functions that are carried out in registers of their callers.
 //!
 //! Invariant: a body changes nothing but registers that only bodies use until its last form gives the result, so it can be
-//! given up at any form, and the call itself is carried out instead.
+//! abandoned at any form, and the call itself is carried out instead.
 
 use super::fast::{Fast, Near};
 use super::{Slot, Target};
@@ -30,7 +30,7 @@ pub struct Body {
     pub is_null_first: bool,
 }
 
-/// What a form does to registers, and where it goes on.
+/// What a form does to registers, and where it continues.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effect {
     /// Registers that it reads.
@@ -41,13 +41,13 @@ pub struct Effect {
     pub length: usize,
     /// Where it may jump to.
     pub target: Option<Target>,
-    /// It may go on with what comes next.
+    /// It may continue with the next instruction.
     pub falls: bool,
 }
 
 impl Fast {
     /// The form with other registers and what it does to them; none for a form that touches more than registers, or
-    /// whose registers stand in a list.
+    /// whose registers are in a list.
     #[must_use]
     pub fn moved(self, of: &mut dyn FnMut(Near) -> Option<Near>) -> Option<(Fast, Effect)> {
         let mut effect = Effect { length: 1, falls: true, ..Effect::default() };

@@ -80,7 +80,7 @@ impl MacroCompiler<'_> {
         }
     }
 
-    /// Type of an expression that can be told without compiling it.
+    /// Type of an expression that is known without compiling it.
     fn evident(&self, value: &Expr) -> Option<Kind> {
         match &value.kind {
             ExprKind::Real(_) => Some(Kind::Real),

@@ -80,9 +80,9 @@ impl Finder<'_> {
     /// Tells whether `slot` is a temporary that the statement does not read from `from` on.
     fn dead(&self, slot: Slot, from: usize) -> bool {
         let place = from.checked_sub(1).and_then(|at| self.code.places.get(at));
-        let behind = self.code.ops.iter().zip(&self.code.places).skip(from);
+        let after = self.code.ops.iter().zip(&self.code.places).skip(from);
         self.temporaries.contains(&slot)
-            && !behind.take_while(|(_, other)| Some(*other) == place).any(|(op, _)| self.reads(*op, slot))
+            && !after.take_while(|(_, other)| Some(*other) == place).any(|(op, _)| self.reads(*op, slot))
     }
 
     fn listed(&self, list: u16, slot: Slot) -> bool {

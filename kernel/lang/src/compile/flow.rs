@@ -14,7 +14,7 @@ pub(super) struct Open {
     span: Span,
     /// Jumps to the next branch.
     next: Vec<usize>,
-    /// Jumps behind the block.
+    /// Jumps to the end of the block.
     ends: Vec<usize>,
     top: u16,
     /// Register of the CASE value or of the end of a DO; the loop variable.
@@ -92,7 +92,7 @@ impl MacroCompiler<'_> {
                 return false;
             }
             _ => {
-                self.error(span, Number::UNBALANCED, format!("{what} stands outside of an IF"));
+                self.error(span, Number::UNBALANCED, format!("{what} is outside of an IF"));
                 return false;
             }
         }
@@ -148,7 +148,7 @@ impl MacroCompiler<'_> {
                 return;
             }
             _ => {
-                self.error(span, Number::UNBALANCED, "WHEN stands outside of a CASE");
+                self.error(span, Number::UNBALANCED, "WHEN is outside of a CASE");
                 return;
             }
         };
@@ -230,7 +230,7 @@ impl MacroCompiler<'_> {
             _ => Value::Unset,
         };
         if matches!(value, Value::Unset) {
-            self.error(expression.span, Number::BAD_WHEN, "only constants can stand in a WHEN list");
+            self.error(expression.span, Number::BAD_WHEN, "a WHEN list takes constants only");
             return None;
         }
         Some(value)
@@ -254,7 +254,7 @@ impl MacroCompiler<'_> {
 
     pub(super) fn until(&mut self, condition: &Expr) {
         if self.blocks.last().is_none_or(|open| open.block != Block::Repeat) {
-            self.error(self.place, Number::UNBALANCED, "UNTIL stands without its REPEAT");
+            self.error(self.place, Number::UNBALANCED, "UNTIL has no REPEAT");
             return;
         }
         self.trace();
@@ -390,7 +390,7 @@ impl MacroCompiler<'_> {
     pub(super) fn label(&mut self, name: &str, span: Span) {
         let here = self.code.ops.len();
         if self.labels.insert(name.to_owned(), here).is_some() {
-            self.error(span, Number::BAD_LABEL, format!("the label {name} stands twice in this macro"));
+            self.error(span, Number::BAD_LABEL, format!("the label {name} is defined twice in this macro"));
         }
     }
 

@@ -69,7 +69,7 @@ struct Room {
 }
 
 impl Room {
-    /// The register that stands for one of a function; constants have their value.
+    /// The register that replaces one of a function; constants have their value.
     fn of(&mut self, callee: u16, own: Near, function: &Code) -> Option<Near> {
         if let Some(known) = self.known.get(&(callee, own)) {
             return Some(*known);

@@ -114,7 +114,7 @@ impl MacroCompiler<'_> {
         self.command(command, vec![slot]);
     }
 
-    /// A command with a format at `position` and its values behind.
+    /// A command with a format at `position` and its values after it.
     fn formatted(&mut self, command: CommandCode, arguments: &[Expr], position: usize) {
         if let Some(format) = arguments.get(position) {
             self.check_format(format, arguments.len() - position - 1, false);

@@ -1,12 +1,12 @@
 //! Text as values.
 //!
-//! Invariant: reading never fails as a whole; a code that finds nothing gives `$NULL` and the caller is told.
+//! Invariant: reading never fails as a whole; a code that finds nothing gives `$NULL`, which is reported to the caller.
 
 use super::{Code, Format, Numeric, Piece, Point, Zeros};
 use crate::ident;
 use crate::value::{Record, Value};
 
-/// Reads a line by an input format; the flag tells that every code and literal was found.
+/// Reads a line by an input format; the flag says that every code and literal was found.
 #[must_use]
 pub fn read(format: &Format, line: &str) -> (Vec<Value>, bool) {
     let characters: Vec<char> = line.chars().collect();

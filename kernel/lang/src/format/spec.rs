@@ -173,7 +173,7 @@ fn parse(text: &str, input: bool) -> Outcome<Format> {
 }
 
 fn bad(inner: &str) -> Fault {
-    Fault::new(Number::BAD_FORMAT, format!("`!({inner})` is no format code"))
+    Fault::new(Number::BAD_FORMAT, format!("`!({inner})` is not a format code"))
 }
 
 fn code(inner: &str, input: bool) -> Outcome<Code> {

@@ -99,7 +99,7 @@ pub(super) fn date(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
     let seconds = match arguments.get(1) {
         None => now + f64::from(offset),
         Some(Value::Text(text)) => parsed(text)
-            .ok_or_else(|| Fault::new(Number::TYPE_MISMATCH, "this is no date of the form dd-mmm-yyyy hh:mm:ss"))?,
+            .ok_or_else(|| Fault::new(Number::TYPE_MISMATCH, "this is not a date of the form dd-mmm-yyyy hh:mm:ss"))?,
         Some(_) => number(arguments, 1)? + f64::from(offset),
     };
     let mut out = String::new();

@@ -30,7 +30,7 @@ impl Matrix {
         }
         match (1..=16).find(|size| size * size == cells.len()) {
             Some(size) => Ok(Matrix { size, cells, short: false }),
-            None => Err(Fault::new(Number::BAD_VECTOR, format!("{} numbers are no matrix", cells.len()))),
+            None => Err(Fault::new(Number::BAD_VECTOR, format!("{} numbers do not make a matrix", cells.len()))),
         }
     }
 

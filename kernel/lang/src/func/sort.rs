@@ -23,7 +23,7 @@ struct Key {
     down: bool,
 }
 
-/// The keys behind the file names and the delimiters; none if they make no sense.
+/// The keys after the file names and the delimiters; none if they make no sense.
 fn keys(arguments: &[Value]) -> Option<Vec<Key>> {
     arguments
         .chunks(3)

@@ -227,7 +227,7 @@ pub(super) fn element(_: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value
 fn part(arguments: &[Value]) -> Outcome<Value> {
     let (from, to) = (number(arguments, 1)?, number(arguments, 2)?);
     if from < 1.0 || to < 0.0 {
-        return Err(Fault::new(Number::OUT_OF_RANGE, "the places of a part begin with 1"));
+        return Err(Fault::new(Number::OUT_OF_RANGE, "positions of a part count from 1"));
     }
     #[allow(clippy::cast_possible_truncation)]
     range(arguments.first().unwrap_or(&Value::Unset), from as i64, to as i64)

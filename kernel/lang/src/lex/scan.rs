@@ -125,7 +125,7 @@ impl Scanner<'_> {
         let text = self.take(length);
         match text.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(Token::Number(number)),
-            _ => Err((Number::BAD_NUMBER, "this is no number, or one that is too large".into())),
+            _ => Err((Number::BAD_NUMBER, "this is not a number, or it is too large".into())),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::ident;
 use crate::lex::{Sign, Token};
 use crate::value::Kind;
 
-/// Words a statement of the control emulator may begin with.
+/// Words a statement of the control emulator may start with.
 pub const COMMANDS: &[&str] = &[
     "CASE", "CLOSE", "DECLAR", "DO", "ELSE", "ELSEIF", "ENDMAC", "ENDOF", "ERROR", "EXEC", "EXIT", "IF", "INCLUD",
     "JUMPTO", "LPRINT", "MACRO", "MATCH", "OPEN", "OUTPUT", "PPRINT", "READ", "REPEAT", "RSTMODAL", "SAVMODAL",
@@ -353,7 +353,7 @@ impl Parser<'_> {
                 let place = self.span();
                 let parameter = self.new_name()?;
                 if parameter == name || parameters.iter().any(|(other, _)| *other == parameter) {
-                    let message = format!("{parameter} stands twice in this header");
+                    let message = format!("{parameter} occurs twice in this header");
                     return self.fail_at(place, Number::DUPLICATE_FUNCTION, message, None);
                 }
                 parameters.push((parameter, kind));

@@ -14,7 +14,7 @@ pub(crate) struct Calls {
 /// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
 #[derive(Debug, Default)]
 pub(crate) struct Frame {
-    /// Its registers, and unused ones up to the size of a window behind them.
+    /// Its registers, followed by unused ones up to the size of a window.
     pub(crate) registers: Vec<Value>,
     /// Which macro it is.
     pub(crate) index: u16,

@@ -74,7 +74,7 @@ impl Scale {
         }
     }
 
-    /// Adds bytes that no value stands for.
+    /// Adds bytes that belong to no value.
     pub fn weigh(&mut self, bytes: usize) {
         self.bytes += bytes as u64;
     }

@@ -38,7 +38,7 @@ pub(crate) fn unit_number(value: f64) -> Outcome<u8> {
     if (20.0..30.0).contains(&value) {
         return Ok(value as u8);
     }
-    Err(Fault::new(Number::UNITS, format!("{value} is no unit; units are 20 to 29")))
+    Err(Fault::new(Number::UNITS, format!("{value} is not a unit; units are 20 to 29")))
 }
 
 impl State {

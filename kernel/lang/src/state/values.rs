@@ -82,7 +82,7 @@ pub(crate) fn pay_to_append(state: &mut State, target: &Value, more: &Value) -> 
     pay(state, more)
 }
 
-/// Bytes that a value can add to whoever stores it; what is no text, sequence or array has its place already.
+/// Bytes that a value can add to its owner; a value without text or elements adds none.
 pub(crate) fn weight(value: &Value) -> usize {
     if !matches!(value, Value::Text(_) | Value::Sequence(_) | Value::Array(_)) {
         return 0;
@@ -92,7 +92,7 @@ pub(crate) fn weight(value: &Value) -> usize {
     usize::try_from(scale.bytes).unwrap_or(usize::MAX)
 }
 
-/// A value that shares nothing with anybody: what kernels exchange must not tell them what the others do with it.
+/// A copy that shares no memory with the value: kernels must not notice what the others do with what they exchange.
 pub(crate) fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
     let own = |value: &Value| match value {
         Value::Text(text) if text.len() >= 64 => Value::text(text.as_str()),
@@ -120,7 +120,7 @@ pub(crate) fn detached(state: &mut State, value: &Value) -> Outcome<Value> {
 /// An index below 1, or a value without a range.
 pub fn range(value: &Value, from: i64, to: i64) -> Outcome<Value> {
     if from < 1 || to < 0 {
-        return Err(Fault::new(Number::OUT_OF_RANGE, "a range begins with 1 or later"));
+        return Err(Fault::new(Number::OUT_OF_RANGE, "a range starts at 1 or later"));
     }
     let start = usize::try_from(from - 1).unwrap_or(usize::MAX);
     let count = usize::try_from(to.saturating_sub(from).saturating_add(1)).unwrap_or(0);

@@ -175,7 +175,7 @@ fn fresh(
     Ok(Box::new(Frame { registers, index, ..Frame::default() }))
 }
 
-/// Calls a function if nothing stands against it and nobody wants a trace: `frame` becomes that of the function. `call`
+/// Calls a function if nothing prevents it and it is not traced: `frame` becomes that of the function. `call`
 /// is the place of the call, the register of the result, the function, and the list of the arguments.
 #[inline(never)]
 pub(super) fn quick_call<'p>(
@@ -222,7 +222,7 @@ fn give_value(register: &mut Value, value: &Value) {
     }
 }
 
-/// Ends a function that was called by another macro, if nobody wants a trace and its result is of its type: `frame`
+/// Ends a function that was called by another macro, if it is not traced and its result is of its type: `frame`
 /// becomes that of the caller. The answer is the caller and the place of the call.
 #[inline(never)]
 pub(super) fn quick_return<'p>(

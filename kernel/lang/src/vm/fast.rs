@@ -277,7 +277,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
                         if let (Value::Real(a), Value::Real(b)) = (a, b) {
                             #[allow(
                                 clippy::double_comparisons,
-                                reason = "false for what is no number, as in the instruction"
+                                reason = "false for what is not a number, as in the instruction"
                             )]
                             let differ = a < b || a > b;
                             unless!(differ, target);
@@ -347,7 +347,7 @@ pub(super) fn run<'p>(program: &'p Program, state: &mut State, host: &mut dyn Ho
             None
         };
         if call.is_none() {
-            // One form on values that are no numbers.
+            // One form on values that are not numbers.
             let (next, left) = light::step((code, forms), state, window, at, ticks);
             if next != at {
                 (at, ticks) = (next, left);
@@ -412,7 +412,7 @@ fn element(window: &Window, array: Near, index: f64) -> Option<f64> {
     }
 }
 
-/// Where a one-dimensional array, or a sequence that nobody else has, holds a number.
+/// Where a one-dimensional array, or a sequence that no other value shares, holds a number.
 #[inline(always)]
 fn element_place(window: &mut Window, array: Near, index: f64) -> Option<&mut f64> {
     match window.get_mut(usize::from(array)) {

@@ -1,8 +1,8 @@
-//! What short forms do with values that are no numbers.
+//! What short forms do with values that are not numbers.
 //!
 //! Invariant: everything here does what the full instruction does and costs the same steps, or does nothing and says so;
 //! it takes light values only: single values whose texts are too short to cost a step. Memory of texts and sequences
-//! that nobody else has is used again.
+//! that no other value shares is used again.
 
 use super::fast::{Window, passed, position};
 use crate::bytecode::fast::{Fast, Near};
@@ -173,7 +173,7 @@ fn copied(window: &mut Window, to: Near, a: Near) -> Option<()> {
     Some(())
 }
 
-/// Moves a value that is no array.
+/// Moves a value that is not an array.
 #[inline]
 fn move_any(window: &mut Window, to: Near, a: Near) -> Option<()> {
     match window.get(usize::from(a))? {
@@ -225,7 +225,7 @@ pub(super) fn cell(array: &Array, row: f64, column: f64) -> Option<usize> {
     if row < rows as usize && column < columns as usize { Some(row * columns as usize + column) } else { None }
 }
 
-/// Stores a light value into an array, or into a sequence that nobody else has.
+/// Stores a light value into an array, or into a sequence that no other value shares.
 #[inline(never)]
 fn set_element(window: &mut Window, array: Near, indices: (f64, Option<f64>), a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
@@ -397,7 +397,7 @@ fn join(state: &mut State, window: &mut Window, (to, a, b): (Near, Near, Near), 
     Some(left)
 }
 
-/// Appends to a text or a sequence that nobody else has.
+/// Appends to a text or a sequence that no other value shares.
 #[inline(never)]
 fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<()> {
     let value = window.get(usize::from(a))?;
@@ -425,7 +425,7 @@ fn append(state: &mut State, window: &mut Window, to: Near, a: Near) -> Option<(
     Some(())
 }
 
-/// Appends a number to a sequence that nobody else has; false if it cannot grow like this.
+/// Appends a number to a sequence that no other value shares; false if it cannot grow like this.
 #[inline(never)]
 pub(super) fn push(state: &mut State, elements: &mut Elements, number: f64) -> bool {
     let room = elements.len() < state.limits.elements;

@@ -182,7 +182,7 @@ fn execute<'p>(
     }
 }
 
-/// The run is to end: no macro goes on.
+/// The run is to end: no macro continues.
 #[cold]
 #[inline(never)]
 fn stopped(state: &mut State) -> Fault {

@@ -5,11 +5,11 @@
 use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
-use super::Hole;
 use crate::channel::Kernel;
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
 use crate::macros::values::code_value;
+use crate::state::cycle::Hole;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.

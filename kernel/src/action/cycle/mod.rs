@@ -20,33 +20,12 @@ use crate::machine::model::{CodeRow, Heights, MachineKind};
 use crate::macros::calls::Task;
 use crate::state::block::Firing;
 use crate::state::burden::BLOCK;
-use crate::state::cycle::FURTHER_WEBS;
+use crate::state::cycle::Hole;
 use crate::state::modal::group;
 use counterpoint_fault::{Acted, Halt};
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
 const IMPLIED_ORDER: u16 = 500;
-
-/// One hole: where it is and between which heights, all in the work frame as programmed.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Hole {
-    /// Position; its value along the axis of the cycle does not count.
-    pub(crate) target: Position,
-    /// Axes that were coded, bit by axis.
-    pub(crate) coded: u8,
-    /// Axis of the cycle in channel order.
-    pub(crate) axis: usize,
-    /// Height where feeding begins.
-    pub(crate) clear: f64,
-    /// Height where the tool is left.
-    pub(crate) back: f64,
-    /// Depth; none if nothing has ever told it.
-    pub(crate) depth: Option<f64>,
-    /// Lower clearance of back boring.
-    pub(crate) bottom: Option<f64>,
-    /// Start and depth of the webs behind the first one.
-    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
-}
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
 pub(super) fn cycle(kernel: &mut Kernel<'_>, kind: Kind, row: &CodeRow, firing: Firing) -> Acted {

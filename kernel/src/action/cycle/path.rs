@@ -3,7 +3,6 @@
 //! Invariant: every move goes through the motion actions, so events, limits, times and macros are theirs. Steps are
 //! counted from the clearance height. Facts: reference control-emulator.md 6.4.
 
-use super::Hole;
 use crate::action::{dwell, spindle};
 use crate::channel::Kernel;
 use crate::diag;
@@ -11,6 +10,7 @@ use crate::log::event::{Direction, Position};
 use crate::machine::ident::kind::cycle::{Kind, Out, Steps};
 use crate::machine::model::Approach;
 use crate::state::cycle::Cycle;
+use crate::state::cycle::Hole;
 use counterpoint_fault::Acted;
 
 /// Most steps of a hole.

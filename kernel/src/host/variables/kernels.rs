@@ -113,7 +113,7 @@ fn set_channel(kernel: &mut Kernel<'_>, at: i64, value: &Value) -> Outcome<()> {
 
 impl Kernel<'_> {
     /// A kernel has got this program and name, and starts on this channel of the model.
-    pub(crate) fn tell_program(&mut self, at: i64, program: &str, name: &str, channel: f64) {
+    pub(crate) fn set_program_of(&mut self, at: i64, program: &str, name: &str, channel: f64) {
         if self.plan.hooks.is_none() {
             return;
         }

@@ -10,7 +10,7 @@ pub(crate) struct Operation {
     /// Row of its tool in the tool tables.
     pub(crate) tool: Value,
     pub(crate) name: String,
-    /// Start, and end once another one has begun, in seconds.
+    /// Start, and end once another one has started, in seconds.
     pub(crate) times: (f64, Option<f64>),
     /// First and last sequence number.
     pub(crate) blocks: (u32, u32),

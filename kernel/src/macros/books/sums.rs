@@ -29,7 +29,7 @@ pub(crate) struct Sums {
     /// Place of the current row, and when it became that.
     current: usize,
     since: i64,
-    /// Stands in where there is no row; never read.
+    /// Takes what has no row; never read.
     lost: Sum,
 }
 

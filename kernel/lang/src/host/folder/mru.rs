@@ -23,7 +23,7 @@ struct Key {
     parameters: Vec<(String, Value)>,
 }
 
-/// An open store; the key used last stands first.
+/// An open store; the key used last comes first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Store {
     file: String,
