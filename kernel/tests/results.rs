@@ -7,8 +7,8 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, VerdictKind};
-use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 use counterpoint_kernel::log::summary::{Channel, ChannelState, State, Summary};
@@ -47,9 +47,9 @@ fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
 }
 
 fn summary(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Summary {
-    let mut folds = Folds::new(info);
-    events.iter().for_each(|event| folds.event(event));
-    folds.finish(outcome).summary
+    let mut builder = ResultsBuilder::new(info);
+    events.iter().for_each(|event| builder.event(event));
+    builder.finish(outcome).summary
 }
 
 fn listing(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> String {

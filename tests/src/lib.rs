@@ -9,8 +9,8 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec, WrittenFiles};
+use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
@@ -87,11 +87,11 @@ impl Work {
     /// When the job cannot be prepared.
     pub fn run(&self, jitter: Option<fn(u16)>) -> Result<Done, PrepareError> {
         let (job, control) = self.prepare(jitter)?;
-        let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new(), files: Vec::new() };
+        let mut sink = Collect { builder: ResultsBuilder::new(job.info()), events: Vec::new(), files: Vec::new() };
         let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
-        let Collect { folds, events, files } = sink;
+        let Collect { builder, events, files } = sink;
         let info = Arc::clone(job.info());
-        Ok(Done { info, summary: folds.finish(&outcome).summary, events, outcome, files })
+        Ok(Done { info, summary: builder.finish(&outcome).summary, events, outcome, files })
     }
 
     /// The same without an ordered log: every kernel feeds its results. The files are those that macros have written.
@@ -100,9 +100,9 @@ impl Work {
     /// When the job cannot be prepared.
     pub fn results(&self, jitter: Option<fn(u16)>) -> Result<(Results, Outcome, WrittenFiles), PrepareError> {
         let (job, control) = self.prepare(jitter)?;
-        let mut sink = Fold { folds: Folds::new(job.info()), files: Vec::new() };
+        let mut sink = Fold { builder: ResultsBuilder::new(job.info()), files: Vec::new() };
         let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
-        Ok((sink.folds.finish(&outcome), outcome, sink.files))
+        Ok((sink.builder.finish(&outcome), outcome, sink.files))
     }
 
     /// What is fixed about the job.
@@ -128,7 +128,7 @@ impl Work {
 }
 
 struct Collect {
-    folds: Folds,
+    builder: ResultsBuilder,
     events: Vec<Event>,
     files: WrittenFiles,
 }
@@ -139,20 +139,20 @@ impl Sink for Collect {
     }
 
     fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.folds.event(event));
+        batch.iter().for_each(|event| self.builder.event(event));
         self.events.extend_from_slice(batch);
         true
     }
 }
 
 struct Fold {
-    folds: Folds,
+    builder: ResultsBuilder,
     files: WrittenFiles,
 }
 
 impl Sink for Fold {
-    fn folds(&mut self) -> Option<&mut Folds> {
-        Some(&mut self.folds)
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        Some(&mut self.builder)
     }
 
     fn files(&mut self, files: WrittenFiles) {

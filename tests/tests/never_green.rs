@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::{Bytes, Error, Files, Memory};
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, Kind, Message};
-use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
@@ -265,7 +265,7 @@ fn everywhere() {
 }
 
 /// Keeps nothing; asks the job to end at its first events.
-struct Cancels<'a>(&'a Control, Folds);
+struct Cancels<'a>(&'a Control, ResultsBuilder);
 
 impl Sink for Cancels<'_> {
     fn events(&mut self, _: u64, batch: &[Event]) -> bool {
@@ -286,7 +286,7 @@ fn a_cancelled_job_does_not_succeed() {
             Spec { machine: work.machine.clone(), programs: work.programs.clone(), options: work.options.clone() };
         let job = Job::prepare(spec, &work.files).expect("a job");
         let control = Control::new(work.machine.channels.len());
-        let mut sink = Cancels(&control, Folds::new(job.info()));
+        let mut sink = Cancels(&control, ResultsBuilder::new(job.info()));
         let outcome = job.run(&work.files, &control, &mut sink);
         let summary = sink.1.finish(&outcome).summary;
         assert_ne!(summary.state, State::Succeeded, "{name}, {threads} threads");
@@ -344,7 +344,7 @@ fn a_job_whose_files_become_unreadable_does_not_succeed() {
         let machine = counterpoint_tests::machine("fanuc-mill", "");
         let Ok(job) = Job::prepare(Spec { machine, programs, options: Options::default() }, &failing) else { continue };
         let control = Control::new(1);
-        let mut sink = Keeps(Folds::new(job.info()));
+        let mut sink = Keeps(ResultsBuilder::new(job.info()));
         let outcome = job.run(&failing, &control, &mut sink);
         let summary = sink.0.finish(&outcome).summary;
         let moves = summary.channels[0].blocks;
@@ -356,7 +356,7 @@ fn a_job_whose_files_become_unreadable_does_not_succeed() {
 }
 
 /// Keeps the results.
-struct Keeps(Folds);
+struct Keeps(ResultsBuilder);
 
 impl Sink for Keeps {
     fn events(&mut self, _: u64, batch: &[Event]) -> bool {

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::machine::{Machine, load, package};
 use counterpoint_kernel::options::Options;
 
@@ -23,10 +23,10 @@ impl Sink for Count {
 }
 
 /// Results without a log, as `counterpoint run` builds them.
-pub(crate) struct Fold(Folds);
+pub(crate) struct Fold(ResultsBuilder);
 
 impl Sink for Fold {
-    fn folds(&mut self) -> Option<&mut Folds> {
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
         Some(&mut self.0)
     }
 
@@ -36,7 +36,7 @@ impl Sink for Fold {
 }
 
 pub(crate) fn results(job: &Job, files: &Memory, channels: usize) {
-    let mut sink = Fold(Folds::new(job.info()));
+    let mut sink = Fold(ResultsBuilder::new(job.info()));
     let outcome = job.run(files, &Control::new(channels), &mut sink);
     std::hint::black_box(sink.0.finish(&outcome));
 }

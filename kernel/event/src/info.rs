@@ -88,6 +88,8 @@ pub struct Axis {
 pub struct File {
     /// Path as the job names it.
     pub name: String,
+    /// It is stored with the machine: its blocks are shown only to those who ask for them.
+    pub stored: bool,
     /// Text and line index once loaded.
     pub text: OnceLock<Option<Arc<Text>>>,
 }
@@ -131,6 +133,12 @@ impl Info {
     #[must_use]
     pub fn file_name(&self, file: FileId) -> &str {
         self.files.get(usize::from(file)).map_or("-", |f| f.name.as_str())
+    }
+
+    /// A file is stored with the machine.
+    #[must_use]
+    pub fn is_stored(&self, file: FileId) -> bool {
+        self.files.get(usize::from(file)).is_some_and(|f| f.stored)
     }
 
     /// Channel by number.

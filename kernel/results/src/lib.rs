@@ -1,21 +1,21 @@
 //! The ordered event log of a job and what is read off it.
 //!
-//! Every result is a fold over the events ([`fold`]): nothing here runs a job, and nothing holds the log.
+//! Every result is read off the events in one pass ([`builder`]): nothing here runs a job, and nothing holds the log.
 
 pub use counterpoint_event::{event, info};
 
+pub mod builder;
+pub mod channel_results;
 pub mod digest;
-pub mod fold;
 pub mod geometry;
 pub mod jsonl;
-pub mod lane;
 pub mod listing;
-mod meetings;
+mod reported;
 pub mod spans;
 pub mod summary;
 mod svg;
+mod sync_points;
 pub mod timeline;
-mod told;
 pub mod toolpath;
 pub mod tools;
 

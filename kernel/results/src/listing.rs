@@ -29,8 +29,7 @@ use rustc_hash::FxHashMap;
 
 use crate::summary::Summary;
 use blocks::Waits;
-use counterpoint_event::event::trace::LISTING;
-use counterpoint_event::event::{Event, Frame, Kind, Trace};
+use counterpoint_event::event::{Event, Frame, Kind};
 use counterpoint_event::info::Info;
 use diagnostics::Counts;
 use tooling::Tooling;
@@ -95,7 +94,7 @@ pub fn render_trace(
 fn of_master(event: &Event) -> bool {
     event.channel == 0
         && match event.kind {
-            Kind::Trace(Trace { letter, .. }) => letter != LISTING,
+            Kind::Trace(ref trace) => trace.listing.is_none(),
             Kind::Message(_) => true,
             _ => false,
         }

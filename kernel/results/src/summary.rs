@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::meetings::{Arrival, Meeting, Waits};
+pub use crate::sync_points::{Arrival, SyncPoint, Waits};
 pub use crate::tools::Tool;
 
-use crate::told::{Told, What};
+use crate::reported::{Reported, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
 use counterpoint_fault as diag;
@@ -65,7 +65,7 @@ pub struct Summary {
     pub log_digest: String,
     /// Channels, ascending.
     pub channels: Vec<Channel>,
-    /// Meetings in order of their number, then waits that never came true.
+    /// Sync points in order of their number, then waits that were never satisfied.
     pub waits: Waits,
     /// Why channels can never go on.
     pub verdict: Option<Verdict>,
@@ -94,7 +94,7 @@ pub struct Channel {
     pub rapid_ns: i64,
     /// Dwell, tool changes, run-up, functions, ns.
     pub misc_ns: i64,
-    /// Standing at meeting points, ns.
+    /// Waiting at sync points, ns.
     pub wait_ns: i64,
     /// Its tools, in the order of the tooling tables; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -162,7 +162,7 @@ pub struct Diagnostic {
     pub t_ns: i64,
 }
 
-/// What people were told in the course of a log.
+/// The diagnostics and verdicts of a log.
 #[derive(Debug)]
 pub struct Findings {
     info: Arc<Info>,
@@ -197,9 +197,9 @@ impl Findings {
     }
 
     /// The next one in the order of the log.
-    pub fn take(&mut self, told: &Told) {
-        match &told.what {
-            What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
+    pub fn take(&mut self, reported: &Reported) {
+        match &reported.what {
+            What::Diagnostic(diagnostic) => self.diagnostic(reported, diagnostic),
             What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
             What::Verdict(_) => {}
         }
@@ -232,25 +232,25 @@ impl Findings {
         }
     }
 
-    fn diagnostic(&mut self, told: &Told, diagnostic: &counterpoint_event::event::Diagnostic) {
+    fn diagnostic(&mut self, reported: &Reported, diagnostic: &counterpoint_event::event::Diagnostic) {
         self.highest_severity = self.highest_severity.max(diagnostic.severity);
         if self.diagnostics.len() >= MAX_DIAGNOSTICS {
             return;
         }
-        let (file, block) = self.place(told.file, told.line);
+        let (file, block) = self.place(reported.file, reported.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
             name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
-            channel: told.channel,
+            channel: reported.channel,
             file,
-            line: told.line,
+            line: reported.line,
             block,
             text: diagnostic.text.to_string(),
             operation: diagnostic.operation.to_string(),
             kernel: diagnostic.kernel.to_string(),
             origin: diagnostic.origin.clone(),
-            t_ns: told.t_ns,
+            t_ns: reported.t_ns,
         });
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::fold::{Folds, Results};
+use crate::builder::{Results, ResultsBuilder};
 use counterpoint_event::Outcome;
 use counterpoint_event::Text;
 use counterpoint_event::event::{Diagnostic, FeedUnit};
@@ -33,7 +33,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
     let file = |(index, text): (usize, &&str)| {
         let name = format!("jobs/p{}.nc", index + 1);
         let source = Arc::new(Text::new(bytes::Bytes::copy_from_slice(text.as_bytes()), || false));
-        File { name, text: OnceLock::from(Some(source)) }
+        File { name, stored: false, text: OnceLock::from(Some(source)) }
     };
     Arc::new(Info {
         machine: "lathe2".into(),
@@ -100,7 +100,7 @@ pub(crate) fn outcome(events: usize) -> Outcome {
 
 /// Results of a log.
 pub(crate) fn results(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Results {
-    let mut folds = Folds::new(info);
-    events.iter().for_each(|event| folds.event(event));
-    folds.finish(outcome)
+    let mut builder = ResultsBuilder::new(info);
+    events.iter().for_each(|event| builder.event(event));
+    builder.finish(outcome)
 }

@@ -25,7 +25,7 @@ pub struct Timeline {
     pub makespan_ns: i64,
     /// Channels, ascending.
     pub channels: Vec<Channel>,
-    /// Meetings as in the summary.
+    /// Sync points as in the summary.
     pub waits: Waits,
     /// Machine, for the title of the picture.
     #[serde(skip)]
@@ -72,7 +72,7 @@ impl Channel {
 }
 
 impl Timeline {
-    /// From its rows and meetings.
+    /// From its rows and sync points.
     pub fn new(info: &Info, channels: Vec<Channel>, waits: Waits) -> Self {
         let makespan_ns = channels.iter().map(|c| c.end_ns).max().unwrap_or(0);
         Self { unit: "ns", makespan_ns, channels, waits, machine: info.machine.clone() }

@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use counterpoint_event::event::{Kind, ToolAction, ToolChange, ToolData};
+use counterpoint_event::event::{Kind, OffsetKind, ToolAction, ToolChange, ToolData, ToolOffset};
 
 /// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
 const MOST_OFFSETS: usize = 64;
@@ -48,7 +48,7 @@ impl Tools {
         match kind {
             Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
             Kind::Tool(load) => self.load(load.tool, load.offset),
-            Kind::Mode(mode) => self.offset(&mode.text),
+            Kind::Mode(mode) => self.offset(mode.offset),
             Kind::ToolData(data) => {
                 self.data.insert(data.tool, data.clone());
             }
@@ -74,17 +74,15 @@ impl Tools {
         }
     }
 
-    /// `comp length n=3`, `comp diam left n=3`, `comp diam vector n=3 pqr=…`.
-    fn offset(&mut self, text: &str) {
-        let Some(words) = text.strip_prefix("comp ") else { return };
-        let digits = words.split_once("n=").map(|(_, number)| number.split(' ').next().unwrap_or_default());
-        let Some(number) = digits.and_then(|digits| digits.parse().ok()) else { return };
-        let Some(row) = self.current.and_then(|row| self.rows.get_mut(row)) else { return };
-        if words.starts_with("length") {
-            note(&mut row.length_offsets, number);
-        } else if words.starts_with("diam") {
-            note(&mut row.diameter_offsets, number);
-        }
+    /// An offset is used with the tool in work.
+    fn offset(&mut self, offset: Option<ToolOffset>) {
+        let row = self.current.and_then(|row| self.rows.get_mut(row));
+        let (Some(ToolOffset { kind, number }), Some(row)) = (offset, row) else { return };
+        let list = match kind {
+            OffsetKind::Length => &mut row.length_offsets,
+            OffsetKind::Diameter => &mut row.diameter_offsets,
+        };
+        note(list, number);
     }
 
     /// The channel has ended.

@@ -5,7 +5,7 @@
 use counterpoint_lang::format::wildcard_text;
 
 use crate::channel::Kernel;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, OffsetKind};
 use crate::machine::ident::{DataId, codes, data};
 use crate::state::compensation::number_of;
 use counterpoint_fault::Acted;
@@ -54,9 +54,10 @@ pub(super) fn vector(kernel: &mut Kernel<'_>) -> Acted {
         *slot = word.filter(|value| value.is_finite()).unwrap_or(*slot);
     }
     let direction = kernel.channel.state.place.compensation.vector.map(wildcard_text).join(",");
-    let text = format!("comp diam vector n={} pqr={direction}", kernel.channel.state.place.compensation.diameter);
+    let number = kernel.channel.state.place.compensation.diameter;
+    let text = format!("comp diam vector n={number} pqr={direction}");
     super::cutter::switched(kernel, codes::COMP_3D_VECTOR)?;
-    kernel.emit(0, Kind::mode(text));
+    kernel.emit(0, Kind::compensation(text, OffsetKind::Diameter, f64::from(number)));
     Ok(())
 }
 

@@ -8,7 +8,6 @@ use crate::channel::Kernel;
 use crate::diag;
 use crate::log::event::{Dwell, Kind};
 use crate::machine::ident::{DataId, data};
-use crate::trace::{self, ACTION};
 
 /// Dwell in seconds.
 pub(super) fn seconds(kernel: &mut Kernel<'_>) -> Acted {
@@ -62,7 +61,7 @@ fn turns(kernel: &mut Kernel<'_>, revolutions: f64) -> Acted {
     };
     let seconds = revolutions * 60.0 / rpm;
     if seconds > 0.0 {
-        kernel.trace(ACTION, |_| trace::action(&format!("dwell rev={}", wildcard_text(revolutions))));
+        kernel.trace_instead(&format!("dwell rev={}", wildcard_text(revolutions)));
     }
     dwell(kernel, seconds)
 }

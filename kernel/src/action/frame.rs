@@ -4,7 +4,7 @@
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::{Frame, Kind, MAX_AXES, Position};
+use crate::log::event::{Frame, Kind, MAX_AXES, OffsetKind, Position};
 use crate::machine::ident::{codes, data};
 use crate::state::block::Firing;
 use crate::state::frames::offsets::Table;
@@ -78,20 +78,22 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
         super::tip::off(kernel)?;
     }
     kernel.channel.state.place.length_sign = sign;
-    let text = if sign == 0.0 {
+    let mode = if sign == 0.0 {
         kernel.channel.state.place.length_number = 0;
-        "comp length off".to_owned()
+        Kind::mode("comp length off")
     } else {
         if let Some(number) = number.filter(|n| (0.0..=999_999.0).contains(n)) {
             kernel.channel.state.place.length_number = number as u32;
         }
         kernel.channel.state.place.compensation.set = set;
-        match set {
-            1 => format!("comp length n={}", kernel.channel.state.place.length_number),
-            _ => format!("comp length n={} set={set}", kernel.channel.state.place.length_number),
-        }
+        let number = kernel.channel.state.place.length_number;
+        let text = match set {
+            1 => format!("comp length n={number}"),
+            _ => format!("comp length n={number} set={set}"),
+        };
+        Kind::compensation(text, OffsetKind::Length, f64::from(number))
     };
-    kernel.emit(0, Kind::mode(text));
+    kernel.emit(0, mode);
     kernel.reframe();
     Ok(())
 }
@@ -99,7 +101,7 @@ pub(super) fn length(kernel: &mut Kernel<'_>, sign: f64, set: u8) -> Acted {
 /// Length compensation that another code brings along.
 pub(super) fn length_on(kernel: &mut Kernel<'_>, number: u32) {
     (kernel.channel.state.place.length_sign, kernel.channel.state.place.length_number) = (1.0, number);
-    kernel.emit(0, Kind::mode(format!("comp length n={number}")));
+    kernel.emit(0, Kind::compensation(format!("comp length n={number}"), OffsetKind::Length, f64::from(number)));
     kernel.reframe();
 }
 

@@ -1,7 +1,7 @@
 //! Modes whose effect is that other actions read them, and switches that only show in the log.
 
 use crate::channel::Kernel;
-use crate::log::event::{Function, Kind};
+use crate::log::event::{Function, Kind, OffsetKind};
 use crate::machine::ident::{CodeId, data};
 use crate::machine::model::CodeRow;
 use crate::state::block::Firing;
@@ -35,14 +35,16 @@ pub(super) fn diameter(kernel: &mut Kernel<'_>, side: &'static str, code: CodeId
     let asks = side != "off" || kernel.block_has(data::COMP_DIAM);
     let number = if asks { super::compensation::take_diameter(kernel) } else { None };
     if kernel.channel.acting.mode_changed || number.is_some() {
-        let text = match number {
-            Some(number) if side != "off" => {
-                format!("comp diam {side} n={}", counterpoint_lang::format::wildcard_text(number))
+        let text = format!("comp diam {side}");
+        let mode = match number.filter(|_| side != "off") {
+            Some(number) => {
+                let text = format!("{text} n={}", counterpoint_lang::format::wildcard_text(number));
+                Kind::compensation(text, OffsetKind::Diameter, number)
             }
-            _ => format!("comp diam {side}"),
+            None => Kind::mode(text),
         };
         super::cutter::switched(kernel, code)?;
-        kernel.emit(0, Kind::mode(text));
+        kernel.emit(0, mode);
         kernel.report_tool();
     }
     Ok(())

@@ -5,8 +5,8 @@
 
 use crate::job::Sink;
 use crate::log::event::{Dwell, Event, Kind};
+use crate::multi::backlog::Backlog;
 use crate::multi::coordinator::switch::Port;
-use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
 use crate::multi::tag::Tag;
 
@@ -32,7 +32,7 @@ pub(crate) enum Target<'a> {
     /// Kept as they are: the master's, before the channels start and after they have ended.
     Kept(&'a mut Vec<Event>),
     /// Into the results of this channel.
-    Lane(&'a mut Feed),
+    Results(&'a mut Backlog),
     /// Held back until a move before them is known.
     Held(Box<Held<'a>>),
 }
@@ -70,8 +70,8 @@ impl<'a> Emitter<'a> {
     pub(crate) fn new(rank: u16, coordinator: Port<'a>, mut target: Target<'a>) -> Self {
         let (size, mut chunk) = match &mut target {
             Target::Queue(feeder) => (CHUNK, feeder.try_empty().unwrap_or_default()),
-            Target::Lane(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
-            Target::Direct { .. } | Target::Lane(_) | Target::Kept(_) | Target::Held(_) => (NEAR_CHUNK, Vec::new()),
+            Target::Results(_) if !coordinator.is_single() => (SHORT_CHUNK, Vec::new()),
+            Target::Direct { .. } | Target::Results(_) | Target::Kept(_) | Target::Held(_) => (NEAR_CHUNK, Vec::new()),
         };
         chunk.resize_with(size, blank);
         Self { rank, coordinator, target, chunk, size, count: 0, texts: 0, gone: 0 }
@@ -152,11 +152,11 @@ impl<'a> Emitter<'a> {
     /// that there is more.
     pub(crate) fn work(&mut self, look: bool) -> bool {
         match &mut self.target {
-            Target::Lane(feed) => {
+            Target::Results(backlog) => {
                 if look {
-                    feed.look(self.coordinator.floor(self.rank));
+                    backlog.look(self.coordinator.floor(self.rank));
                 }
-                feed.work()
+                backlog.work()
             }
             Target::Queue(_) | Target::Direct { .. } | Target::Kept(_) | Target::Held(_) => false,
         }
@@ -164,8 +164,8 @@ impl<'a> Emitter<'a> {
 
     /// No other kernel does anything before this time.
     pub(crate) fn all_reached(&mut self, t: i64) {
-        if let Target::Lane(feed) = &mut self.target {
-            feed.look(t);
+        if let Target::Results(backlog) = &mut self.target {
+            backlog.look(t);
         }
     }
 
@@ -195,11 +195,11 @@ impl<'a> Emitter<'a> {
                     real.flush(held.since);
                 }
             }
-            Target::Lane(feed) => {
+            Target::Results(backlog) => {
                 let floor = || self.coordinator.floor(upto.rank);
-                if !feed.pass(events, floor) {
+                if !backlog.pass(events, floor) {
                     self.chunk.truncate(count);
-                    let full = feed.put(&mut self.chunk, texts, floor);
+                    let full = backlog.put(&mut self.chunk, texts, floor);
                     self.chunk.resize_with(self.size, blank);
                     if full {
                         self.coordinator.catch_up(upto);

@@ -11,14 +11,13 @@ use crate::channel::Kernel;
 use crate::channel::flow::Pending;
 use crate::channel::hook_points::Origin;
 use crate::diag;
-use crate::log::event::{Kind, Trace};
+use crate::log::event::{Kind, Listing};
 use crate::macros::context::BlockContext;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
 use crate::state::block::Block;
 use crate::state::burden;
 use crate::state::channel::Acting;
-use crate::trace;
 
 /// A block that another one within it interrupts.
 struct Outer {
@@ -50,8 +49,7 @@ impl Kernel<'_> {
             Later::Text(text, _) => text.to_string(),
             Later::Items(items, _) => self.listed(items),
         };
-        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
+        self.emit(0, Kind::listing(Listing::Block(burden::shortened(&text).into())));
     }
 
     /// Processes such a block.

@@ -12,7 +12,7 @@ use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::{Kind, Message, Trace};
+use crate::log::event::{Kind, Listing, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
@@ -77,10 +77,12 @@ impl Kernel<'_> {
                 };
                 self.put_modes_back(&groups);
             }
-            Command::Listing(on) => self.control_listing(if on { "on" } else { "off" }.into()),
+            // LPRINT goes into the log also without a trace.
+            Command::Listing(on) => self.emit(0, Kind::listing(if on { Listing::On } else { Listing::Off })),
             Command::Skip(lines) if lines > 0 => {
-                state.spend(usize::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0))?;
-                self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
+                let lines = u32::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0);
+                state.spend(lines as usize)?;
+                self.emit(0, Kind::listing(Listing::Lines(lines)));
             }
             Command::Skip(_) => {}
             Command::Print(text) => {
@@ -89,11 +91,6 @@ impl Kernel<'_> {
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
-    }
-
-    /// LPRINT goes along as a line of the trace that is there without a trace.
-    fn control_listing(&mut self, text: Box<str>) {
-        self.emit(0, Kind::Trace(Trace { letter: crate::trace::LISTING, text }));
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {

@@ -123,6 +123,7 @@ fn file_table(
     let mut known: FxHashSet<String> = FxHashSet::default();
     let shape = Arc::new(Shape::of(&spec.machine, syntax));
     let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
+    let file = |name: String, text| File { stored: name.starts_with(StoredFile::ROOT), name, text };
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
             continue;
@@ -134,7 +135,7 @@ fn file_table(
                 None
             }
         };
-        table.push(File { name: program.file.clone(), text: OnceLock::from(text_of(&source)) });
+        table.push(file(program.file.clone(), OnceLock::from(text_of(&source))));
         sources.push(Some(source));
     }
     for name in files.list() {
@@ -143,14 +144,14 @@ fn file_table(
             break;
         }
         if !known.contains(&name) {
-            table.push(File { name, text: OnceLock::new() });
+            table.push(file(name, OnceLock::new()));
             sources.push(None);
         }
     }
     for stored in &spec.machine.storage {
         let name = format!("{}{}", StoredFile::ROOT, stored.path);
         let source = Some(shaped(&name, stored.content.clone()));
-        table.push(File { name, text: OnceLock::from(text_of(&source)) });
+        table.push(file(name, OnceLock::from(text_of(&source))));
         sources.push(Some(source));
     }
     (table, sources)

@@ -7,12 +7,12 @@ mod master;
 mod one_thread;
 mod rounds;
 
-pub(crate) use counterpoint_sync::{coordinator, feed, files, merge, order, ranks, shared, tag, verdict, waits};
+pub(crate) use counterpoint_sync::{backlog, coordinator, files, merge, order, ranks, shared, tag, verdict, waits};
 use std::sync::OnceLock;
 
+use backlog::Backlog;
 use coordinator::Coordinator;
 use coordinator::switch::{Port, Switch};
-use feed::Feed;
 use master::{At, Master};
 use merge::{End, Feeder, Merger};
 use rounds::Round;
@@ -25,16 +25,16 @@ use crate::channel::plan::Plan;
 use crate::control::{Control, Progress, State};
 use crate::files::Files;
 use crate::job::{Job, Outcome, Sink, WrittenFiles};
+use crate::log::builder::ResultsBuilder;
 use crate::log::event::{Event, FileId, Kind, Phase};
-use crate::log::fold::Folds;
 use crate::machine::model::Channel;
 use crate::mcd::program::Range;
 use crate::state::channel::Environment;
 
 /// Runs a prepared job; returns when every kernel has ended and the whole log has been received.
 pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dyn Sink) -> Outcome {
-    let (outcome, written) = match sink.folds() {
-        Some(folds) => folded(job, files, control, folds),
+    let (outcome, written) = match sink.results() {
+        Some(builder) => folded(job, files, control, builder),
         None => ordered(job, files, control, sink),
     };
     sink.files(written);
@@ -42,7 +42,7 @@ pub(crate) fn run(job: &Job, files: &dyn Files, control: &Control, sink: &mut dy
 }
 
 /// Runs a job whose events go into its results, channel by channel.
-fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) -> (Outcome, WrittenFiles) {
+fn folded(job: &Job, files: &dyn Files, control: &Control, builder: &mut ResultsBuilder) -> (Outcome, WrittenFiles) {
     let plan = Plan::new(&job.spec().machine, &job.spec().options.opskip, job.macros().map(|_| &crate::hooks::POINTS));
     let (given, mut count, mut round) = (OnceLock::new(), 0, Some(Round::default()));
     let mut written = WrittenFiles::new();
@@ -51,26 +51,26 @@ fn folded(job: &Job, files: &dyn Files, control: &Control, folds: &mut Folds) ->
         let shop = Shop { job, plan: &plan, coordinator: &coordinator, files, control, given: &given };
         let mut log = |event: &Event| {
             count += 1;
-            folds.event(event);
+            builder.event(event);
             true
         };
         let starting = shop.begin(&mut now, &mut log);
-        let mut feeds: Vec<Feed> =
-            folds.lanes().into_iter().map(|lane| Feed::new(lane.number, lane, job.info().room.waiting)).collect();
-        let lived = shop.folded(starting, &mut feeds);
+        let mut backlogs: Vec<Backlog> =
+            builder.split().into_iter().map(|of| Backlog::new(of.number, of, job.info().room.waiting)).collect();
+        let lived = shop.folded(starting, &mut backlogs);
         let stop = coordinator.stop_tag();
-        let (mut lanes, mut last) = (Vec::new(), now.at);
-        for feed in feeds {
-            let (lane, events, end) = feed.close(stop);
+        let (mut channels, mut last) = (Vec::new(), now.at);
+        for backlog in backlogs {
+            let (results, events, end) = backlog.close(stop);
             last = last.max(end);
             count += events;
-            lanes.push(lane);
+            channels.push(results);
         }
-        let ended: Vec<u16> = lanes.iter().filter(|lane| lane.ended()).map(|lane| lane.number).collect();
-        folds.join(lanes);
+        let ended: Vec<u16> = channels.iter().filter(|channel| channel.ended()).map(|channel| channel.number).collect();
+        builder.join(channels);
         let mut log = |event: &Event| {
             count += 1;
-            folds.event(event);
+            builder.event(event);
             true
         };
         round = shop.close(now, lived, &ended, last, &mut log);
@@ -138,14 +138,14 @@ struct Start<'a> {
 /// Where the events of a kernel on its own thread go.
 enum Way<'a> {
     Queue(Feeder),
-    Lane(&'a mut Feed),
+    Results(&'a mut Backlog),
 }
 
 impl<'a> From<Way<'a>> for Target<'a> {
     fn from(way: Way<'a>) -> Self {
         match way {
             Way::Queue(feeder) => Self::Queue(feeder),
-            Way::Lane(feed) => Self::Lane(feed),
+            Way::Results(backlog) => Self::Results(backlog),
         }
     }
 }
@@ -189,13 +189,13 @@ impl<'a> Shop<'a> {
     }
 
     /// Every kernel feeds the results of its own channel.
-    fn folded(self, starting: Vec<Start<'_>>, feeds: &mut [Feed]) -> Vec<Lived> {
-        let mut free: Vec<Option<&mut Feed>> = feeds.iter_mut().map(Some).collect();
+    fn folded(self, starting: Vec<Start<'_>>, backlogs: &mut [Backlog]) -> Vec<Lived> {
+        let mut free: Vec<Option<&mut Backlog>> = backlogs.iter_mut().map(Some).collect();
         let mut work = Vec::new();
         for start in starting {
-            let feed = free.iter_mut().find(|f| f.as_ref().is_some_and(|f| f.rank == start.channel.number));
-            if let Some(feed) = feed.and_then(Option::take) {
-                work.push((start, Way::Lane(feed)));
+            let backlog = free.iter_mut().find(|b| b.as_ref().is_some_and(|b| b.rank == start.channel.number));
+            if let Some(backlog) = backlog.and_then(Option::take) {
+                work.push((start, Way::Results(backlog)));
             }
         }
         // The only kernel needs no thread of its own.

@@ -11,14 +11,15 @@ mod lines;
 
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
-pub use counterpoint_event::event::trace::{ACTION, BLOCK, DWELL, LISTING};
-
 use crate::channel::Kernel;
 use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
-use crate::machine::model::{CodeForm, StoredFile};
+use crate::machine::model::CodeForm;
 use crate::machine::number::written;
 use crate::state::burden::shortened;
+
+/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
+pub const ACTION: char = 'A';
 
 impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their
@@ -26,9 +27,7 @@ impl Kernel<'_> {
     pub(crate) fn traces(&self, letter: char) -> bool {
         let Some(letters) = self.channel.env.trace else { return false };
         letters.has(letter)
-            && (letter == ACTION
-                || letters.has('Z')
-                || !self.channel.env.info.file_name(self.channel.at.file).starts_with(StoredFile::ROOT))
+            && (letter == ACTION || letters.has('Z') || !self.channel.env.info.is_stored(self.channel.at.file))
     }
 
     /// Adds a line of a letter, if it is wanted.
@@ -43,8 +42,16 @@ impl Kernel<'_> {
     #[inline(never)]
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if self.traces(letter) {
-            let text = shortened(&line(self)).into();
-            self.emit(0, Kind::Trace(Trace { letter, text }));
+            let text = shortened(&line(self)).to_owned();
+            self.emit(0, Kind::trace(letter, text));
+        }
+    }
+
+    /// Adds an action that takes the place of that of the next event, if actions are wanted.
+    pub(crate) fn trace_instead(&mut self, text: &str) {
+        if self.traces(ACTION) {
+            let text = shortened(&action(text)).into();
+            self.emit(0, Kind::Trace(Trace { letter: ACTION, text, listing: None, instead: true }));
         }
     }
 

@@ -3,8 +3,8 @@
 //!
 //! *Invariant:* nothing here knows a code, a word or a control; what happens depends on tags alone, not on threads.
 
+pub mod backlog;
 pub mod coordinator;
-pub mod feed;
 pub mod files;
 mod hoard;
 pub mod merge;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use counterpoint_event::event::Event;
-use counterpoint_results::fold::Folds;
+use counterpoint_results::builder::ResultsBuilder;
 
 /// Text files that macros have written, ascending by path with `/` between parts.
 pub type WrittenFiles = Vec<(String, Arc<str>)>;
@@ -11,8 +11,8 @@ pub type WrittenFiles = Vec<(String, Arc<str>)>;
 /// Receives what a job logs.
 pub trait Sink: Send {
     /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
-    /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
-    fn folds(&mut self) -> Option<&mut Folds> {
+    /// makes those of its own channel on its own thread, nothing is merged, and [`events`](Self::events) is never called.
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
         None
     }
 

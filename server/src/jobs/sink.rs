@@ -6,8 +6,8 @@ use std::io;
 use std::sync::Arc;
 
 use counterpoint_kernel::job::{Sink, WrittenFiles};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::Event;
-use counterpoint_kernel::log::fold::Folds;
 use prometheus_client::metrics::counter::Counter;
 
 use super::Core;
@@ -20,7 +20,7 @@ pub(crate) struct JobSink<'a> {
     flusher: &'a Flusher,
     events: &'a Counter,
     logged: bool,
-    pub(crate) folds: Folds,
+    pub(crate) builder: ResultsBuilder,
     pub(crate) files: WrittenFiles,
     /// The files have more bytes than the job may keep.
     pub(crate) dropped: bool,
@@ -28,15 +28,15 @@ pub(crate) struct JobSink<'a> {
 }
 
 impl<'a> JobSink<'a> {
-    pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, folds: Folds) -> Self {
+    pub(crate) fn new(live: &'a Arc<Live>, core: &'a Core, builder: ResultsBuilder) -> Self {
         let (flusher, events, logged) = (&core.flusher, &core.metrics.jobs.events, core.options.log);
-        Self { live, flusher, events, logged, folds, files: WrittenFiles::new(), dropped: false, error: None }
+        Self { live, flusher, events, logged, builder, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }
 
 impl Sink for JobSink<'_> {
-    fn folds(&mut self) -> Option<&mut Folds> {
-        (!self.logged).then_some(&mut self.folds)
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        (!self.logged).then_some(&mut self.builder)
     }
 
     fn files(&mut self, files: WrittenFiles) {
@@ -57,7 +57,7 @@ impl Sink for JobSink<'_> {
             }
         }
         self.events.inc_by(batch.len() as u64);
-        batch.iter().for_each(|event| self.folds.event(event));
+        batch.iter().for_each(|event| self.builder.event(event));
         true
     }
 }

@@ -14,8 +14,8 @@ use std::time::Duration;
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::VerdictKind;
-use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
 use prost::Message as _;
@@ -237,9 +237,9 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
-    let mut sink = JobSink::new(live, core, Folds::new(&info));
+    let mut sink = JobSink::new(live, core, ResultsBuilder::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
-    let JobSink { folds, files: written, dropped, error, .. } = sink;
+    let JobSink { builder, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();
     let blocks = control.progress().iter().map(|progress| progress.blocks.load(Ordering::Relaxed)).sum();
     core.metrics.jobs.blocks.inc_by(blocks);
@@ -252,7 +252,7 @@ fn run(core: &Core, live: &Arc<Live>) -> Result<Ran, Refusal> {
         return Ok(Ran::Over(queued_again()));
     }
     let limit = limit.unwrap_or_default();
-    let finished = Finished::new(folds.finish(&outcome), written, &limit);
+    let finished = Finished::new(builder.finish(&outcome), written, &limit);
     Ok(Ran::Through(Box::new(Through { outcome, finished, limit, writer })))
 }
 

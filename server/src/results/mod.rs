@@ -1,14 +1,14 @@
 //! Results: what is read off the event log, while the job runs or later from its file.
 //!
-//! A thin layer over the kernel's [`Folds`], which are fed live and stored at the end; whatever is not stored is made
+//! A thin layer over the kernel's [`ResultsBuilder`], which are fed live and stored at the end; whatever is not stored is made
 //! again from the log. Invariant: both ways give the same bytes.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use counterpoint_kernel::job::{Outcome, WrittenFiles};
+use counterpoint_kernel::log::builder::{Results, ResultsBuilder};
 use counterpoint_kernel::log::event::VerdictKind;
-use counterpoint_kernel::log::fold::{Folds, Results};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::{jsonl, listing, summary};
 use serde::Serialize;
@@ -128,12 +128,12 @@ impl Source<'_> {
 
     /// Makes results from the log.
     pub(crate) fn fold(&self) -> io::Result<Finished> {
-        let mut folds = Folds::new(self.info);
+        let mut builder = ResultsBuilder::new(self.info);
         let mut events = self.events()?;
         for (_, event) in &mut events {
-            folds.event(&event);
+            builder.event(&event);
         }
-        let finished = || Finished::new(folds.finish(&self.outcome), WrittenFiles::new(), self.limit);
+        let finished = || Finished::new(builder.finish(&self.outcome), WrittenFiles::new(), self.limit);
         events.error().map_or_else(|| Ok(finished()), Err)
     }
 

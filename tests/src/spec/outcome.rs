@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::event::{Call, Event, Function, Kind, Message, Mode, Motion, MotionKind, ToolChange};
+use counterpoint_kernel::log::event::{Call, Dwell, Event, Function, Kind, Message, Motion, MotionKind, ToolChange};
 use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::listing;
 
@@ -35,7 +35,7 @@ pub(super) fn event(info: &Info, event: &Event) -> Option<String> {
     let text = match &event.kind {
         Kind::Motion(m) => motion(info, event, m),
         Kind::Message(Message { text, .. }) => format!("message {text}"),
-        Kind::Mode(Mode { text }) => format!("mode {text}"),
+        Kind::Mode(mode) => format!("mode {mode}"),
         Kind::Tool(ToolChange { action, tool, .. }) => format!("tool {} {tool}", format!("{action:?}").to_lowercase()),
         Kind::Spindle(s) => {
             let of = if s.spindle > 1 { format!(" of {}", s.spindle) } else { String::new() };
@@ -46,7 +46,7 @@ pub(super) fn event(info: &Info, event: &Event) -> Option<String> {
         Kind::Call(Call { program, .. }) => format!("call {program}"),
         Kind::Return(_) => "return".to_owned(),
         Kind::Stop(stop) => format!("stop {}", format!("{stop:?}").to_lowercase()),
-        Kind::Dwell(_) => format!("dwell {}", event.dur_ns as f64 / 1e9),
+        Kind::Dwell(Dwell) => format!("dwell {}", event.dur_ns as f64 / 1e9),
         Kind::Wait(wait) => format!("wait {}", wait.key),
         Kind::Release(release) => format!("release {}", release.key),
         Kind::Verdict(verdict) => format!("verdict {:?}", verdict.kind).to_lowercase(),

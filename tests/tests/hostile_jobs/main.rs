@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 use cases::Case;
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::job::{Job, Sink, Spec};
+use counterpoint_kernel::log::builder::ResultsBuilder;
 use counterpoint_kernel::log::event::{Event, VerdictKind};
-use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::options::{Limits, Options};
 
@@ -25,18 +25,18 @@ const WATCHDOG: Duration = Duration::from_secs(10);
 
 /// Feeds results, keeps no event.
 struct Quiet {
-    folds: Folds,
+    builder: ResultsBuilder,
     /// As if somebody kept the log.
     logged: bool,
 }
 
 impl Sink for Quiet {
-    fn folds(&mut self) -> Option<&mut Folds> {
-        (!self.logged).then_some(&mut self.folds)
+    fn results(&mut self) -> Option<&mut ResultsBuilder> {
+        (!self.logged).then_some(&mut self.builder)
     }
 
     fn events(&mut self, _: u64, batch: &[Event]) -> bool {
-        batch.iter().for_each(|event| self.folds.event(event));
+        batch.iter().for_each(|event| self.builder.event(event));
         true
     }
 }
@@ -68,9 +68,9 @@ fn run(case: &Case, limits: Limits, control: &Control, logged: bool) -> Option<S
         Err(error) if error.cancelled => return None,
         Err(error) => panic!("{}: {error}", case.name),
     };
-    let mut sink = Quiet { folds: Folds::new(job.info()), logged };
+    let mut sink = Quiet { builder: ResultsBuilder::new(job.info()), logged };
     let outcome = job.run(&work.files, control, &mut sink);
-    Some(sink.folds.finish(&outcome).summary)
+    Some(sink.builder.finish(&outcome).summary)
 }
 
 fn measured() -> bool {

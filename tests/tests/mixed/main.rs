@@ -5,7 +5,7 @@
 mod machines;
 mod programs;
 
-use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, Mode, Motion, Position};
+use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, Motion, Position};
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, cases, processors};
@@ -62,11 +62,11 @@ impl Seen {
                 }
                 self.shift = **shift;
             }
-            Kind::Mode(Mode { text }) if text.starts_with("rtcp on") || text.starts_with("rtcp off") => {
-                self.tip = text.starts_with("rtcp on");
+            Kind::Mode(mode) if mode.text.starts_with("rtcp on") || mode.text.starts_with("rtcp off") => {
+                self.tip = mode.text.starts_with("rtcp on");
                 self.at = None;
             }
-            Kind::Mode(Mode { text }) if text.starts_with("unwind") => (self.at, self.joints) = (None, None),
+            Kind::Mode(mode) if mode.text.starts_with("unwind") => (self.at, self.joints) = (None, None),
             Kind::Message(Message { text, .. }) => {
                 if let Some(values) = text.strip_prefix("J ") {
                     let values: Vec<f64> = values.split(' ').map(|value| value.parse().unwrap_or(f64::NAN)).collect();

@@ -238,14 +238,14 @@ data! {
     Box<Position>: |v| Value::Position(v), |from, tag| Some(Box::new(position(tag, from)));
 }
 
-impl<R: Record> Datum for Option<Box<R>> {
+impl<R: Record> Datum for Option<R> {
     fn put(&self, field: Field, out: &mut impl Fields) {
-        out.message(field, self.as_deref());
+        out.message(field, self.as_ref());
     }
 
     fn get(tag: u8, from: &impl Source) -> Option<Self> {
         match from.message(tag) {
-            Some(inner) => R::read(&inner).map(|record| Some(Box::new(record))),
+            Some(inner) => R::read(&inner).map(Some),
             None => Some(None),
         }
     }

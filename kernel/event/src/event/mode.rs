@@ -4,14 +4,37 @@ use std::borrow::Cow;
 use std::fmt;
 
 use super::Kind;
-use super::declare::record;
+use super::declare::{record, words};
+
+words! {
+    /// What a tool offset corrects.
+    pub enum OffsetKind {
+        /// The length of the tool.
+        Length = 1 "length",
+        /// Its diameter.
+        Diameter = 2 "diameter",
+    }
+}
 
 record! {
-    /// A modal state changed.
+    /// A tool offset that is in effect from here on.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct ToolOffset {
+        /// What it corrects.
+        pub kind: OffsetKind = 1,
+        /// Its number.
+        pub number: u32 = 2,
+    }
+}
+
+record! {
+    /// A modal state changed. *Invariant:* what a result needs of it is a field; the text is for people only.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Mode {
         /// The action in the words of the listing: `plane zx`, `comp diam left n=3`.
         pub text: Cow<'static, str> = 1,
+        /// The tool offset that comes with it.
+        pub offset: Option<ToolOffset> = 2 [wire],
     }
 
     fn action(&self, _: fn(f64) -> String) -> Option<String> {
@@ -29,6 +52,13 @@ impl fmt::Display for Mode {
 impl Kind {
     /// A modal state, in the words of the listing.
     pub fn mode(text: impl Into<Cow<'static, str>>) -> Self {
-        Self::Mode(Mode { text: text.into() })
+        Self::Mode(Mode { text: text.into(), offset: None })
+    }
+
+    /// Compensation by a tool offset, in the words of the listing. Numbers that no offset can have are left to the words.
+    pub fn compensation(text: impl Into<Cow<'static, str>>, kind: OffsetKind, number: f64) -> Self {
+        let whole = (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0;
+        let offset = whole.then_some(ToolOffset { kind, number: number as u32 });
+        Self::Mode(Mode { text: text.into(), offset })
     }
 }

@@ -1,27 +1,98 @@
-//! Lines of the trace.
+//! Lines of the trace, and what macros control the listing with.
 
+use std::fmt;
+
+use super::Kind;
 use super::declare::record;
+use super::fields::{Datum, Field, Fields, Record, Source, Value};
 
-/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask
-/// for.
-pub const LISTING: char = 'L';
-
-/// Begin of the control of the listing that gives the text of the next block, which is not the line of a file.
-pub const BLOCK: &str = "block ";
-
-/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
-pub const ACTION: char = 'A';
-
-/// Begin of a dwell in revolutions, in place of the seconds of the event that follows.
-pub const DWELL: &str = "| dwell rev=";
+/// Letter of what controls the listing. It is not a letter that a job may ask for.
+const LISTING: char = 'L';
 
 record! {
-    /// A line of the trace.
+    /// A line of the trace, or a control of the listing. *Invariant:* what the listing needs of it is a field; the text is for
+    /// people only.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct Trace {
         /// Its letter.
         pub letter: char = 1,
         /// The whole line.
         pub text: Box<str> = 2,
+        /// What it does to the listing; such a line is not shown.
+        pub listing: Option<Listing> = 3 [wire],
+        /// The line takes the place of the action of the event after it.
+        pub instead: bool = 4 [wire],
+    }
+}
+
+/// What a macro does to the listing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Listing {
+    /// Blocks and lines of the trace are shown from here on.
+    On,
+    /// They are not; diagnostics and summaries are all the same.
+    Off,
+    /// Empty lines.
+    Lines(u32),
+    /// The text of the next block, which is not the line of a file.
+    Block(Box<str>),
+}
+
+impl Listing {
+    /// Number on the wire, and its word in the contract.
+    const fn word(&self) -> (u8, &'static str) {
+        match self {
+            Self::On => (1, "on"),
+            Self::Off => (2, "off"),
+            Self::Lines(_) => (3, "lines"),
+            Self::Block(_) => (4, "block"),
+        }
+    }
+}
+
+/// As the log shows it.
+impl fmt::Display for Listing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lines(lines) => write!(f, "{lines}"),
+            Self::Block(text) => write!(f, "block {text}"),
+            Self::On | Self::Off => f.write_str(self.word().1),
+        }
+    }
+}
+
+impl Record for Listing {
+    fn fields(&self, out: &mut impl Fields) {
+        let (number, word) = self.word();
+        out.put(Field::wire(1), Value::Word(number, word));
+        match self {
+            Self::On | Self::Off => {}
+            Self::Lines(lines) => lines.put(Field::wire(2), out),
+            Self::Block(text) => text.put(Field::wire(3), out),
+        }
+    }
+
+    fn read(from: &impl Source) -> Option<Self> {
+        Some(match from.number(1) {
+            1 => Self::On,
+            2 => Self::Off,
+            3 => Self::Lines(Datum::get(2, from)?),
+            4 => Self::Block(Datum::get(3, from)?),
+            _ => return None,
+        })
+    }
+}
+
+impl Kind {
+    /// A line of the trace.
+    pub fn trace(letter: char, text: impl Into<Box<str>>) -> Self {
+        Self::Trace(Trace { letter, text: text.into(), listing: None, instead: false })
+    }
+
+    /// A control of the listing.
+    #[must_use]
+    pub fn listing(listing: Listing) -> Self {
+        let text = listing.to_string().into();
+        Self::Trace(Trace { letter: LISTING, text, listing: Some(listing), instead: false })
     }
 }

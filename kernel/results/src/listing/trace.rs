@@ -7,10 +7,8 @@ use std::io::{Result, Write};
 
 use super::actions::Actions;
 use super::blocks;
-use counterpoint_event::event::trace::{ACTION, BLOCK, DWELL, LISTING};
-use counterpoint_event::event::{Dwell, Event, Kind, Message, Trace};
+use counterpoint_event::event::{Dwell, Event, Kind, Listing, Message, Trace};
 use counterpoint_event::info::Info;
-use counterpoint_event::info::STORED;
 
 /// Writes blocks and what the letters ask for.
 #[derive(Debug, Default)]
@@ -18,8 +16,8 @@ pub(super) struct Tracer {
     actions: Actions,
     /// A macro has switched the listing off: no blocks and no lines of the trace; diagnostics and summaries stay.
     off: bool,
-    /// What the next dwell does has been told in other words than its seconds.
-    told: bool,
+    /// A line of the trace took the place of the action of the next event.
+    instead: bool,
     /// Text of the next block, if it is not the line of a file.
     own: Option<Box<str>>,
 }
@@ -27,7 +25,7 @@ pub(super) struct Tracer {
 impl Tracer {
     /// The line of a block is shown.
     pub(super) fn shows(&self, info: &Info, event: &Event) -> bool {
-        !self.off && (info.trace.has('Z') || !info.file_name(event.file).starts_with(STORED))
+        !self.off && (info.trace.has('Z') || !info.is_stored(event.file))
     }
 
     /// The line of a block.
@@ -45,16 +43,13 @@ impl Tracer {
     }
 
     /// LPRINT, and the text of a block to come.
-    fn control(&mut self, text: &str, out: &mut dyn Write) -> Result<()> {
-        if let Some(block) = text.strip_prefix(BLOCK) {
-            self.own = Some(block.into());
-            return Ok(());
-        }
-        match text {
-            "on" => self.off = false,
-            "off" => self.off = true,
-            _ if self.off => {}
-            lines => (0..lines.parse().unwrap_or(0)).try_for_each(|_: u32| writeln!(out))?,
+    fn control(&mut self, listing: &Listing, out: &mut dyn Write) -> Result<()> {
+        match listing {
+            Listing::On => self.off = false,
+            Listing::Off => self.off = true,
+            Listing::Block(text) => self.own = Some(text.clone()),
+            Listing::Lines(_) if self.off => {}
+            Listing::Lines(lines) => (0..*lines).try_for_each(|_| writeln!(out))?,
         }
         Ok(())
     }
@@ -62,17 +57,17 @@ impl Tracer {
     /// The lines of an event that the letters ask for.
     pub(super) fn event(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
         match &event.kind {
-            Kind::Trace(Trace { letter: LISTING, text }) => return self.control(text, out),
+            Kind::Trace(Trace { listing: Some(listing), .. }) => return self.control(listing, out),
             _ if self.off => return Ok(()),
             Kind::Message(Message { text, printed: true }) => return writeln!(out, "{text}"),
             _ if info.trace.is_empty() => return Ok(()),
             _ => {}
         }
         match &event.kind {
-            Kind::Dwell(Dwell) if std::mem::take(&mut self.told) => Ok(()),
-            Kind::Trace(Trace { letter, text }) => {
-                self.told = *letter == ACTION && text.contains(DWELL);
-                writeln!(out, "{text}")
+            Kind::Dwell(Dwell) if std::mem::take(&mut self.instead) => Ok(()),
+            Kind::Trace(trace) => {
+                self.instead = trace.instead;
+                writeln!(out, "{}", trace.text)
             }
             Kind::Message(Message { text, .. }) if info.trace.has('S') => writeln!(out, "Display : {text}"),
             _ if info.trace.has('A') => {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::meetings::Stay;
+use crate::sync_points::Stay;
 use counterpoint_event::event::Work;
 
 /// Bars a channel has at most.

@@ -2,9 +2,9 @@
 //!
 //! Invariant: the size of the picture depends on its width in pixels, not on the length of the log.
 
-mod meetings;
 mod rows;
 mod scale;
+mod sync_points;
 mod tools;
 
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ const RIGHT: f64 = WIDTH - 24.0;
 /// Top of the first row.
 const TOP: f64 = 84.0;
 const BAR: f64 = 30.0;
-/// Between the bars of a row and the tools of the next one, room for the marks of meetings.
+/// Between the bars of a row and the tools of the next one, room for the marks of sync points.
 const GAP: f64 = 26.0;
 /// Height of the tools above the bars.
 const STRIP: f64 = 16.0;
@@ -72,7 +72,7 @@ pub(super) fn draw(timeline: &Timeline) -> String {
         rows::draw(&mut out, timeline, channel, row_top(index), &scale);
         tools::draw(&mut out, channel, row_top(index) - STRIP, &scale);
     }
-    meetings::draw(&mut out, timeline, &scale);
+    sync_points::draw(&mut out, timeline, &scale);
     out.push_str("</svg>\n");
     out
 }
@@ -82,9 +82,9 @@ fn title(out: &mut String, timeline: &Timeline) {
         timeline.channels.iter().map(|c| c.program.as_str()).filter(|p| !p.is_empty()).collect();
     programs.dedup();
     let mut total = format!("cycle time {}", time_text(timeline.makespan_ns, 1_000_000));
-    let meetings = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
-    if meetings > 0 {
-        let _ = write!(total, ", {meetings} sync point{}", if meetings == 1 { "" } else { "s" });
+    let waits = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
+    if waits > 0 {
+        let _ = write!(total, ", {waits} sync point{}", if waits == 1 { "" } else { "s" });
     }
     let machine = format!("{}{}", if programs.is_empty() { "" } else { " on " }, timeline.machine);
     let machine = fit(&machine, 17, 360.0);

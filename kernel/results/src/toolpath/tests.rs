@@ -3,21 +3,21 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::fold::Folds;
+use crate::builder::ResultsBuilder;
 use crate::testing::*;
 use counterpoint_event::event::{Kind, ToolAction, ToolChange};
 
 fn of(info: &Arc<Info>, motions: impl Iterator<Item = Motion>) -> Toolpath {
-    let mut folds = Folds::new(info);
-    (1..).zip(motions).for_each(|(line, m)| folds.event(&at(1, line, 0, 1, Kind::Motion(m))));
-    folds.finish(&outcome(1)).toolpath
+    let mut builder = ResultsBuilder::new(info);
+    (1..).zip(motions).for_each(|(line, m)| builder.event(&at(1, line, 0, 1, Kind::Motion(m))));
+    builder.finish(&outcome(1)).toolpath
 }
 
 /// All motions in one block.
 fn block(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
-    let mut folds = Folds::new(info);
-    motions.iter().for_each(|m| folds.event(&at(1, 1, 0, 1, Kind::Motion(*m))));
-    folds.finish(&outcome(1)).toolpath
+    let mut builder = ResultsBuilder::new(info);
+    motions.iter().for_each(|m| builder.event(&at(1, 1, 0, 1, Kind::Motion(*m))));
+    builder.finish(&outcome(1)).toolpath
 }
 
 fn toolpath(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
@@ -188,7 +188,7 @@ fn a_cut_that_goes_in_and_out_on_one_line_is_drawn() {
 /// Two channels, the second one below the axis, each with a tool.
 fn turrets() -> Toolpath {
     let info = lathe(&["O1\nT0101 (OD ROUGH)\nG1 X20.\nG1 Z-10.\n", "O2\nT0202\nG1 Z-10.\n"]);
-    let mut folds = Folds::new(&info);
+    let mut builder = ResultsBuilder::new(&info);
     let load = |channel: u16, tool| {
         at(channel, 2, 0, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }))
     };
@@ -202,9 +202,9 @@ fn turrets() -> Toolpath {
         load(2, 2),
         cut(2, 3, &[40.0, 0.0], &[40.0, -10.0]),
     ] {
-        folds.event(&event);
+        builder.event(&event);
     }
-    folds.finish(&outcome(5)).toolpath
+    builder.finish(&outcome(5)).toolpath
 }
 
 #[test]
@@ -244,10 +244,10 @@ fn the_lower_turret_is_below_the_axis_and_scales_show_diameters() {
 #[test]
 fn a_long_path_has_a_bounded_number_of_pieces() {
     // Rapid and feed in turn, a tool change every ten blocks.
-    let mut folds = Folds::new(&mill("x"));
+    let mut builder = ResultsBuilder::new(&mill("x"));
     for n in 0..100_000_u32 {
         if n % 10 == 0 {
-            folds.event(&at(
+            builder.event(&at(
                 1,
                 n,
                 0,
@@ -257,9 +257,9 @@ fn a_long_path_has_a_bounded_number_of_pieces() {
         }
         let kind = if n % 2 == 0 { MotionKind::Rapid } else { MotionKind::Linear };
         let place = |n: u32| [f64::from(n % 317), f64::from(n / 317), f64::from(n % 7)];
-        folds.event(&at(1, n + 1, 0, 1, Kind::Motion(motion(kind, &place(n), &place(n + 1)))));
+        builder.event(&at(1, n + 1, 0, 1, Kind::Motion(motion(kind, &place(n), &place(n + 1)))));
     }
-    let svg = folds.finish(&outcome(1)).toolpath.svg();
+    let svg = builder.finish(&outcome(1)).toolpath.svg();
     assert!(svg.matches("<title>").count() < 20_000, "{}", svg.matches("<title>").count());
     assert!(svg.len() < 6_000_000, "{}", svg.len());
     assert!(svg.contains(" more tools</text>"));

@@ -1,13 +1,13 @@
 //! Lines where channels met.
 //!
-//! Of meetings closer together than a few pixels one line is drawn; of marks that would lie over each other the first
+//! Of sync points closer together than a few pixels one line is drawn; of marks that would lie over each other the first
 //! one is written. Many lines are drawn between the rows only and without marks, so that the bars stay readable.
 
 use std::fmt::Write as _;
 
 use super::scale::{Scale, time_text};
 use super::{BAR, GAP, INK, LEFT, STRIP, WIDTH, row_top};
-use crate::summary::Meeting;
+use crate::summary::SyncPoint;
 use crate::svg::{escape, fit, text, width};
 use crate::timeline::Timeline;
 
@@ -24,7 +24,7 @@ const LONGEST: f64 = 200.0;
 struct Line<'a> {
     x: f64,
     rows: Vec<usize>,
-    meeting: &'a Meeting,
+    point: &'a SyncPoint,
 }
 
 pub(super) fn draw(out: &mut String, timeline: &Timeline, scale: &Scale) {
@@ -44,7 +44,7 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, scale: &Scale) {
             }
         } else {
             let _ = write!(path, "M{x:.1} {:.0}V{:.0}", row_top(first), row_top(last) + BAR);
-            let hint = escape(&hint(timeline, line.meeting));
+            let hint = escape(&hint(timeline, line.point));
             for row in &line.rows {
                 let y = row_top(*row) + BAR / 2.0;
                 let _ = writeln!(
@@ -66,10 +66,10 @@ pub(super) fn draw(out: &mut String, timeline: &Timeline, scale: &Scale) {
     out.push_str(&labels);
 }
 
-/// What a meeting is: its mark, when it was, and who arrived from where.
-fn hint(timeline: &Timeline, meeting: &Meeting) -> String {
-    let mut hint = format!("{}, {}", meeting.key, time_text(meeting.release_ns.unwrap_or(0), 1_000_000));
-    for arrival in &meeting.arrivals {
+/// What is shown of a sync point: its mark, when it was, and who arrived from where.
+fn hint(timeline: &Timeline, point: &SyncPoint) -> String {
+    let mut hint = format!("{}, {}", point.key, time_text(point.release_ns.unwrap_or(0), 1_000_000));
+    for arrival in &point.arrivals {
         let name = timeline.channels.iter().find(|c| c.channel == arrival.channel).map_or("", |c| &c.name);
         let _ = write!(hint, "; {name} {} line {}", arrival.file, arrival.line);
     }
@@ -82,24 +82,24 @@ fn lines<'a>(timeline: &'a Timeline, scale: &Scale) -> Vec<Line<'a>> {
     // By first and last row: where the last line stands.
     let mut stands = vec![f64::NEG_INFINITY; count * count];
     let mut lines: Vec<Line<'a>> = Vec::new();
-    for meeting in timeline.waits.iter() {
-        let Some(release) = meeting.release_ns else { continue };
-        let rows = rows_of(timeline, meeting);
+    for point in timeline.waits.iter() {
+        let Some(release) = point.release_ns else { continue };
+        let rows = rows_of(timeline, point);
         let (x, Some(&first), Some(&last)) = (scale.x(release), rows.first(), rows.last()) else { continue };
         let Some(stand) = stands.get_mut(first * count + last) else { continue };
         if first == last || (x - *stand).abs() < NEAR {
             continue;
         }
         *stand = x;
-        lines.push(Line { x, rows, meeting });
+        lines.push(Line { x, rows, point });
     }
     lines.sort_by(|a, b| a.x.total_cmp(&b.x));
     lines
 }
 
-/// The mark of a meeting inside the picture, unless it would lie over the one before, which ends at `end`.
+/// The mark of a sync point inside the picture, unless it would lie over the one before, which ends at `end`.
 fn label(out: &mut String, line: &Line<'_>, middle: f64, end: &mut f64) {
-    let key = fit(&line.meeting.key, 11, LONGEST);
+    let key = fit(&line.point.key, 11, LONGEST);
     let wide = width(&key, 11) + 6.0;
     let x = line.x.clamp(LEFT - 10.0 + wide / 2.0, WIDTH - 4.0 - wide / 2.0);
     let (left, upper) = (x - wide / 2.0, middle - 8.0);
@@ -114,6 +114,6 @@ fn label(out: &mut String, line: &Line<'_>, middle: f64, end: &mut f64) {
     text(out, (x, middle + 4.0), 11, "middle", INK, &key);
 }
 
-fn rows_of(timeline: &Timeline, meeting: &Meeting) -> Vec<usize> {
-    meeting.arrivals.iter().filter_map(|a| timeline.channels.iter().position(|c| c.channel == a.channel)).collect()
+fn rows_of(timeline: &Timeline, point: &SyncPoint) -> Vec<usize> {
+    point.arrivals.iter().filter_map(|a| timeline.channels.iter().position(|c| c.channel == a.channel)).collect()
 }

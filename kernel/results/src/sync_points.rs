@@ -1,7 +1,7 @@
-//! The meetings of a job: who arrived where and when, and when all went on.
+//! The sync points of a job: who arrived where and when, and when all continued.
 //!
-//! Put together from the stays of the channels when somebody asks for them. Invariant: completed meetings come in order
-//! of their number, then the waits that never came true in order of their first arrival; arrivals ascend by channel.
+//! Put together from the stays of the channels when somebody asks for them. *Invariant:* satisfied waits
+//! come in order of their number, then those that never were in order of their first arrival; arrivals ascend by channel.
 
 use std::fmt;
 use std::ops::Deref;
@@ -13,14 +13,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use counterpoint_event::event::{FileId, Primitive, Release, Wait};
 use counterpoint_event::info::{BLOCK_TEXT, Info};
 
-/// One meeting, or a wait that never came true.
+/// Channels that waited for each other, whether the wait was satisfied or not.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Meeting {
+pub struct SyncPoint {
     /// Mark as shown to people.
     pub key: Arc<str>,
     /// Primitive.
     pub kind: Primitive,
-    /// When everybody went on, ns; `None`: never.
+    /// When all continued, ns; `None`: never.
     pub release_ns: Option<i64>,
     /// Who arrived, ascending channel.
     pub arrivals: Vec<Arrival>,
@@ -41,22 +41,22 @@ pub struct Arrival {
     pub block: Arc<str>,
 }
 
-type Source = Box<dyn FnOnce() -> Vec<Meeting> + Send>;
+type Source = Box<dyn FnOnce() -> Vec<SyncPoint> + Send>;
 
-/// All meetings of a job, as a slice; copies share one list, which is made at the first look.
+/// All sync points of a job, as a slice; copies share one list, which is made at the first look.
 #[derive(Clone)]
-pub struct Waits(Arc<LazyLock<Vec<Meeting>, Source>>);
+pub struct Waits(Arc<LazyLock<Vec<SyncPoint>, Source>>);
 
 impl Waits {
-    fn new(source: impl FnOnce() -> Vec<Meeting> + Send + 'static) -> Self {
+    fn new(source: impl FnOnce() -> Vec<SyncPoint> + Send + 'static) -> Self {
         Self(Arc::new(LazyLock::new(Box::new(source))))
     }
 }
 
 impl Deref for Waits {
-    type Target = [Meeting];
+    type Target = [SyncPoint];
 
-    fn deref(&self) -> &[Meeting] {
+    fn deref(&self) -> &[SyncPoint] {
         &self.0
     }
 }
@@ -81,7 +81,7 @@ impl Serialize for Waits {
 
 impl<'de> Deserialize<'de> for Waits {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Vec::deserialize(deserializer).map(|meetings| Self::new(|| meetings))
+        Vec::deserialize(deserializer).map(|waits| Self::new(|| waits))
     }
 }
 
@@ -92,7 +92,7 @@ pub struct Stay {
     pub(super) since_ns: i64,
     file: FileId,
     pub(super) line: u32,
-    /// Number of the meeting that ended it and when it did; both 0: none yet.
+    /// Number of the sync point that ended it and when it did; both 0: none yet.
     met: (u64, i64),
 }
 
@@ -108,7 +108,7 @@ impl Stay {
         Self::new(&Arc::new(wait), release.since_ns, place)
     }
 
-    /// The channel goes on.
+    /// The channel continues.
     pub(super) fn ended(self, release: &Release, t_ns: i64) -> Self {
         Self { since_ns: release.since_ns, met: (release.meeting, t_ns), ..self }
     }
@@ -124,7 +124,7 @@ impl Stay {
     }
 }
 
-/// A meeting of which at least one channel has gone on.
+/// A sync point after which at least one channel has continued.
 #[derive(Debug)]
 struct Met {
     number: u64,
@@ -134,7 +134,7 @@ struct Met {
 }
 
 impl Met {
-    /// A channel that stands at a wait takes part, but has not gone on.
+    /// A channel that waits takes part, but has not continued.
     fn misses(&self, channel: u16, stay: &Stay) -> bool {
         let wait = &stay.wait;
         self.stays.first().is_some_and(|(_, first)| {
@@ -145,9 +145,9 @@ impl Met {
     }
 }
 
-/// Collects the meetings of a log.
+/// Collects the sync points of a log.
 #[derive(Debug)]
-pub(crate) struct Meetings {
+pub(crate) struct SyncPoints {
     info: Arc<Info>,
     /// Stays that have ended.
     ended: Vec<(u16, Vec<Stay>)>,
@@ -157,7 +157,7 @@ pub(crate) struct Meetings {
     met: Vec<Met>,
 }
 
-impl Meetings {
+impl SyncPoints {
     pub(crate) fn new(info: &Arc<Info>) -> Self {
         Self { info: info.clone(), ended: Vec::new(), open: Vec::new(), met: Vec::new() }
     }
@@ -168,8 +168,7 @@ impl Meetings {
         self.open.extend(open.map(|stay| (channel, stay)));
     }
 
-    /// Ends stays whose partner has been seen going on into the meeting: the log was cut between their releases.
-    /// `ended` hears of them.
+    /// Ends stays whose partner has continued: the log was cut between their releases. Calls `ended` with each of them.
     pub(crate) fn complete_cut(&mut self, mut ended: impl FnMut(u16, &Stay)) {
         if self.open.is_empty() {
             return;
@@ -193,12 +192,12 @@ impl Meetings {
         self.open.iter().find(|(c, _)| *c == channel).map(|(_, stay)| stay)
     }
 
-    /// Completed meetings, then waits that never came true.
+    /// Satisfied waits, then those that never were.
     pub(crate) fn finish(self) -> Waits {
         Waits::new(move || self.all())
     }
 
-    fn all(mut self) -> Vec<Meeting> {
+    fn all(mut self) -> Vec<SyncPoint> {
         self.met.extend(met(self.ended));
         let mut places = Places { info: &self.info, known: FxHashMap::default() };
         let mut all = Vec::with_capacity(self.met.len());
@@ -206,24 +205,24 @@ impl Meetings {
             let Some((_, first)) = stays.first() else { continue };
             let (key, kind, release_ns) = (first.key(), first.wait.primitive, Some(release_ns));
             let arrivals = stays.iter().map(|(channel, stay)| places.arrival(*channel, stay)).collect();
-            all.push(Meeting { key, kind, release_ns, arrivals });
+            all.push(SyncPoint { key, kind, release_ns, arrivals });
         }
         self.open.sort_by_key(|(channel, stay)| (stay.since_ns, *channel));
-        let mut open: Vec<(Arc<Wait>, Meeting)> = Vec::new();
+        let mut open: Vec<(Arc<Wait>, SyncPoint)> = Vec::new();
         for (channel, stay) in self.open {
             let arrival = places.arrival(channel, &stay);
             match open.iter_mut().find(|(wait, _)| **wait == *stay.wait) {
-                Some((_, meeting)) => {
-                    meeting.arrivals.push(arrival);
-                    meeting.arrivals.sort_by_key(|a| a.channel);
+                Some((_, point)) => {
+                    point.arrivals.push(arrival);
+                    point.arrivals.sort_by_key(|a| a.channel);
                 }
                 None => {
                     let (key, kind) = (stay.key(), stay.wait.primitive);
-                    open.push((stay.wait, Meeting { key, kind, release_ns: None, arrivals: vec![arrival] }));
+                    open.push((stay.wait, SyncPoint { key, kind, release_ns: None, arrivals: vec![arrival] }));
                 }
             }
         }
-        all.extend(open.into_iter().map(|(_, meeting)| meeting));
+        all.extend(open.into_iter().map(|(_, point)| point));
         all
     }
 }

@@ -1,13 +1,13 @@
-//! What people are told, and what the master says in the stream of a channel: the few events that results need in the
-//! order of the whole log.
+//! Diagnostics and verdicts: the few events that results need in the order of the whole log, also those of the master in
+//! the stream of a channel.
 //!
-//! Invariant: kept whole; everything else is read off each channel alone ([`super::lane`]).
+//! *Invariant:* kept whole; everything else is read off each channel alone ([`super::channel_results`]).
 
 use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Verdict};
 
 /// One such event.
 #[derive(Debug)]
-pub struct Told {
+pub struct Reported {
     pub t_ns: i64,
     pub micro: u32,
     pub channel: u16,
@@ -23,8 +23,8 @@ pub enum What {
     Verdict(Box<Verdict>),
 }
 
-impl Told {
-    /// `None` for events that only their channel is concerned with.
+impl Reported {
+    /// `None` for all other events.
     pub fn of(event: &Event) -> Option<Self> {
         let what = match &event.kind {
             Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),

@@ -1,13 +1,13 @@
-//! From a kernel's event stream into the results of its channel, on the kernel's own thread.
+//! The events of a kernel that wait to be taken into the results of its channel, on the kernel's own thread.
 //!
-//! An event may go in when no other kernel can still stop the job before it. Invariant: nothing after the stop of the
-//! job goes in, however far the kernel ran ahead.
+//! An event is taken when no other kernel can still stop the job before it. *Invariant:* nothing after the stop of the
+//! job is taken, however far the kernel ran ahead.
 
 use std::collections::VecDeque;
 
 use crate::tag::Tag;
 use counterpoint_event::event::Event;
-use counterpoint_results::lane::Lane;
+use counterpoint_results::channel_results::ChannelResults;
 
 /// Chunks that may wait for other kernels; beyond that the kernel lets them catch up.
 const MOST: usize = 1024;
@@ -16,11 +16,11 @@ const LOOK_EVERY: usize = 8;
 /// Chunks that wait for a moment when the kernel has nothing better to do.
 const PUT_OFF: usize = 16;
 
-/// The way into one lane.
-pub struct Feed {
+/// Chunks that wait, and the results that they will be taken into.
+pub struct Backlog {
     /// Number of the channel.
     pub rank: u16,
-    lane: Lane,
+    results: ChannelResults,
     /// Chunks, each with its bytes.
     waiting: VecDeque<(Vec<Event>, u64)>,
     /// Bytes that may wait.
@@ -36,11 +36,11 @@ pub struct Feed {
     pub last: (i64, u32),
 }
 
-impl Feed {
+impl Backlog {
     /// `room`: bytes that may wait for other kernels.
-    pub fn new(rank: u16, lane: Lane, room: u64) -> Self {
+    pub fn new(rank: u16, results: ChannelResults, room: u64) -> Self {
         let (waiting, spare) = (VecDeque::new(), Vec::new());
-        Self { rank, lane, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
+        Self { rank, results, waiting, room, bytes: 0, spare, floor: 0, events: 0, last: (0, 0) }
     }
 
     /// Takes events in at once if nobody else runs, nor ever will; `false` otherwise: [`put`](Self::put) them.
@@ -100,21 +100,21 @@ impl Feed {
         true
     }
 
-    /// The job has ended: takes the rest, up to its stop. Gives the lane back.
-    pub fn close(mut self, stop: Tag) -> (Lane, u64, (i64, u32)) {
+    /// The job has ended: takes the rest, up to its stop. Gives the results back.
+    pub fn close(mut self, stop: Tag) -> (ChannelResults, u64, (i64, u32)) {
         while let Some((events, _)) = self.waiting.pop_front() {
             let after = |e: &Event| Tag { t: e.t_ns, micro: e.micro, rank: self.rank } > stop;
             let end = events.iter().position(after).unwrap_or(events.len());
             self.keep(events.get(..end).unwrap_or_default());
         }
-        (self.lane, self.events, self.last)
+        (self.results, self.events, self.last)
     }
 
     fn keep(&mut self, events: &[Event]) {
         if let Some(last) = events.last() {
             self.last = (last.t_ns, last.micro);
             self.events += events.len() as u64;
-            self.lane.feed(events);
+            self.results.take(events);
         }
     }
 }

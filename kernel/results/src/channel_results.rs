@@ -1,15 +1,15 @@
 //! What is read off the events of one channel alone: its fingerprint, times, bars and path.
 //!
-//! Invariant: a lane needs nothing of other channels, so kernels may feed their lanes each on its own thread.
+//! *Invariant:* they need nothing of other channels, so each kernel may make its own on its own thread.
 
 use std::sync::Arc;
 
 use crate::digest::Digest;
-use crate::meetings::Stay;
+use crate::reported::Reported;
 use crate::spans::Spans;
 use crate::summary::tally::Tally;
+use crate::sync_points::Stay;
 use crate::timeline::bars::Bars;
-use crate::told::Told;
 use crate::toolpath::Track;
 use crate::tools::Tools;
 use counterpoint_event::event::{Event, FileId, Kind, MotionKind, Phase, Work};
@@ -17,7 +17,7 @@ use counterpoint_event::info::{self, Info};
 
 /// One channel of the results in the making.
 #[derive(Debug)]
-pub struct Lane {
+pub struct ChannelResults {
     /// Number of the channel.
     pub number: u16,
     info: Arc<Info>,
@@ -29,8 +29,8 @@ pub struct Lane {
     pub(super) wait: Option<Stay>,
     /// Stays that have ended.
     pub(super) stays: Vec<Stay>,
-    /// What was told while the lane was fed on its own.
-    pub(super) told: Vec<Told>,
+    /// Diagnostics and verdicts that came while they were made on their own.
+    pub(super) reported: Vec<Reported>,
     /// Start of the latest event.
     pub(super) last_ns: i64,
     /// Its tools.
@@ -41,7 +41,7 @@ pub struct Lane {
     pub(super) program: Option<FileId>,
 }
 
-impl Lane {
+impl ChannelResults {
     pub(super) fn new(info: &Arc<Info>, channel: &info::Channel) -> Self {
         Self {
             number: channel.number,
@@ -52,7 +52,7 @@ impl Lane {
             track: Track::new(info, channel),
             wait: None,
             stays: Vec::new(),
-            told: Vec::new(),
+            reported: Vec::new(),
             last_ns: 0,
             tools: Tools::default(),
             spans: Spans::default(),
@@ -65,12 +65,12 @@ impl Lane {
         self.tally.ended()
     }
 
-    /// The next events of the channel's own stream; those of the master that came up in it are put aside.
-    pub fn feed(&mut self, events: &[Event]) {
+    /// The next events of the channel's own stream; those of the master in it are put aside.
+    pub fn take(&mut self, events: &[Event]) {
         for event in events {
             match event.kind {
                 Kind::Block(_) | Kind::Motion(_) => {}
-                _ => self.told.extend(Told::of(event)),
+                _ => self.reported.extend(Reported::of(event)),
             }
             if event.channel == self.number {
                 self.event(event);

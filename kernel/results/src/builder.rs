@@ -1,0 +1,142 @@
+//! All results of a job in one pass over its events.
+//!
+//! Two ways lead to the same results: the ordered log, event by event ([`ResultsBuilder::event`]), or the stream of every
+//! channel into the results of that channel, on any thread, when nobody needs the order between channels.
+
+use std::sync::Arc;
+
+use counterpoint_event::Outcome;
+
+use crate::channel_results::ChannelResults;
+use crate::digest::{self, Digest};
+use crate::reported::Reported;
+use crate::summary::{self, ChannelState, Summary};
+use crate::sync_points::SyncPoints;
+use crate::timeline::{self, Timeline};
+use crate::toolpath::{self, Toolpath};
+use counterpoint_event::event::Event;
+use counterpoint_event::event::Work;
+use counterpoint_event::info::Info;
+
+/// Results in the making.
+#[derive(Debug)]
+pub struct ResultsBuilder {
+    info: Arc<Info>,
+    channels: Vec<ChannelResults>,
+    /// Fingerprint of the master's events.
+    master: Digest,
+    /// Diagnostics and verdicts, in the order of the log.
+    reported: Vec<Reported>,
+    last_ns: i64,
+}
+
+/// Results of a job.
+#[derive(Debug)]
+pub struct Results {
+    /// How it ended and how long everything took.
+    pub summary: Summary,
+    /// What every channel did when.
+    pub timeline: Timeline,
+    /// Where the tools went.
+    pub toolpath: Toolpath,
+}
+
+impl ResultsBuilder {
+    /// For a job that has not logged anything yet.
+    #[must_use]
+    pub fn new(info: &Arc<Info>) -> Self {
+        let channels = info.channels.iter().map(|channel| ChannelResults::new(info, channel)).collect();
+        Self { info: info.clone(), channels, master: Digest::new(), reported: Vec::new(), last_ns: 0 }
+    }
+
+    /// The next event of the ordered log.
+    #[inline]
+    pub fn event(&mut self, event: &Event) {
+        self.reported.extend(Reported::of(event));
+        match self.info.channel_index(event.channel).and_then(|index| self.channels.get_mut(index)) {
+            Some(channel) => channel.event(event),
+            None => self.of_master(event),
+        }
+    }
+
+    fn of_master(&mut self, event: &Event) {
+        self.last_ns = self.last_ns.max(event.t_ns);
+        self.master.event(event);
+    }
+
+    /// Gives the results of the channels away, in the order of the channels, to be made each on its own;
+    /// [`join`](Self::join) takes them back.
+    pub fn split(&mut self) -> Vec<ChannelResults> {
+        std::mem::take(&mut self.channels)
+    }
+
+    /// Takes the results of all channels back and puts their diagnostics and verdicts in order.
+    pub fn join(&mut self, channels: Vec<ChannelResults>) {
+        self.channels = channels;
+        // Those of a channel are in order; of those at the same tag the lower channel's come first.
+        let of_channels = self.channels.iter_mut().map(|channel| std::mem::take(&mut channel.reported));
+        let mut streams: Vec<_> = of_channels.map(|reported| reported.into_iter().peekable()).collect();
+        self.reported.reserve(streams.iter().map(ExactSizeIterator::len).sum());
+        loop {
+            let heads =
+                streams.iter_mut().filter_map(|stream| Some((stream.peek().map(|r| (r.t_ns, r.micro))?, stream)));
+            let Some(next) = heads.min_by_key(|(tag, _)| *tag).and_then(|(_, stream)| stream.next()) else { break };
+            if next.channel == 0 {
+                self.of_master(&next.event());
+            }
+            self.reported.push(next);
+        }
+    }
+
+    /// The log is complete.
+    #[must_use]
+    pub fn finish(self, outcome: &Outcome) -> Results {
+        let Self { info, mut channels, master, reported, last_ns } = self;
+        let last_ns = channels.iter().map(|channel| channel.last_ns).fold(last_ns, i64::max);
+        let mut findings = summary::Findings::new(&info);
+        reported.iter().for_each(|reported| findings.take(reported));
+        let mut sync_points = SyncPoints::new(&info);
+        for channel in &mut channels {
+            sync_points.take(channel.number, std::mem::take(&mut channel.stays), channel.wait.take());
+        }
+        sync_points.complete_cut(|number, stay| {
+            let Some(channel) = channels.iter_mut().find(|channel| channel.number == number) else { return };
+            let ns = stay.ns();
+            channel.tally.add(Work::Wait, ns);
+            channel.bars.wait(last_ns - ns, last_ns, stay);
+        });
+        let (mut ends, mut rows, mut tracks, mut digests) = (Vec::new(), Vec::new(), Vec::new(), vec![(0, master)]);
+        let mut cut_short = false;
+        for (results, channel) in channels.into_iter().zip(&info.channels) {
+            let ChannelResults { number, digest, mut tally, mut bars, track, program, tools, spans, .. } = results;
+            let stay = sync_points.standing(number);
+            let since = stay.map(|stay| stay.since_ns);
+            let (state, end_ns) = tally.close(since, last_ns, outcome.cancelled);
+            cut_short |= tally.is_cut_short(state);
+            if let (Some(stay), true) = (stay, state != ChannelState::Blocked) {
+                bars.wait(stay.since_ns, end_ns, stay);
+            }
+            let tools = tools.finish();
+            let spans = spans.finish(&info, &tools, end_ns);
+            let bars = (bars.finish(end_ns), spans);
+            rows.push(timeline::Channel::new(channel, bars, (state, end_ns), tally.wait_ns));
+            let mut end = summary::Channel::new(channel, &tally, (state, end_ns));
+            if let Some(file) = program {
+                info.file_name(file).clone_into(&mut end.program);
+            }
+            end.tools = tools;
+            ends.push(end);
+            tracks.push(track);
+            digests.push((number, digest));
+        }
+        let sync_points = sync_points.finish();
+        let digest = digest::log(digests.into_iter());
+        let tracks = tracks.into_iter().zip(&rows).map(|(track, row)| (track, row.tools.as_slice())).collect();
+        let toolpath = toolpath::Toolpath::new(&info, tracks);
+        Results {
+            summary: findings.finish(ends, sync_points.clone(), (outcome.cancelled, cut_short), digest),
+            timeline: Timeline::new(&info, rows, sync_points),
+            toolpath,
+        }
+    }
+}
