@@ -8,7 +8,7 @@ use crate::diag;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
-use crate::state::block::{Firing, Word};
+use crate::state::block::{PendingCode, Word};
 use counterpoint_fault::Acted;
 
 use crate::state::modal::group;
@@ -102,7 +102,7 @@ impl Kernel<'_> {
     fn code_of_word(&self, position: usize) -> Option<(Word, usize, u16)> {
         let word = self.channel.block.words.get(position).copied().filter(|word| Some(word.register) == self.plan.g)?;
         let rows = self.channel.env.machine.tables.code(word.register, word.value);
-        let fired = |firing: &Firing| firing.value == word.value && rows.contains(&firing.row);
+        let fired = |firing: &PendingCode| firing.value == word.value && rows.contains(&firing.row);
         let at = self.channel.block.firings.iter().position(fired)?;
         let group = self
             .channel
@@ -176,7 +176,7 @@ impl Kernel<'_> {
 
     fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
         self.channel.block.swallows |= !row.process;
-        self.channel.block.firings.push(Firing { order: row.order, row: index, value, implied, fragile: false });
+        self.channel.block.firings.push(PendingCode { order: row.order, row: index, value, implied, fragile: false });
     }
 
     /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
@@ -274,7 +274,7 @@ impl Kernel<'_> {
     }
 
     /// Lets one code act.
-    pub(crate) fn fire(&mut self, firing: Firing) -> Acted {
+    pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
         self.channel.check_stop()?;
         let machine = self.channel.env.machine;
         let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
@@ -293,7 +293,7 @@ impl Kernel<'_> {
 
     /// Value that a code hands over as data.
     #[inline]
-    pub(crate) fn data_of_firing(row: &CodeRow, firing: Firing) -> Option<(DataId, f64)> {
+    pub(crate) fn data_of_firing(row: &CodeRow, firing: PendingCode) -> Option<(DataId, f64)> {
         match row.form {
             CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
             _ => None,
@@ -302,7 +302,7 @@ impl Kernel<'_> {
 
     /// What firing a code means before it acts: its data, its modal group.
     #[inline(always)]
-    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: Firing) {
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: PendingCode) {
         self.channel.acting.as_data = Self::data_of_firing(row, firing);
         self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
         match row.modality {
@@ -315,13 +315,13 @@ impl Kernel<'_> {
 
     /// The built-in action of a code.
     #[inline(always)]
-    pub(crate) fn perform(&mut self, row: &CodeRow, firing: Firing) -> Acted {
-        let result = match self.plan.actions.get(usize::from(firing.row)).copied().flatten() {
+    pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
+        let result = match self.plan.action_of_row.get(usize::from(firing.row)).copied().flatten() {
             Some(action) => {
                 if self.channel.env.trace.is_some() {
                     self.trace_code(row.id);
                 }
-                crate::action::act(self, action, row, firing)
+                action.run(self, row, &firing)
             }
             None => {
                 self.trace_ignored(row.id);

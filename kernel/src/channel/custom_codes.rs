@@ -6,14 +6,14 @@
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use super::data::Datum;
 use crate::diag;
 use crate::machine::ident::{CodeId, DataId, codes, data};
 use crate::machine::macros::condition::Item;
 use crate::machine::model::{CodeForm, Dimension};
 use crate::macros::host::{code_id, code_value, data_value};
 use crate::macros::runtime::Task;
-use crate::state::block::Firing;
+use crate::state::block::Datum;
+use crate::state::block::PendingCode;
 use crate::state::modal::group;
 use counterpoint_fault::{Acted, Halt};
 
@@ -156,7 +156,7 @@ impl Kernel<'_> {
 
     /// A code that has been taken off the block: its macro, else its action.
     #[inline(never)]
-    pub(crate) fn fire_custom(&mut self, firing: Firing, id: CodeId) -> Acted {
+    pub(crate) fn fire_custom(&mut self, firing: PendingCode, id: CodeId) -> Acted {
         let outer = self.set_code(Some(id));
         let done = self.run_code(firing, id);
         self.set_code(outer);
@@ -168,7 +168,7 @@ impl Kernel<'_> {
         std::mem::replace(&mut runtime.store.code, id)
     }
 
-    fn run_code(&mut self, firing: Firing, id: CodeId) -> Acted {
+    fn run_code(&mut self, firing: PendingCode, id: CodeId) -> Acted {
         let Some(code) = self.matching_macro(id) else {
             let machine = self.channel.env.machine;
             let row = machine.codes.get(usize::from(firing.row));
@@ -179,7 +179,7 @@ impl Kernel<'_> {
     }
 
     /// `$P2` of a code macro.
-    fn value_of_code(&self, firing: Firing) -> Value {
+    fn value_of_code(&self, firing: PendingCode) -> Value {
         match self.channel.env.machine.codes.get(usize::from(firing.row)).map(|row| &row.form) {
             Some(CodeForm::Text(text)) => Value::text(text.as_str()),
             _ => Value::Real(self.code_number(firing)),
@@ -187,7 +187,7 @@ impl Kernel<'_> {
     }
 
     /// OUTPUT of a code macro: the code that `$P1` holds now goes on to the next macro or to its action.
-    pub(crate) fn output_code(&mut self, firing: Firing, id: CodeId, wanted: Option<&Value>) -> Acted {
+    pub(crate) fn output_code(&mut self, firing: PendingCode, id: CodeId, wanted: Option<&Value>) -> Acted {
         let target = match wanted {
             None => id,
             Some(value @ Value::Code(_)) => match code_id(value) {
@@ -208,7 +208,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let facts = |row: u16| machine.codes.get(usize::from(row));
         let own = facts(firing.row).and_then(|row| Self::data_of_firing(row, firing));
-        let firing = Firing { row, ..firing };
+        let firing = PendingCode { row, ..firing };
         self.channel.acting.as_data = own;
         if target != id
             && let Some(row) = facts(row)

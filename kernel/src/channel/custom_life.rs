@@ -6,7 +6,6 @@ use counterpoint_lang::value::Value;
 
 use super::Kernel;
 use super::flow::{Flow, Frame};
-use crate::action;
 use crate::diag;
 use crate::dialect::Answer;
 use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
@@ -83,7 +82,7 @@ impl Kernel<'_> {
                 (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
                 (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
-            action::frame::forget(self);
+            self.forget_frame();
             if let Some(channel) =
                 self.channel.env.machine.channels.iter().find(|channel| channel.number == self.channel.at.channel)
             {
@@ -101,7 +100,7 @@ impl Kernel<'_> {
         }
         self.channel.block.clear();
         if !reset {
-            self.switch_cutter();
+            self.switch_compensation();
         }
         (self.channel.at.file, self.channel.at.line) = (file, 0);
         for _ in self.flow.frames.iter().filter(|frame| frame.own_variables) {

@@ -5,19 +5,7 @@
 use super::Kernel;
 use crate::diag;
 use crate::machine::ident::DataId;
-
-/// A value taken off the block.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Datum {
-    /// Value after factor and change of units.
-    pub(crate) value: f64,
-    /// Written with the incremental name.
-    pub(crate) incremental: bool,
-    /// Absolute even where the mode says incremental: a macro has said so.
-    pub(crate) absolute: bool,
-    /// Written without any fraction or as such: value before the factor.
-    pub(crate) raw: f64,
-}
+use crate::state::block::Datum;
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
 pub(super) const RECALLED: u128 = 1 << 127;

@@ -141,7 +141,7 @@ impl Kernel<'_> {
         if to == motion.to && rapid == (motion.kind == MotionKind::Rapid) {
             return self.move_to(seconds, motion);
         }
-        self.straight_again(motion, rapid, to)
+        (self.plan.actions.change_straight)(self, motion, rapid, to)
     }
 
     /// The end of a motion with what the macro has changed.
@@ -251,7 +251,7 @@ impl Kernel<'_> {
             self.operation_of_tool();
         }
         self.emit(ns, Kind::Tool { action, tool: self.channel.state.place.tool, offset });
-        self.advance(ns);
+        self.channel.advance(ns);
         Ok(())
     }
 }

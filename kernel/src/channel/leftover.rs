@@ -21,7 +21,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn left_over(&mut self) -> Acted {
         if self.channel.has_any(self.plan.speed_registers) {
-            crate::action::spindle::speed_word(self)?;
+            (self.plan.actions.speed_word)(self)?;
         }
         if self.channel.block.has_leftovers() {
             for position in 0..self.channel.block.words.len() {

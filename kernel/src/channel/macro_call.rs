@@ -8,7 +8,6 @@ use super::custom_calls::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;
-use crate::action::subprogram::passes;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
 use crate::state::block::odd;
@@ -63,7 +62,7 @@ impl Kernel<'_> {
         };
         let passes = match (words.way, words.count, self.flow.modal_call.as_deref()) {
             (None, _, Some(call)) => call.passes,
-            (_, Some(count), _) => passes(self, count).max(1),
+            (_, Some(count), _) => self.passes(count).max(1),
             _ => 1,
         };
         let arguments = words.arguments;

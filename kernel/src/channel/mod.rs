@@ -4,13 +4,18 @@
 //! channels can see or change goes through a shared operation at the kernel's tag; in the steady state a block
 //! allocates nothing.
 
+pub(crate) mod actions;
 mod burden;
+mod calls;
 pub(crate) mod carried;
+mod code_time;
 pub(crate) mod codes;
 pub(crate) mod custom;
 pub(crate) mod custom_calls;
 pub(crate) mod custom_codes;
 pub(crate) mod custom_life;
+mod cycle_codes;
+mod cycle_event;
 pub(crate) mod data;
 mod definitions;
 mod diagnostics;
@@ -18,6 +23,7 @@ mod embedded;
 pub(crate) mod emit;
 pub(crate) mod events;
 pub(crate) mod flow;
+mod frame;
 mod interpreted;
 pub(crate) mod leftover;
 mod letter_zero;
@@ -25,6 +31,7 @@ pub(crate) mod life;
 mod macro_call;
 pub(crate) mod macros;
 mod modal_call;
+mod motion;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
@@ -35,9 +42,12 @@ pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
+mod spindle;
 mod text;
+mod tool_data;
 mod unknown;
 pub(crate) mod variables;
+mod wait;
 mod word_calls;
 
 use counterpoint_fault::Halt;
@@ -121,11 +131,6 @@ impl Kernel<'_> {
         }
     }
 
-    /// Moves the clock on.
-    pub(crate) fn advance(&mut self, ns: i64) {
-        self.channel.at.advance(ns);
-    }
-
     /// Runs an operation on what the channels share, in tag order.
     ///
     /// # Errors
@@ -137,7 +142,7 @@ impl Kernel<'_> {
             return Ok(coordinator.unordered(operation));
         }
         if self.ports.emitter.is_late(self.channel.at.clock) {
-            self.settle()?;
+            self.flush_lookahead()?;
         }
         self.ports.control.disturb(self.channel.at.channel);
         let tag = self.tag();

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use super::actions::{Action, Actions};
 use super::data::RECALLED;
 use super::refusals::Refusals;
 use super::scan::Scanner;
 use super::word_calls::WordCalls;
-use crate::action::Action;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
 use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
@@ -19,7 +19,9 @@ pub(crate) struct Plan {
     /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
     /// Action of each code row.
-    pub(crate) actions: Vec<Option<Action>>,
+    pub(crate) action_of_row: Vec<Option<&'static dyn Action>>,
+    /// What else is asked of the actions.
+    pub(crate) actions: &'static Actions,
     /// Register of the G letter, for macro calls of the pre-processor.
     pub(crate) g: Option<u8>,
     /// Words that call programs; `None` when the machine has none.
@@ -248,7 +250,17 @@ fn lead_is_feed(machine: &Machine) -> bool {
 }
 
 impl Plan {
-    pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
+    /// Where the values of an identifier come from.
+    pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
+        self.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Registers that can supply an identifier, bit by register.
+    pub(crate) fn registers_of(&self, id: DataId) -> u128 {
+        self.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
+    }
+
+    pub(crate) fn new(machine: &Machine, opskip: &[u8], actions: &'static Actions) -> Self {
         let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
         let mut motion_registers = 0_u128;
         let mut speed_registers = 0_u128;
@@ -276,7 +288,8 @@ impl Plan {
             only_data: only_data.fold(0, |bits, r| bits | 1 << r),
             unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
             scanner: Scanner::new(machine, opskip),
-            actions: machine.codes.iter().map(|row| Action::of(row.id)).collect(),
+            action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
+            actions,
             g,
             word_calls: WordCalls::new(machine),
             definition,

@@ -9,7 +9,7 @@ use crate::machine::Machine;
 use crate::machine::model::CodeRow;
 use crate::machine::refusals::{Active, Refusal, WordRule, Written};
 use crate::machine::tables::form_range;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use counterpoint_fault::Acted;
 
 /// The rules of a machine, by what they look for.
@@ -83,7 +83,7 @@ impl Kernel<'_> {
             self.foreign_axis()?;
         }
         let Some(refusals) = self.plan.rules.refusals.as_deref() else { return Ok(()) };
-        let looked = |firing: &Firing| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
+        let looked = |firing: &PendingCode| refusals.rows.get(usize::from(firing.row)).copied().unwrap_or(0);
         let rules = self.channel.block.firings.iter().fold(0, |bits, firing| bits | looked(firing));
         if rules != 0 || self.channel.block.present & refusals.registers != 0 {
             return self.refused(rules | refusals.free);
@@ -152,7 +152,7 @@ impl Kernel<'_> {
         wrong || rule.most.is_some_and(|most| count > usize::from(most))
     }
 
-    fn is_written(&self, code: &Written, firing: &Firing) -> bool {
+    fn is_written(&self, code: &Written, firing: &PendingCode) -> bool {
         let row = self.channel.env.machine.codes.get(usize::from(firing.row));
         row.is_some_and(|row| match *code {
             Written::Id(id) => row.id == id,
@@ -167,7 +167,7 @@ impl Kernel<'_> {
     }
 
     /// A code is active before the block, and no other one of its group on the block ends it.
-    fn is_on(&self, state: &Active, trigger: Option<&Firing>) -> bool {
+    fn is_on(&self, state: &Active, trigger: Option<&PendingCode>) -> bool {
         let others = self.channel.block.firings.iter().filter(|firing| !firing.implied && Some(*firing) != trigger);
         let mut rows = others.filter_map(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
         let ended = rows.any(|row| row.group == state.group && row.id != state.id);

@@ -14,7 +14,7 @@ use crate::log::event::Kind;
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 use crate::state::burden::shortened;
 use counterpoint_fault::Acted;
 
@@ -83,9 +83,11 @@ impl Kernel<'_> {
             None => Ok(()),
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
             Some(target) => match self.row_of_code(target) {
-                Some(row) => {
-                    self.output_code(Firing { order: 0, row, value: 0.0, implied: false, fragile: false }, target, None)
-                }
+                Some(row) => self.output_code(
+                    PendingCode { order: 0, row, value: 0.0, implied: false, fragile: false },
+                    target,
+                    None,
+                ),
                 None => {
                     self.no_such_code(target);
                     Ok(())

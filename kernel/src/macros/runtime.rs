@@ -20,12 +20,12 @@ use super::asked::Asked;
 use super::host::variables::Store;
 use super::host::{operations::Operations, sums::Sums, travel::Travel};
 use super::reused::Reused;
-use crate::action::cycle::Hole;
 use crate::channel::scan::Scanner;
 use crate::log::event::{FileId, MAX_AXES, Motion, Origin, ToolAction};
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::macros::model::{HOOKS, Hook, Macros};
-use crate::state::block::{Block, Firing};
+use crate::state::block::{Block, PendingCode};
+use crate::state::cycle::Hole;
 use counterpoint_fault::Halt;
 
 /// Steps that one call of a macro may take, with everything it calls.
@@ -49,7 +49,7 @@ pub(crate) enum Task {
     /// Nothing: startup, shutdown, data and identification macros.
     None,
     /// The action of a code.
-    Code(Firing, CodeId),
+    Code(PendingCode, CodeId),
     /// A comment or a message to the operator.
     Remark(CodeId, Arc<String>),
     /// A motion, with its duration in seconds.

@@ -23,7 +23,7 @@ pub(crate) struct Word {
 
 /// A code that is going to act.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Firing {
+pub(crate) struct PendingCode {
     /// Order of its row.
     pub(crate) order: u16,
     /// Row of the code table.
@@ -34,6 +34,19 @@ pub(crate) struct Firing {
     pub(crate) implied: bool,
     /// It acts only if something of what fires it is left by then.
     pub(crate) fragile: bool,
+}
+
+/// A value taken off the block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Datum {
+    /// Value after factor and change of units.
+    pub(crate) value: f64,
+    /// Written with the incremental name.
+    pub(crate) incremental: bool,
+    /// Absolute even where the mode says incremental: a macro has said so.
+    pub(crate) absolute: bool,
+    /// Written without any fraction or as such: value before the factor.
+    pub(crate) raw: f64,
 }
 
 /// Words of a block at most, and texts of other kinds.
@@ -66,7 +79,7 @@ pub(crate) struct Block {
     /// Words, left to right.
     pub(crate) words: Vec<Word>,
     /// Codes, by order.
-    pub(crate) firings: Vec<Firing>,
+    pub(crate) firings: Vec<PendingCode>,
     /// Spans of the line that no register knows.
     pub(crate) unknown: Vec<(u32, u32)>,
     /// Spans of operator messages.

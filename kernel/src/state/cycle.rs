@@ -3,9 +3,12 @@
 //! Invariant: heights and amounts belong to one run of cycles, from the first code to the cancellation; a macro that
 //! sets a value before the first code begins that run. Facts: reference system-variables.md 8.
 
+use super::channel::Channel;
+use super::modal::group;
 use crate::log::event::{FeedUnit, Position};
 use crate::machine::Machine;
-use crate::machine::ident::kind::cycle::Kind;
+use crate::machine::ident::kind::CodeKind;
+use crate::machine::ident::kind::cycle::HoleCycle;
 use crate::machine::ident::{CodeId, codes};
 
 /// A height: a position, or a distance from another height, as programmed.
@@ -24,6 +27,27 @@ impl Height {
 
 /// Webs after the first one.
 pub(crate) const FURTHER_WEBS: usize = 3;
+
+/// One hole: where it is and between which heights, all in the work frame as programmed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hole {
+    /// Position; its value along the axis of the cycle does not count.
+    pub(crate) target: Position,
+    /// Axes that were coded, bit by axis.
+    pub(crate) coded: u8,
+    /// Axis of the cycle in channel order.
+    pub(crate) axis: usize,
+    /// Height where feeding begins.
+    pub(crate) clear: f64,
+    /// Height where the tool is left.
+    pub(crate) back: f64,
+    /// Depth; none if nothing has ever told it.
+    pub(crate) depth: Option<f64>,
+    /// Lower clearance of back boring.
+    pub(crate) bottom: Option<f64>,
+    /// Start and depth of the webs behind the first one.
+    pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
+}
 
 /// The cycle of a channel.
 #[derive(Debug, Clone, Copy)]
@@ -129,7 +153,13 @@ impl Cycle {
     }
 
     /// A cycle code acts: begins a cycle, or goes on with another kind.
-    pub(crate) fn begin(&mut self, machine: &Machine, kind: Kind, code: CodeId, (axis, level): ((usize, usize), f64)) {
+    pub(crate) fn begin(
+        &mut self,
+        machine: &Machine,
+        kind: HoleCycle,
+        code: CodeId,
+        (axis, level): ((usize, usize), f64),
+    ) {
         self.running &= !self.activator;
         self.prepare(machine);
         if !self.running || self.axis != Some(axis) {
@@ -157,5 +187,23 @@ impl Cycle {
         self.prepared = false;
         self.number = 0.0;
         self.rigid = 0.0;
+    }
+}
+
+impl Channel<'_> {
+    /// The active code of the cycle group acts on every position.
+    pub(crate) fn cycle_repeats(&self) -> bool {
+        match self.state.modal.code(group::CYCLE).map(|code| (code, code.kind())) {
+            Some((_, CodeKind::Cycle(_))) => !self.state.cycle.activator,
+            Some((codes::CYCLE_ON, _) | (_, CodeKind::ThreadCycle(_))) => true,
+            _ => false,
+        }
+    }
+
+    /// Follows active codes that were set without acting: no cycle code, no cycle.
+    pub(crate) fn follow_cycle(&mut self) {
+        if self.state.cycle.running && !self.cycle_repeats() {
+            self.state.cycle.end();
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! macro that sets one of them before its code sets it for that cycle. Facts: reference system-variables.md 8.
 
 use crate::machine::Machine;
-use crate::machine::ident::kind::thread::Kind;
+use crate::machine::ident::kind::thread::ThreadCycle;
 
 /// What is known about the threads of a channel.
 #[derive(Debug, Clone, Copy)]
@@ -12,21 +12,21 @@ pub(crate) struct Threads {
     /// Starts of the last thread.
     pub(crate) starts: f64,
     /// Its cycles.
-    pub(crate) cycle: ThreadCycle,
+    pub(crate) cycle: Threading,
 }
 
 impl Threads {
     /// No thread yet.
     pub(crate) fn new(machine: &Machine) -> Self {
-        Self { starts: 1.0, cycle: ThreadCycle::new(machine) }
+        Self { starts: 1.0, cycle: Threading::new(machine) }
     }
 }
 
 /// Threading cycles of a channel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ThreadCycle {
+pub(crate) struct Threading {
     /// The cycle that acted last, and on which block.
-    pub(crate) kind: Option<Kind>,
+    pub(crate) kind: Option<ThreadCycle>,
     pub(crate) block: u64,
     /// A macro has set depth, step or passes of the cycle to come.
     prepared: bool,
@@ -57,7 +57,7 @@ pub(crate) struct ThreadCycle {
     pub(crate) taper: f64,
 }
 
-impl ThreadCycle {
+impl Threading {
     /// Settings of the machine.
     pub(crate) fn new(machine: &Machine) -> Self {
         let threads = &machine.threads;
@@ -104,7 +104,7 @@ impl ThreadCycle {
     }
 
     /// The kind that acts on a block.
-    pub(crate) fn acting(&self, block: u64) -> Option<Kind> {
+    pub(crate) fn acting(&self, block: u64) -> Option<ThreadCycle> {
         self.kind.filter(|_| self.block == block)
     }
 

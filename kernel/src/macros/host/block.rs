@@ -11,7 +11,7 @@ use super::{code_id, code_value, data_id};
 use crate::channel::Kernel;
 use crate::machine::ident::{CodeId, DataId};
 use crate::machine::model::CodeForm;
-use crate::state::block::Firing;
+use crate::state::block::PendingCode;
 
 /// Codes and data that macros may add to one block.
 const MOST_ADDED: usize = 1000;
@@ -29,7 +29,7 @@ impl Kernel<'_> {
             self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
         let before = self.channel.state.modal.code(group);
         self.channel.state.modal.activate(group, id, row);
-        self.follow_cycle();
+        self.channel.follow_cycle();
         self.channel.follow_spindle();
         self.channel.follow_clamps();
         before
@@ -67,7 +67,7 @@ impl Kernel<'_> {
         let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
-        let firing = Firing { order: facts.order, row, value, implied: false, fragile: false };
+        let firing = PendingCode { order: facts.order, row, value, implied: false, fragile: false };
         let next = self.channel.block.next.min(self.channel.block.firings.len());
         let rest = self.channel.block.firings.get(next..).unwrap_or(&[]);
         let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
@@ -87,7 +87,7 @@ impl Kernel<'_> {
     }
 
     /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
-    pub(crate) fn code_number(&self, firing: Firing) -> f64 {
+    pub(crate) fn code_number(&self, firing: PendingCode) -> f64 {
         match self.channel.env.machine.codes.get(usize::from(firing.row)) {
             Some(row) if matches!(row.form, CodeForm::Register { .. } | CodeForm::RegisterAsData { .. }) => {
                 firing.value * row.mul + row.add

@@ -6,9 +6,9 @@ use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::ident::minor_code;
 use counterpoint_lang::value::Value;
 
-use crate::action::clamp::Modulo;
 use crate::channel::Kernel;
 use crate::machine::ident::{DataId, data};
+use crate::state::clamps::Modulo;
 
 /// What a function names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

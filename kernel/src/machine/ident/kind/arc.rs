@@ -1,20 +1,20 @@
 //! What codes of circles say by themselves.
 
-use super::super::{CodeId, codes};
-
 /// Words that tell a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum By {
+pub enum By {
     /// A radius if there is one, else a centre.
     #[default]
     Any,
+    /// A centre.
     Center,
+    /// A radius.
     Radius,
 }
 
 /// What a code of circles tells by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Form {
+pub struct Form {
     /// Direction, if the code has one.
     pub(crate) clockwise: Option<bool>,
     pub(crate) by: By,
@@ -23,18 +23,7 @@ pub(crate) struct Form {
 }
 
 impl Form {
-    /// The form of a code.
-    pub(crate) fn of(id: CodeId) -> Option<Self> {
-        let form = |clockwise, by, helix| Self { clockwise, by, helix };
-        Some(match id {
-            codes::INTERP_ARC_CLW => form(Some(true), By::Any, false),
-            codes::INTERP_ARC_CCLW => form(Some(false), By::Any, false),
-            codes::INTERP_HELIX_CLW => form(Some(true), By::Any, true),
-            codes::INTERP_HELIX_CCLW => form(Some(false), By::Any, true),
-            codes::INTERP_HELIX => form(None, By::Any, true),
-            codes::INTERP_ARC_CENTER => form(None, By::Center, false),
-            codes::INTERP_ARC_RADIUS => form(None, By::Radius, false),
-            _ => return None,
-        })
+    pub(crate) const fn new(clockwise: Option<bool>, by: By, helix: bool) -> Self {
+        Self { clockwise, by, helix }
     }
 }

@@ -53,7 +53,7 @@ fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> 
 /// `$DCOMP`: the code becomes active, and the path follows it.
 fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
     set_group(kernel, &DIAMETER, value)?;
-    kernel.switch_cutter();
+    kernel.switch_compensation();
     Ok(())
 }
 

@@ -5,16 +5,16 @@
 use counterpoint_fault::Acted;
 use counterpoint_lang::value::Value;
 
-use super::Hole;
-use crate::channel::Kernel;
+use super::Kernel;
 use crate::machine::macros::model::Hook;
 use crate::macros::host::code_value;
 use crate::macros::runtime::Task;
+use crate::state::cycle::Hole;
 
 impl Kernel<'_> {
     /// Makes a hole, by way of its macro if there is one.
-    pub(super) fn cycle_event(&mut self, hole: &Hole) -> Acted {
-        let Some(code) = self.hook(Hook::Cycle) else { return self.make_hole(hole) };
+    pub(crate) fn cycle_event(&mut self, hole: &Hole) -> Acted {
+        let Some(code) = self.hook(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
         let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
         let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.reference);
@@ -41,6 +41,6 @@ impl Kernel<'_> {
             bottom: bottom.or(hole.bottom),
             ..hole
         };
-        self.make_hole(&hole)
+        (self.plan.actions.make_hole)(self, &hole)
     }
 }
