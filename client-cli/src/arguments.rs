@@ -8,7 +8,7 @@ const EXAMPLES: &str = "\
 Examples:
   counterpoint run part.nc                      run a program, guess the machine
   counterpoint machine list                     list the machines
-  counterpoint macro explain 2900050            explain a diagnostic";
+  counterpoint explain wait-mismatch            explain a diagnostic";
 
 const RUN_EXAMPLES: &str = "\
 Examples:
@@ -61,6 +61,12 @@ pub(crate) enum Command {
     /// Check, rewrite, run and explain macros
     #[command(subcommand)]
     Macro(crate::macros::arguments::Macro),
+    /// Explain a diagnostic by its name or number, an alarm, or a word of the macro language
+    Explain {
+        /// no-feed, 2019001, PS0160, $FSIN, DECLAR, $TLTAB, CODE_RAPID
+        #[arg(value_name = "NAME|NUMBER")]
+        what: String,
+    },
     /// Print a completion script for a shell
     Completions {
         /// The shell

@@ -34,6 +34,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Result(arguments) => result(arguments).await,
         Command::Machine(arguments) => machine(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
+        Command::Explain { what } => macros::explain(&what),
         Command::Completions { shell } => {
             say::data(completions::script(shell).as_bytes())?;
             Ok(0)

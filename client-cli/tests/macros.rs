@@ -217,7 +217,8 @@ fn explain_knows_numbers_and_names() {
     let folder = folder(&[]);
     let explained = |what: &str| counterpoint(folder.path(), &["explain", what]);
     let (code, out, _) = explained("2910011");
-    assert!(code == 0 && out.starts_with("# 02910011: "), "{out}");
+    assert!(code == 0 && out.starts_with("# 02910011 `unknown-command`: "), "{out}");
+    assert_eq!(explained("unknown-command"), explained("2910011"));
     assert_eq!(explained("02910011"), explained("2910011"));
     assert_eq!(explained("$FSIN").1, "$FSIN(angle)\ngives: number\n\nSine of an angle in degrees.\n");
     assert_eq!(explained("fsin"), explained("$FSIN"));
@@ -228,8 +229,8 @@ fn explain_knows_numbers_and_names() {
     assert!(explained("CODE_RAPID").1.contains("modal group 1"));
     assert!(explained("CODE_DELAY").1.ends_with("It takes REG_DELAY.\n"));
     assert!(explained("data_tool").1.contains("It is taken by CODE_TOOL_LOAD, CODE_TOOL_SELECT.\n"));
-    assert!(explained("PS0160").1.starts_with("# 02900050: "));
-    assert!(explained("ps0161").1.starts_with("# 02900051: "));
+    assert!(explained("PS0160").1.starts_with("# 02900050 `wait-mismatch`: "));
+    assert!(explained("ps0161").1.starts_with("# 02900051 `wait-illegal-channels`: "));
     assert!(explained("//").1.starts_with("//\nOperator"));
     assert!(explained(".and.").1.starts_with(".AND. &&\nOperator"));
     assert!(explained("!(s34)").1.contains("7.35 gives '73500'"));

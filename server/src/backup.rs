@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use uuid::Uuid;
 
 use crate::doctor::examine;
-use crate::ledger::checkup::{Checkup, copy_ledger};
+use crate::local::ledger::checkup::{Checkup, copy_ledger};
+use crate::local::store::Store;
 use crate::reason::Refusal;
 use crate::results::Document;
-use crate::store::Store;
 
 /// Time that a server gets to begin with the copy of its ledger.
 const PATIENCE: Duration = Duration::from_secs(30);

@@ -1,28 +1,16 @@
 //! Contents of files, named by their SHA-256.
 //!
-//! In files of the data folder; a server that keeps nothing (an ephemeral one) holds them in memory. Invariant: a blob
-//! under its name has that digest and is complete; it is never changed.
+//! [`Blobs`] is the seam; those in the data folder or in memory are in `local`. Invariant: a blob under its name has
+//! that digest and is complete; it is never changed.
 
-use std::fs;
-use std::io::{self, Read, Write};
-use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::fmt::Debug;
+use std::io::{self, Read};
+use std::time::Duration;
 
 use bytes::Bytes;
-use dashmap::DashMap;
 use sha2::{Digest, Sha256};
 
-use crate::local::disk::Temporary;
 use crate::reason::Refusal;
-use crate::store::Store;
-
-/// Most bytes that are set aside for an announced size before they come.
-const RESERVE: usize = 64 << 20;
-
-/// A blob offered again within this time keeps its time.
-const FRESH: Duration = Duration::from_secs(1);
-/// Most blobs that are looked at in one step of a collection.
-const GROUP: usize = 64;
 
 /// Digest of a content as 64 lower-case hexadecimal digits.
 pub(crate) fn digest(content: &[u8]) -> String {
@@ -39,303 +27,46 @@ pub(crate) fn is_digest(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// The blobs of a server.
-#[derive(Debug, Clone)]
-pub(crate) struct Blobs {
-    place: Place,
-    max: u64,
-}
-
-/// Where blobs are.
-#[derive(Debug, Clone)]
-enum Place {
-    Files(Store),
-    Memory(Arc<DashMap<String, Bytes>>),
-}
-
-impl Blobs {
-    pub(crate) fn new(store: Store, max: u64) -> Self {
-        Self { place: Place::Files(store), max }
-    }
-
-    /// Blobs that go with the server.
-    pub(crate) fn in_memory(max: u64) -> Self {
-        Self { place: Place::Memory(Arc::default()), max }
-    }
-
-    pub(crate) fn has(&self, digest: &str) -> bool {
-        match &self.place {
-            Place::Files(store) => is_digest(digest) && store.blob(digest).is_file(),
-            Place::Memory(blobs) => blobs.contains_key(digest),
-        }
-    }
-
-    /// Whether the content of a blob is what its name says; nothing is done if not.
-    pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
-        let Place::Files(store) = &self.place else { return Ok(true) };
-        let mut hash = Sha256::new();
-        io::copy(&mut store.disk().open(&store.blob(digest))?, &mut hash)?;
-        Ok(hex(&hash.finalize()) == digest)
-    }
+/// Keeps blobs. All calls may block.
+pub(crate) trait Blobs: Send + Sync + Debug {
+    fn has(&self, digest: &str) -> bool;
 
     /// Refuses when one of these is not there.
-    pub(crate) fn require<'a>(&self, digests: impl Iterator<Item = &'a String>) -> Result<(), Refusal> {
+    fn require(&self, digests: &mut dyn Iterator<Item = &String>) -> Result<(), Refusal> {
         let missing: Vec<String> = digests.filter(|digest| !self.has(digest)).cloned().collect();
         if missing.is_empty() { Ok(()) } else { Err(Refusal::MissingBlobs(missing)) }
     }
 
     /// Same as [`has`](Self::has) for somebody who relies on it: the blob is as good as uploaded now.
-    pub(crate) fn offers(&self, digest: &str) -> bool {
-        if let Place::Files(store) = &self.place
-            && self.age(digest).is_some_and(|age| age > FRESH)
-        {
-            // Not being able to is fine: then the blob may be collected, and the client is asked for it again.
-            let file = fs::File::options().append(true).open(store.blob(digest));
-            let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
-        }
-        self.has(digest)
-    }
-
-    /// Time since a blob was uploaded or offered; `None` if there is none, or if the clock has been set back since.
-    fn age(&self, digest: &str) -> Option<Duration> {
-        match &self.place {
-            Place::Files(store) if is_digest(digest) => {
-                fs::metadata(store.blob(digest)).ok()?.modified().ok()?.elapsed().ok()
-            }
-            _ => None,
-        }
-    }
-
-    /// Blobs in files that have been neither uploaded nor offered for a while, in small groups.
-    pub(crate) fn older_than(&self, grace: Duration) -> impl Iterator<Item = Vec<String>> + '_ {
-        (0..=255u8).flat_map(move |first| {
-            let names = match &self.place {
-                Place::Files(store) => store.blobs(&hex(&[first])).unwrap_or_default(),
-                Place::Memory(_) => Vec::new(),
-            };
-            let old: Vec<_> = names.into_iter().filter(|name| self.age(name).is_some_and(|age| age >= grace)).collect();
-            old.chunks(GROUP).map(<[String]>::to_vec).collect::<Vec<_>>()
-        })
-    }
-
-    /// Removes a blob in a file if it is still that old.
-    pub(crate) fn remove_older(&self, digest: &str, grace: Duration) -> bool {
-        let Place::Files(store) = &self.place else { return false };
-        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(digest)).is_ok()
-    }
-
-    pub(crate) fn read(&self, digest: &str) -> io::Result<Bytes> {
-        match &self.place {
-            Place::Files(store) => match store.disk().read(&store.blob(digest)) {
-                Ok(content) if self::digest(&content) == digest => Ok(content.into()),
-                Ok(_) => Err(self.damaged(digest)),
-                Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone(digest)),
-                other => other.map(Bytes::from),
-            },
-            Place::Memory(blobs) => {
-                blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
-            }
-        }
-    }
+    fn offers(&self, digest: &str) -> bool;
 
     /// Bytes of a blob, 0 if there is none.
-    pub(crate) fn size(&self, digest: &str) -> u64 {
-        match &self.place {
-            Place::Files(store) => fs::metadata(store.blob(digest)).map_or(0, |meta| meta.len()),
-            Place::Memory(blobs) => blobs.get(digest).map_or(0, |blob| blob.len() as u64),
-        }
-    }
+    fn size(&self, digest: &str) -> u64;
 
-    /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
-    fn damaged(&self, digest: &str) -> io::Error {
-        if let Place::Files(store) = &self.place {
-            let path = store.blob(digest);
-            let moved = fs::rename(&path, path.with_extension("damaged"));
-            tracing::error!(digest, ?moved, "the content of a blob has changed on the disk");
-        }
-        let text =
-            format!("the stored content of blob {digest} has changed; upload it again, then submit the job again");
-        io::Error::new(io::ErrorKind::InvalidData, text)
-    }
+    /// The content; damage and loss are errors of kind `InvalidData`.
+    fn read(&self, digest: &str) -> io::Result<Bytes>;
 
     /// A stream of the content, which fails at its end when it has another digest.
-    pub(crate) fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal> {
-        if !self.has(digest) {
-            return Err(Refusal::UnknownBlob(digest.to_owned()));
-        }
-        Ok(match &self.place {
-            Place::Files(store) => {
-                let file = store.disk().open(&store.blob(digest))?;
-                Box::new(Checked { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
-            }
-            Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
-        })
-    }
+    fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal>;
 
     /// Begins to receive a blob announced as `digest`, and perhaps with its size.
-    pub(crate) fn receive(&self, digest: &str, size: Option<u64>) -> Result<Receiver, Refusal> {
-        if !is_digest(digest) {
-            return Err(Refusal::field("digest", "must be 64 lower-case hexadecimal digits"));
-        }
-        if size.is_some_and(|size| size > self.max) {
-            return Err(Refusal::BlobTooLarge(self.max));
-        }
-        let room = usize::try_from(size.unwrap_or(0)).unwrap_or(0).min(RESERVE);
-        let content = match &self.place {
-            Place::Files(store) => Content::File(store.temporary()?),
-            Place::Memory(_) => Content::Memory(Vec::with_capacity(room)),
-        };
-        Ok(Receiver { blobs: self.clone(), announced: digest.to_owned(), content, hash: Sha256::new(), size: 0 })
-    }
-}
+    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn Receiver>, Refusal>;
 
-fn gone(digest: &str) -> io::Error {
-    let text = format!("the stored content of blob {digest} is gone; upload it again, then submit the job again");
-    io::Error::new(io::ErrorKind::InvalidData, text)
-}
+    /// Blobs that have been neither uploaded nor offered for a while, in small groups; none where they go with the
+    /// server.
+    fn older_than(&self, grace: Duration) -> Box<dyn Iterator<Item = Vec<String>> + '_>;
 
-/// A blob on its way out.
-struct Checked {
-    blobs: Blobs,
-    name: String,
-    file: fs::File,
-    hash: Sha256,
-}
-
-impl Read for Checked {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let got = self.file.read(out)?;
-        self.hash.update(out.get(..got).unwrap_or_default());
-        if got == 0 && !out.is_empty() && hex(&self.hash.clone().finalize()) != self.name {
-            return Err(self.blobs.damaged(&self.name));
-        }
-        Ok(got)
-    }
+    /// Removes a blob if it is still that old.
+    fn remove_older(&self, digest: &str, grace: Duration) -> bool;
 }
 
 /// A blob on its way in. Dropping it leaves nothing behind.
-pub(crate) struct Receiver {
-    blobs: Blobs,
-    announced: String,
-    content: Content,
-    hash: Sha256,
-    size: u64,
-}
-
-/// What has come in so far.
-enum Content {
-    File(Temporary),
-    Memory(Vec<u8>),
-}
-
-impl Receiver {
+pub(crate) trait Receiver: Send {
     /// A chunk is only copied, so it needs no thread that may wait.
-    pub(crate) fn in_memory(&self) -> bool {
-        matches!(self.content, Content::Memory(_))
-    }
+    fn in_memory(&self) -> bool;
 
-    pub(crate) fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal> {
-        self.size += data.len() as u64;
-        if self.size > self.blobs.max {
-            return Err(Refusal::BlobTooLarge(self.blobs.max));
-        }
-        self.hash.update(data);
-        match &mut self.content {
-            Content::File(file) => file.write_all(data)?,
-            Content::Memory(content) => content.extend_from_slice(data),
-        }
-        Ok(())
-    }
+    fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal>;
 
     /// Puts the blob in its place; gives its size.
-    pub(crate) fn finish(self) -> Result<u64, Refusal> {
-        let actual = hex(&self.hash.finalize());
-        if actual != self.announced {
-            return Err(Refusal::DigestMismatch { announced: self.announced, actual });
-        }
-        match (self.content, &self.blobs.place) {
-            (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
-                store.keep(file, &store.blob(&actual))?
-            }
-            (Content::Memory(content), Place::Memory(blobs)) => drop(blobs.insert(actual, content.into())),
-            _ => {}
-        }
-        Ok(self.size)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::local::disk::Disk;
-
-    fn blobs(max: u64) -> (tempfile::TempDir, Blobs) {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path().to_owned(), false, Disk::default()).unwrap();
-        (folder, Blobs::new(store, max))
-    }
-
-    #[test]
-    fn what_comes_in_goes_out() {
-        let (_folder, blobs) = blobs(100);
-        let name = digest(b"G0X1\nM30\n");
-        assert!(!blobs.has(&name));
-        let mut receiver = blobs.receive(&name, None).unwrap();
-        receiver.chunk(b"G0X1\n").unwrap();
-        receiver.chunk(b"M30\n").unwrap();
-        assert_eq!(receiver.finish().unwrap(), 9);
-        assert_eq!(&*blobs.read(&name).unwrap(), b"G0X1\nM30\n");
-    }
-
-    #[test]
-    fn a_blob_that_is_offered_is_as_young_as_one_that_was_uploaded() {
-        let (folder, blobs) = blobs(100);
-        let name = digest(b"x");
-        let mut receiver = blobs.receive(&name, None).unwrap();
-        receiver.chunk(b"x").unwrap();
-        receiver.finish().unwrap();
-        let grace = Duration::from_secs(3600);
-        let age = || {
-            let file = fs::File::options().append(true).open(folder.path().join("blobs").join(&name[..2]).join(&name));
-            file.unwrap().set_modified(SystemTime::now() - 2 * grace).unwrap();
-        };
-        age();
-        assert_eq!(blobs.older_than(grace).collect::<Vec<_>>(), [[name.clone()]]);
-        assert!(blobs.offers(&name) && blobs.older_than(grace).next().is_none() && !blobs.remove_older(&name, grace));
-        age();
-        let mut receiver = blobs.receive(&name, None).unwrap();
-        receiver.chunk(b"x").unwrap();
-        receiver.finish().unwrap();
-        assert!(blobs.older_than(grace).next().is_none(), "uploaded again");
-        age();
-        assert!(blobs.remove_older(&name, grace) && !blobs.has(&name));
-    }
-
-    #[test]
-    fn memory_holds_them_too() {
-        let blobs = Blobs::in_memory(100);
-        let name = digest(b"G0X1\n");
-        let mut receiver = blobs.receive(&name, None).unwrap();
-        receiver.chunk(b"G0X1\n").unwrap();
-        assert!(!blobs.has(&name));
-        receiver.finish().unwrap();
-        let mut text = String::new();
-        blobs.open(&name).unwrap().read_to_string(&mut text).unwrap();
-        assert_eq!((text.as_str(), blobs.has(&name)), ("G0X1\n", true));
-        assert_eq!(blobs.read(&digest(b"other")).unwrap_err().kind(), io::ErrorKind::NotFound);
-    }
-
-    #[test]
-    fn a_wrong_digest_or_too_much_is_refused_and_leaves_nothing() {
-        let (folder, blobs) = blobs(4);
-        let mut receiver = blobs.receive(&digest(b"x"), None).unwrap();
-        receiver.chunk(b"y").unwrap();
-        assert!(matches!(receiver.finish(), Err(Refusal::DigestMismatch { .. })));
-        let mut receiver = blobs.receive(&digest(b"12345"), Some(4)).unwrap();
-        assert_eq!(receiver.chunk(b"12345"), Err(Refusal::BlobTooLarge(4)));
-        drop(receiver);
-        assert!(matches!(blobs.receive(&digest(b"12345"), Some(5)), Err(Refusal::BlobTooLarge(4))));
-        assert!(matches!(blobs.receive("../../x", None), Err(Refusal::InvalidField { .. })));
-        assert_eq!(fs::read_dir(folder.path().join("tmp")).unwrap().count(), 0);
-    }
+    fn finish(self: Box<Self>) -> Result<u64, Refusal>;
 }

@@ -6,15 +6,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs, io};
 
-use crate::blobs::{Blobs, is_digest};
-use crate::ledger::checkup::{Checkup, Rows};
+use crate::blobs::{Blobs as _, is_digest};
 use crate::ledger::record::Record;
-use crate::ledger::{lost, not_lost};
+use crate::local::blobs::LocalBlobs;
+use crate::local::ledger::checkup::{Checkup, Rows};
+use crate::local::ledger::{lost, not_lost};
+use crate::local::store::Store;
 use crate::log::kept::Kept;
 use crate::log::reader::{Events, Reader};
 use crate::reason::Refusal;
 use crate::results::Document;
-use crate::store::Store;
 
 /// A damage.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,14 +43,14 @@ impl fmt::Display for Damage {
 /// When the folder cannot be examined: it is not there, a server uses it, or it cannot be read or written.
 pub fn examine(folder: &Path, repair: bool) -> Result<Vec<Damage>, String> {
     let store = Store::examine(folder.to_owned()).map_err(|error| format!("'{}': {error}", folder.display()))?;
-    let mut doctor = Doctor { blobs: Blobs::new(store.clone(), u64::MAX), store, repair, found: Vec::new() };
+    let mut doctor = Doctor { blobs: LocalBlobs::new(store.clone(), u64::MAX), store, repair, found: Vec::new() };
     doctor.folder().map_err(|refusal| refusal.to_string())?;
     Ok(doctor.found)
 }
 
 struct Doctor {
     store: Store,
-    blobs: Blobs,
+    blobs: LocalBlobs,
     repair: bool,
     found: Vec<Damage>,
 }

@@ -19,6 +19,7 @@ use tonic::service::Routes;
 use tonic_health::server::HealthReporter;
 
 use crate::jobs::Core;
+use crate::local;
 use crate::local::disk::Disk;
 use crate::net;
 use crate::options::Options;
@@ -120,7 +121,7 @@ pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Resu
     let folder = options.data.display().to_string();
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
-        let core = Core::open(options, Box::new(runner), disk)?;
+        let core = Core::new(options.clone(), Box::new(runner), local::open(&options, disk)?);
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
@@ -187,7 +188,7 @@ impl Service {
         // Connections that outlive the server may still hold the core; the data folder must be free all the same.
         let _ = tokio::task::spawn_blocking(move || {
             closed.ledger.close();
-            closed.store.release();
+            closed.host.release();
         })
         .await;
         tracing::info!("stopped");

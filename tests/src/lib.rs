@@ -1,6 +1,7 @@
 //! Shared by the tests that cross crates: running a job in process and reading its summary.
 
 pub mod processors;
+pub mod spec;
 pub mod watchdog;
 
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use counterpoint_kernel::files::Memory;
 use counterpoint_kernel::job::{Job, Outcome, PrepareError, Program, Sink, Spec, WrittenFiles};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::fold::{Folds, Results};
+use counterpoint_kernel::log::info::Info;
 use counterpoint_kernel::log::summary::Summary;
 use counterpoint_kernel::machine::package::{Overlay, shipped};
 use counterpoint_kernel::machine::{Machine, load};
@@ -31,6 +33,8 @@ pub struct Work {
 /// What came out.
 #[derive(Debug, Clone)]
 pub struct Done {
+    /// What is fixed about the job.
+    pub info: Arc<Info>,
     /// Summary as users get it.
     pub summary: Summary,
     /// Events in log order.
@@ -86,7 +90,8 @@ impl Work {
         let mut sink = Collect { folds: Folds::new(job.info()), events: Vec::new(), files: Vec::new() };
         let outcome = watchdog::watched(&control, || job.run(&self.files, &control, &mut sink));
         let Collect { folds, events, files } = sink;
-        Ok(Done { summary: folds.finish(&outcome).summary, events, outcome, files })
+        let info = Arc::clone(job.info());
+        Ok(Done { info, summary: folds.finish(&outcome).summary, events, outcome, files })
     }
 
     /// The same without an ordered log: every kernel feeds its results. The files are those that macros have written.
@@ -104,7 +109,7 @@ impl Work {
     ///
     /// # Panics
     /// When the job cannot be prepared.
-    pub fn info(&self) -> Arc<counterpoint_kernel::log::info::Info> {
+    pub fn info(&self) -> Arc<Info> {
         Arc::clone(self.prepare(None).unwrap_or_else(|error| panic!("{error}")).0.info())
     }
 

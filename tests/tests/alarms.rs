@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoint_kernel::log::event::Kind;
+use counterpoint_kernel::log::event::{Dwell, Kind};
 use counterpoint_kernel::log::summary::{ChannelState, State};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::{Work, machine};
@@ -151,7 +151,7 @@ fn fault(case: &Case) -> Option<String> {
         None => wrong.push_str(" is not raised;"),
     }
     let moved = done.events.iter().filter(|event| event.channel == 1 && event.line >= line);
-    let moved = moved.filter(|event| matches!(event.kind, Kind::Motion(_) | Kind::Dwell)).count();
+    let moved = moved.filter(|event| matches!(event.kind, Kind::Motion(_) | Kind::Dwell(Dwell))).count();
     if moved > 0 {
         let _ = write!(wrong, " {moved} moves of its block and later ones;");
     }

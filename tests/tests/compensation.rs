@@ -128,7 +128,7 @@ fn check(done: &Done, text: &str) {
             assert!(t_ns >= end, "time goes back at line {} of\n{text}", event.line);
             end = end.max(t_ns);
             match &event.kind {
-                Kind::Call { .. } | Kind::Return { .. } => {
+                Kind::Call(_) | Kind::Return(_) => {
                     line = 0;
                     continue;
                 }
@@ -149,7 +149,7 @@ fn check(done: &Done, text: &str) {
                     at = Some(motion.to);
                     end = t_ns + dur_ns;
                 }
-                Kind::Frame { .. } => at = None,
+                Kind::Frame(_) => at = None,
                 _ => {}
             }
         }

@@ -1,6 +1,6 @@
 //! What single blocks do, as the reference or the real control says.
 
-use counterpoint_kernel::log::event::{Event, Kind, MotionKind};
+use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, MotionKind};
 use counterpoint_kernel::options::Options;
 use counterpoint_tests::{Done, Work, machine, processors};
 
@@ -150,7 +150,7 @@ fn presets_and_work_offsets_move_the_frame_not_the_machine() {
         let mut out = Vec::new();
         for event in &done.events {
             match &event.kind {
-                Kind::Frame { shift: s } => shift = s[0],
+                Kind::Frame(Frame { shift: s }) => shift = s[0],
                 Kind::Motion(m) => out.push(m.to[0] + shift),
                 _ => {}
             }
@@ -231,7 +231,9 @@ fn operator_messages_reach_the_log() {
 
 fn messages(done: &Done) -> Vec<&str> {
     let events = done.events.iter();
-    events.filter_map(|e| if let Kind::Message { text, .. } = &e.kind { Some(&**text) } else { None }).collect()
+    events
+        .filter_map(|e| if let Kind::Message(Message { text, .. }) = &e.kind { Some(&**text) } else { None })
+        .collect()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Bad input: each gets a diagnostic or a clear error within its limit, never a panic or a hang.
 
 use counterpoint_kernel::job::Program;
-use counterpoint_kernel::log::event::{Kind, VerdictKind};
+use counterpoint_kernel::log::event::{Kind, Message, VerdictKind};
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, cases, machine};
 use proptest::prelude::*;
@@ -334,6 +334,7 @@ fn macros_may_be_active_in_any_number_that_the_stack_bears() {
     };
     let (done, told) = run(200);
     assert_eq!(told, [0_u32; 0]);
-    let answer = done.events.iter().any(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "900"));
+    let answer =
+        done.events.iter().any(|event| matches!(&event.kind, Kind::Message(Message { text, .. }) if &**text == "900"));
     assert!(answer, "the innermost macro has run, and its chain of functions");
 }

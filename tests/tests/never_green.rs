@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use counterpoint_kernel::control::Control;
 use counterpoint_kernel::files::{Bytes, Error, Files, Memory};
 use counterpoint_kernel::job::{Job, Program, Sink, Spec};
-use counterpoint_kernel::log::event::{Event, Kind};
+use counterpoint_kernel::log::event::{Event, Kind, Message};
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary::{ChannelState, State, Summary};
 use counterpoint_kernel::machine::package::{Overlay, shipped};
@@ -251,8 +251,10 @@ fn program_shutdown_runs_after_an_alarm() {
     let machine = loaded.machine.map(Arc::new).expect("a machine");
     let done = Work::texts(machine, &["G0 X1.\nG199 X2.\nM30\n"], Options::default()).run(None).expect("a job");
     assert_eq!(done.summary.channels[0].state, ChannelState::Alarmed);
-    let messages =
-        done.events.iter().filter(|event| matches!(&event.kind, Kind::Message { text, .. } if &**text == "over"));
+    let messages = done
+        .events
+        .iter()
+        .filter(|event| matches!(&event.kind, Kind::Message(Message { text, .. }) if &**text == "over"));
     assert_eq!(messages.count(), 1);
 }
 

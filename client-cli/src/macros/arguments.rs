@@ -14,9 +14,9 @@ pub(crate) enum Macro {
     Fmt(Fmt),
     /// Run the last of several files of macros without a machine; the others define functions
     Run(Run),
-    /// Explain a diagnostic by number, or a function, statement, variable or identifier by name
+    /// Explain a diagnostic by name or number, or a function, statement, variable or identifier by name
     Explain {
-        /// 02910011, $FSIN, DECLAR, $TLTAB, CODE_RAPID
+        /// no-feed, 02910011, $FSIN, DECLAR, $TLTAB, CODE_RAPID
         #[arg(value_name = "NUMBER|NAME")]
         what: String,
     },

@@ -1,7 +1,8 @@
-//! `macro explain`: what a number or a name means.
+//! `explain` and `macro explain`: what a number or a name means.
 //!
 //! Invariant: everything said here comes from the pages of the diagnostics and the tables that the checker itself uses.
 
+use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
 use counterpoint_lang::func::{self, Way};
@@ -16,7 +17,8 @@ use crate::say;
 
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../docs/diagnostics");
 
-pub(super) fn explain(what: &str) -> Result<u8, Error> {
+/// Prints what is known of a number or a name.
+pub(crate) fn explain(what: &str) -> Result<u8, Error> {
     // A word such as CYCLE may name a kind of macro, too.
     let names = || match (kind(what), named(what)) {
         (Some(kind), Some(name)) => Some(format!("{kind}\n{name}")),
@@ -31,9 +33,9 @@ pub(super) fn explain(what: &str) -> Result<u8, Error> {
     }
 }
 
-/// The page of a number.
+/// The page of a number or of its word.
 fn page(what: &str) -> Option<String> {
-    let number: u32 = what.trim().parse().ok()?;
+    let number = what.trim().parse().ok().or_else(|| diag::number(&what.trim().to_lowercase()))?;
     PAGES.get_file(format!("{number:08}.md"))?.contents_utf8().map(str::to_owned)
 }
 
@@ -126,15 +128,16 @@ fn statement(name: &str) -> Option<String> {
 }
 
 fn function(name: &str) -> Option<String> {
-    if let Some(Way::Missing(why)) = func::named(name).map(|function| &function.way) {
+    let way = func::named(name).map(|function| function.way);
+    if let Some(Way::Missing(why)) = way {
         return Some(format!("{name}\n\nNot available in macros of the control emulator: {why}.\n"));
     }
     let text = explain::functions().iter().find(|entry| entry.name == name).map(entry)?;
-    Some(match without::why(name) {
-        Some(why) => {
+    Some(match way {
+        Some(Way::Host(function)) if let Some(why) = without::why(function) => {
             format!("{text}\nThe function {why}: it says so once in a run (2910070) and answers as if it failed.\n")
         }
-        None => text,
+        _ => text,
     })
 }
 
@@ -220,17 +223,19 @@ mod tests {
 
     #[test]
     fn everything_there_is_can_be_explained() {
-        for (number, ..) in counterpoint_lang::diag::TABLE {
-            assert!(page(&number.to_string()).is_some(), "{number}");
+        for row in counterpoint_lang::diag::TABLE {
+            assert!(page(row.name).is_some(), "{}", row.name);
+            assert_eq!(page(&row.number.to_string()), page(row.name));
         }
-        for facts in counterpoint_kernel::diag::ALL {
+        for facts in diag::ALL {
+            assert_eq!(page(&facts.number.to_string()), page(facts.name));
             assert!(page(&facts.number.to_string()).is_some(), "{}", facts.number);
             let nothing = page(&facts.number.to_string()).is_some_and(|text| text.contains("**Remedy.** Nothing"));
             let advice = remedy(facts.number);
             assert!(advice.as_ref().map_or(nothing, |text| text.len() > 5), "{}", facts.number);
             assert!(!advice.is_some_and(|text| text.contains("](")), "{}: a link in plain text", facts.number);
         }
-        let functions = func::TABLE.iter().map(|function| function.name);
+        let functions = func::all().map(|function| function.name);
         let statements = counterpoint_lang::parse::COMMANDS.iter().copied();
         let variables = system::table().iter().map(|variable| variable.name.as_str());
         for name in functions.chain(statements).chain(variables).chain(identifiers::names()) {

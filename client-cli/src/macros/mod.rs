@@ -20,7 +20,7 @@ use counterpoint_lang::tools::File;
 use crate::error::Error;
 use crate::say;
 use arguments::Macro;
-pub(crate) use explain::remedy;
+pub(crate) use explain::{explain, remedy};
 
 /// Does a command; gives the exit code.
 pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
@@ -28,7 +28,7 @@ pub(crate) fn dispatch(command: &Macro) -> Result<u8, Error> {
         Macro::Check(arguments) => check::check(arguments),
         Macro::Fmt(arguments) => fmt::fmt(arguments),
         Macro::Run(arguments) => run::run(arguments),
-        Macro::Explain { what } => explain::explain(what),
+        Macro::Explain { what } => explain(what),
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Invariant: plain data that knows no machine, no program and no kernel.
 
+pub mod event;
+pub mod info;
 pub mod letters;
 pub mod text;
 mod units;

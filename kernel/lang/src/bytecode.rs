@@ -383,3 +383,28 @@ pub struct Code {
     /// Is a user function.
     pub is_function: bool,
 }
+
+impl Code {
+    pub(crate) fn empty(source: &Arc<Source>) -> Code {
+        Code {
+            name: String::new(),
+            source: Arc::clone(source),
+            ops: Vec::new(),
+            short: Short::default(),
+            places: Vec::new(),
+            registers: 0,
+            constants: Vec::new(),
+            locals: Vec::new(),
+            arguments: Vec::new(),
+            parameters: Vec::new(),
+            result: None,
+            lists: Vec::new(),
+            declarations: Vec::new(),
+            shared: Vec::new(),
+            homes: Vec::new(),
+            functions: Vec::new(),
+            statements: Vec::new(),
+            is_function: false,
+        }
+    }
+}

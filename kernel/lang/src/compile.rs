@@ -15,128 +15,19 @@ mod register;
 mod statement;
 mod traced;
 
+pub use crate::program::{Options, Place, Program, Strong};
 pub use traced::traced;
 
 use crate::ast::{Macro, StatementKind};
 use crate::bytecode::{Code, Declaration, MAX_CODE, Op, Shared, Slot};
 use crate::diag::{Diagnostic, Number};
 use crate::host::Environment;
+use crate::layout::standard_line;
 use crate::parse::{self, MAX_DIAGNOSTICS};
 use crate::source::{Source, Span};
 use crate::value::{Kind, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
-
-/// Which names must be declared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Strong {
-    /// None.
-    #[default]
-    Off,
-    /// GLOBAL and OBJECT in the declaration macro only.
-    Partial,
-    /// Locals too.
-    Full,
-}
-
-/// Where a macro will run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Place {
-    /// Where every command is possible, but under strong declaration nothing shared is declared.
-    #[default]
-    Any,
-    /// File of functions and declarations that goes with the declaration macro: everything is possible.
-    Library,
-    /// Declaration macro.
-    Declaration,
-    /// Data macro: no OUTPUT.
-    Data,
-    /// Startup or shutdown macro: no OUTPUT.
-    Startup,
-}
-
-/// How to compile.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
-    /// Strong declaration.
-    pub strong: Strong,
-    /// Warn of variables that are read and never assigned.
-    pub uninitialised: bool,
-    /// Put trace instructions into the code.
-    pub trace: bool,
-    /// Kind of macro.
-    pub place: Place,
-}
-
-/// A user function as its callers see it.
-#[derive(Clone, Debug)]
-pub(crate) struct FunctionSymbol {
-    index: u16,
-    parameters: Vec<Option<Kind>>,
-    result: Option<Kind>,
-}
-
-/// A shared variable as its users see it.
-#[derive(Clone, Debug)]
-pub(crate) struct SharedSymbol {
-    shared: Shared,
-    kind: Option<Kind>,
-    indices: usize,
-    channel: bool,
-}
-
-/// Everything compiled so far; grows when sources are added.
-#[derive(Clone, Debug, Default)]
-pub struct Program {
-    /// Code by index; empty for macros with errors.
-    pub macros: Vec<Arc<Code>>,
-    /// Number of variables in the object's store.
-    pub objects: u32,
-    /// Names of the global variables by index; the first hundred are `%G00` to `%G99`.
-    pub globals: Vec<String>,
-    functions: FxHashMap<String, FunctionSymbol>,
-    shared: FxHashMap<String, SharedSymbol>,
-    /// Files that were included, by the name they were asked for.
-    included: Vec<(String, Option<Arc<Source>>)>,
-    /// What it was compiled from, in order, without included files.
-    sources: Vec<(Arc<Source>, Options)>,
-}
-
-impl Program {
-    /// A program without macros.
-    #[must_use]
-    pub fn new() -> Program {
-        Program { globals: (0..100).map(|number| format!("%G{number:02}")).collect(), ..Program::default() }
-    }
-
-    /// Name of a variable of the object's store.
-    #[must_use]
-    pub fn object_name(&self, index: u32) -> &str {
-        let named = |symbol: &SharedSymbol| symbol.shared == Shared::Object(index);
-        self.shared.iter().find(|(_, symbol)| named(symbol)).map_or("", |(name, _)| name)
-    }
-
-    /// Index of a user function.
-    #[must_use]
-    pub fn function(&self, name: &str) -> Option<u16> {
-        self.functions.get(name).map(|symbol| symbol.index)
-    }
-
-    /// A single GLOBAL or OBJECT variable that was declared, with its type.
-    #[must_use]
-    pub fn shared_variable(&self, name: &str) -> Option<(Shared, Option<Kind>)> {
-        let symbol = self.shared.get(name).filter(|symbol| symbol.indices == 0 && !symbol.channel)?;
-        Some((symbol.shared, symbol.kind))
-    }
-
-    /// User functions with their indices, by name.
-    #[must_use]
-    pub fn functions(&self) -> Vec<(&str, u16)> {
-        let mut list: Vec<_> = self.functions.iter().map(|(name, symbol)| (name.as_str(), symbol.index)).collect();
-        list.sort_unstable();
-        list
-    }
-}
 
 /// What became of a source.
 #[derive(Debug, Default)]
@@ -260,31 +151,6 @@ fn include(
         None => {
             let message = format!("the file '{name}' cannot be read");
             added.diagnostics.push(Diagnostic::new(source, span, Number::NO_FILE, message));
-        }
-    }
-}
-
-impl Code {
-    fn empty(source: &Arc<Source>) -> Code {
-        Code {
-            name: String::new(),
-            source: Arc::clone(source),
-            ops: Vec::new(),
-            short: crate::bytecode::Short::default(),
-            places: Vec::new(),
-            registers: 0,
-            constants: Vec::new(),
-            locals: Vec::new(),
-            arguments: Vec::new(),
-            parameters: Vec::new(),
-            result: None,
-            lists: Vec::new(),
-            declarations: Vec::new(),
-            shared: Vec::new(),
-            homes: Vec::new(),
-            functions: Vec::new(),
-            statements: Vec::new(),
-            is_function: false,
         }
     }
 }
@@ -479,7 +345,7 @@ impl<'a> MacroCompiler<'a> {
 
     fn trace(&mut self) {
         if self.options.trace {
-            self.trace_text(crate::tools::standard_line(self.source.slice(self.place)));
+            self.trace_text(standard_line(self.source.slice(self.place)));
         }
     }
 

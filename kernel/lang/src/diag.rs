@@ -1,100 +1,9 @@
-//! Diagnostics of the language: numbers, severities, and their rendering with the source line and a caret.
-//!
-//! Invariant: every number of [`TABLE`] has a page in `docs/diagnostics`. Facts: reference macro-language.md 10 (the
-//! number of an inhibited SYSTEM); every other number is this project's own.
+//! Diagnostics of the language: rendering with the source line and a caret.
+
+pub use counterpoint_fault::language::{Number, Row, TABLE};
 
 use crate::source::{Source, Span};
 use std::fmt;
-
-/// A diagnostic number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Number(pub u32);
-
-macro_rules! numbers {
-    ($($name:ident = $number:literal, $severity:literal, $about:literal;)*) => {
-        impl Number {
-            $(#[doc = $about] pub const $name: Number = Number($number);)*
-        }
-        /// Every number with its severity and what it is about.
-        pub const TABLE: &[(Number, u8, &str)] = &[$((Number($number), $severity, $about)),*];
-    };
-}
-
-numbers! {
-    SYSTEM_INHIBITED = 1118001, 8, "operating system command that is not allowed";
-    LINE_TOO_LONG = 2910001, 8, "line longer than 512 characters";
-    OPEN_TEXT = 2910002, 8, "text without its closing quote";
-    STRANGE_CHARACTER = 2910003, 8, "character that the macro language does not have";
-    BAD_NAME = 2910004, 8, "name that is too long or malformed";
-    BAD_NUMBER = 2910005, 8, "malformed number or code";
-    SYNTAX = 2910010, 8, "statement or expression that cannot be read";
-    UNKNOWN_COMMAND = 2910011, 8, "command that the macro language does not have";
-    TOO_DEEP = 2910012, 8, "expression or blocks nested too deeply";
-    UNBALANCED = 2910013, 8, "block without its end, or end without its block";
-    BARE_CALL = 2910014, 8, "function call standing alone as a statement";
-    BAD_TARGET = 2910015, 8, "left side that cannot be assigned to";
-    BAD_EXIT = 2910016, 8, "EXIT outside of enough loops";
-    BAD_LABEL = 2910017, 8, "label that is missing, repeated or malformed";
-    BAD_WHEN = 2910018, 8, "WHEN list with something else than constants";
-    RESERVED_WORD = 2910019, 8, "reserved word in a place where it means nothing";
-    UNKNOWN_VARIABLE = 2910020, 8, "system variable that does not exist";
-    UNKNOWN_FUNCTION = 2910021, 8, "function that does not exist";
-    WRONG_COUNT = 2910022, 8, "wrong number of arguments or indices";
-    WRONG_TYPE = 2910023, 8, "operand or argument of the wrong type";
-    READ_ONLY = 2910024, 8, "assignment to a read-only variable";
-    REDECLARED = 2910025, 8, "name that is declared twice or may not be declared";
-    UNDECLARED = 2910026, 8, "undeclared name under strong declaration";
-    UNINITIALISED = 2910027, 4, "variable that is read but never assigned";
-    BAD_ARRAY = 2910028, 8, "array used as a single value, or a bad dimension";
-    BAD_FORMAT = 2910029, 8, "malformed string format";
-    BAD_PATTERN = 2910030, 8, "malformed regular expression";
-    NOT_HERE = 2910031, 8, "statement or function that is not available here";
-    UNKNOWN_IDENTIFIER = 2910032, 8, "code or data identifier that does not exist";
-    TOO_LARGE = 2910033, 8, "macro with too many statements or variables";
-    NO_FILE = 2910034, 8, "file of an INCLUD that cannot be read";
-    TOO_MANY = 2910035, 8, "further diagnostics of a file are not listed";
-    DUPLICATE_FUNCTION = 2910036, 8, "function defined twice, or a malformed MACRO header";
-    RECORD_IGNORED = 2910037, 4, "record of the post product in a macro of the control emulator";
-    TYPE_MISMATCH = 2910050, 8, "value of the wrong type at run time";
-    OUT_OF_RANGE = 2910051, 8, "index outside of a text, sequence or array";
-    BAD_ARITHMETIC = 2910052, 8, "arithmetic without a result";
-    FORMAT_MISMATCH = 2910053, 8, "string format that does not fit its arguments";
-    RE_ENTERED = 2910054, 8, "function entered while it is running";
-    TICKS = 2910055, 8, "macro that ran longer than its budget";
-    DEPTH = 2910056, 8, "macros nested deeper than the budget";
-    SIZE = 2910057, 8, "text, sequence or array larger than the budget";
-    UNITS = 2910058, 8, "unit number out of range or too many units open";
-    BACKTRACKING = 2910059, 8, "regular expression that needs too many steps";
-    UNIT_NOT_OPEN = 2910060, 8, "end-of-file test on a unit that is not open";
-    STEP_ZERO = 2910061, 8, "DO loop with step zero";
-    UNKNOWN_DIAGNOSTIC = 2910062, 8, "ERROR with a number that no table has";
-    NO_HOST = 2910063, 8, "command or function that the host does not offer";
-    BAD_VECTOR = 2910064, 8, "vector or matrix of an impossible size";
-    TERMAC_GENERATED = 2910065, 0, "macro ended because of an error";
-    TYPED_STORE = 2910066, 8, "value of the wrong type for a declared variable";
-    OUTSIDE = 2910067, 4, "file name that leads out of the folder of the run";
-    NO_DIALOG = 2910068, 8, "dialog without answers";
-    PROGRAM_END = 2910069, 4, "block asked for behind the end of the NC program";
-    NO_MODEL = 2910070, 0, "function of a machine model where there is none";
-    NO_SETTING = 2910071, 4, "setting of the pre-processor that does not exist";
-    BAD_VALUE = 2910072, 8, "value that a system variable does not take";
-    MEMORY = 2900310, 16, "macros that keep more values than the memory of the job holds";
-    AUTHOR = 2910090, 0, "diagnostic issued by a macro itself";
-}
-
-impl Number {
-    /// Severity from the table, 8 for numbers of other tables.
-    #[must_use]
-    pub fn severity(self) -> u8 {
-        TABLE.iter().find(|(number, ..)| *number == self).map_or(8, |(_, severity, _)| *severity)
-    }
-}
-
-impl fmt::Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:08}", self.0)
-    }
-}
 
 /// One diagnostic with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -205,9 +114,9 @@ mod tests {
     fn every_number_has_a_page() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/diagnostics");
         let list = std::fs::read_to_string(format!("{folder}/README.md")).unwrap();
-        for (number, ..) in TABLE {
+        for Row { number, name, .. } in TABLE {
             let page = std::fs::read_to_string(format!("{folder}/{number}.md"));
-            assert!(page.is_ok_and(|page| page.starts_with(&format!("# {number}: "))), "no page for {number}");
+            assert!(page.is_ok_and(|page| page.starts_with(&format!("# {number} `{name}`: "))), "no page for {number}");
             assert!(list.contains(&format!("({number}.md)")), "{number} is not listed");
         }
     }

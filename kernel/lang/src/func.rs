@@ -17,9 +17,9 @@ pub use date::stamp;
 
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
-use crate::host::Host;
+use crate::host::{Host, HostFn, ROWS};
+use crate::state::State;
 use crate::value::{Kind, Value};
-use crate::vm::State;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
@@ -41,12 +41,13 @@ pub enum Way {
     /// From its arguments.
     Compute(fn(&mut Context<'_>, &[Value]) -> Outcome<Value>),
     /// By the host.
-    Host,
+    Host(HostFn),
     /// Part of another product; the text tells which.
     Missing(&'static str),
 }
 
 /// A row of the table.
+#[derive(Clone, Copy)]
 pub struct Function {
     /// Name with its dollar sign.
     pub name: &'static str,
@@ -126,18 +127,14 @@ const fn pure(
     Function { name, arguments, result, way: Way::Compute(function) }
 }
 
-const fn host(name: &'static str, arguments: &'static str, result: Option<Kind>) -> Function {
-    Function { name, arguments, result, way: Way::Host }
-}
-
 const fn missing(name: &'static str, why: &'static str) -> Function {
     Function { name, arguments: "A+", result: A, way: Way::Missing(why) }
 }
 
 const POST: &str = "it belongs to the post product";
 
-/// Every function.
-pub static TABLE: &[Function] = &[
+/// Functions that are computed here.
+static COMPUTED: &[Function] = &[
     math("$FSIN", math::sine),
     math("$FCOS", math::cosine),
     math("$FTAN", math::tangent),
@@ -226,116 +223,25 @@ pub static TABLE: &[Function] = &[
     pure("$FGETENV", "s", A, files::environment),
     pure("$FGETDEF", "s", A, files::definition),
     pure("$FSORT", "aA+", A, files::sort),
-    host("$FACCESS", "sN", L),
-    host("$FSTAT", "ss", R),
-    host("$FGETCWD", "", S),
-    host("$FSETCWD", "s", S),
-    host("$FTMPFILE", "S", S),
-    host("$FDIALOG", "sS", S),
-    host("$FPAUSE", "S", L),
-    host("$FDOC", "sS", R),
-    host("$FMRU_OPEN", "S", R),
-    host("$FMRU_CLOSE", "n", A),
-    host("$FMRU_GETKEY", "nA", A),
-    host("$FMRU_GETKEYS", "nN", A),
-    host("$FMRU_DELKEY", "nA", A),
-    host("$FMRU_DELKEYS", "nQ", A),
-    host("$FMRU_GETPARAM", "nasA", A),
-    host("$FMRU_GETPARAMS", "nA", A),
-    host("$FMRU_SETPARAM", "nasa", A),
-    host("$FMRU_DELPARAM", "nas", A),
-    host("$FMRU_DELPARAMS", "naQ", A),
-    host("$FERSEV", "nN", R),
-    host("$FERSTA", "nL", L),
-    host("$FERTXT", "n", S),
-    host("$FMACID", "SN", Q),
-    host("$FMACSTA", "aL", Q),
-    host("$FREGFMT", "a", S),
-    host("$FREGPOS", "s", R),
-    host("$FCEADD", "aN", L),
-    host("$FCEGET", "a", A),
-    host("$FCESEEK", "aK", A),
-    host("$FCEGAC", "c", A),
-    host("$FCESAC", "c", A),
-    host("$FCEDAC", "rN", L),
-    host("$FCEGNCV", "sNNN", A),
-    host("$FCESNCV", "saNNN", L),
-    host("$FCEPP", "aA+", A),
-    host("$FCERST", "sNL", L),
-    host("$FCETIMESYNC", "", L),
-    host("$FGET", "aNN", R),
-    host("$FGETR", "aNN", R),
-    host("$FAPPLY", "a", L),
-    host("$FDK", "Q", Q),
-    host("$FIK", "AN", Q),
-    host("$FKINCFG", "aA+", R),
-    host("$FKINROT", "aA+", R),
-    host("$FUNWIND", "aA+", R),
-    host("$FMSNCH", "N", R),
-    host("$FMSDCH", "n", R),
-    host("$FMSACH", "nnN", R),
-    host("$FMSGAX", "nn", R),
-    host("$FMSRAX", "nn", R),
-    host("$FMSGCH", "a", R),
-    host("$FMSWCH", "nnN+", R),
-    host("$FMSGPOS", "n", A),
-    host("$FMSGPOSJ", "A+", A),
-    host("$FMSGPOSW", "A+", A),
-    host("$FMSLIMIT", "A+", Q),
-    host("$FMSMAX", "nnnN+", R),
-    host("$FMSMOVE", "nnnA+", R),
-    host("$FMSSLAV", "nnNNA+", R),
-    host("$FMSUNWIND", "nA+", R),
-    host("$FMSUPDPOS", "A", R),
-    host("$FMSGDCV", "nn", R),
-    host("$FMSGRCV", "nn", R),
-    host("$FMSGLCV", "nnA+", A),
-    host("$FMSGFCV", "nnA+", A),
-    host("$FMSSDCV", "nnn", R),
-    host("$FMSSRCV", "nnn", R),
-    host("$FMSSLCV", "nnaA+", R),
-    host("$FMSSFCV", "nnaA+", R),
-    host("$FMSGCS", "nNNN", Q),
-    host("$FMSSCS", "qnNNN", R),
-    host("$FMSLCS", "Q", R),
-    host("$FMSGREF", "nnA+", A),
-    host("$FMSSREF", "nnq", R),
-    host("$FMSDELAY", "n", R),
-    host("$FMSMSP", "nA", R),
-    host("$FMSCHUCK", "nk", R),
-    host("$FMSATA", "nn", R),
-    host("$FMSID", "aA+", R),
-    host("$FMSIDN", "n", S),
-    host("$FMSIDT", "n", R),
-    host("$FMSTOOL", "A+", R),
-    host("$FMSHLD", "A+", R),
-    host("$FMSPART", "A+", R),
-    host("$FMSFIXTURE", "A+", R),
-    host("$FMSCHIP", "A+", R),
-    host("$FMSTPS", "A+", R),
-    host("$FMSCMRA", "A+", R),
-    host("$FMSPIC", "A+", R),
-    host("$FMSIDS", "A+", Q),
-    host("$FMSPCK", "n", R),
-    host("$FMSADDTOOL", "aaA", R),
-    host("$FMSBTC", "", R),
-    host("$FMSETC", "", R),
-    host("$FMSCOLR", "A+", R),
-    host("$FMSGOUG", "N", R),
-    host("$FMSESF", "A+", R),
-    host("$FMSSETUP", "N", R),
-    host("$FMSTRN", "nnA", R),
-    host("$FMSPROB", "N", R),
-    host("$FMSPRID", "N", R),
-    host("$FMSPPOS", "", A),
-    host("$FMSPDAT", "nn", A),
-    host("$FMSCEZ", "n", R),
-    host("$FMSLSR", "A+", A),
-    host("$FMSNEAR", "A+", A),
-    host("$FMSVCL", "A+", A),
-    host("$FMSADPT", "A+", A),
-    host("$FMSMRS", "N", R),
-    host("$FMSTOLER", "A+", R),
+];
+
+/// Functions that the host computes.
+static HOSTED: [Function; ROWS.len()] = hosted();
+
+#[allow(clippy::indexing_slicing, reason = "the compiler evaluates it, and both are of one length")]
+const fn hosted() -> [Function; ROWS.len()] {
+    let mut functions = [missing("", ""); ROWS.len()];
+    let mut at = 0;
+    while at < ROWS.len() {
+        let (function, arguments, result) = ROWS[at];
+        functions[at] = Function { name: function.name(), arguments, result, way: Way::Host(function) };
+        at += 1;
+    }
+    functions
+}
+
+/// Functions of other products.
+static MISSING: &[Function] = &[
     missing("$FCLREC", POST),
     missing("$FCLS", POST),
     missing("$FCL", POST),
@@ -357,11 +263,16 @@ pub static TABLE: &[Function] = &[
 /// `$FFIND` where its first argument is an element of a system variable.
 pub(crate) static FIND_IN_SYSTEM: Function = pure("$FFIND()", "naaN+", R, text::find_in_system);
 
+/// Every function.
+pub fn all() -> impl Iterator<Item = &'static Function> {
+    COMPUTED.iter().chain(&HOSTED).chain(MISSING)
+}
+
 /// Finds a function by its name, upper case.
 #[must_use]
 pub fn named(name: &str) -> Option<&'static Function> {
     static NAMES: OnceLock<HashMap<&'static str, &'static Function>> = OnceLock::new();
-    NAMES.get_or_init(|| TABLE.iter().map(|function| (function.name, function)).collect()).get(name).copied()
+    NAMES.get_or_init(|| all().map(|function| (function.name, function)).collect()).get(name).copied()
 }
 
 /// An argument as a number.

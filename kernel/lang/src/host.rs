@@ -5,18 +5,19 @@
 
 mod double;
 mod folder;
+mod functions;
 
 pub use double::{Answer, Domain, Outside, Stream, Test};
 pub use folder::{FAILED, FORBIDDEN, Facts, Folder, INVALID, NOT_FOUND, Shelf, stored};
+pub use functions::HostFn;
+pub(crate) use functions::ROWS;
 
-use crate::bytecode::Code;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::Registers;
-use crate::func::Function;
 use crate::source::Source;
+use crate::state::{Scale, State};
 use crate::value::{Kind, Value};
-use crate::vm::{Scale, State};
 
 /// A system variable of the host's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,15 +82,24 @@ pub enum Command<'a> {
     System(&'a str),
 }
 
+/// A macro as the trace names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Macro<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// It is a user function.
+    pub is_function: bool,
+}
+
 /// A step of the macro trace. Its text is the line in the documented layout, without what only a control knows.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// A macro begins.
-    Entering(&'a Code),
+    Entering(Macro<'a>),
     /// A statement is about to be executed, in standard style.
-    Statement(&'a Code, &'a str),
+    Statement(Macro<'a>, &'a str),
     /// A macro is left; the name of the one that goes on, none for the outermost.
-    Leaving(&'a Code, Option<&'a str>),
+    Leaving(Macro<'a>, Option<&'a str>),
 }
 
 impl std::fmt::Display for Step<'_> {
@@ -166,15 +176,13 @@ pub trait Host: Registers {
     /// The command is not available here, or failed.
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32>;
 
-    /// Calls a function that the language cannot compute on its own. Two functions of the language ask the host for a
-    /// part: `$FEOF` without arguments for the end of the NC program, `$FMX` with one truth value for the machine frame
-    /// (true: the last one).
+    /// Computes a function that needs a control.
     ///
     /// # Errors
     /// The function is not available here, or its arguments are impossible.
-    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
         let _ = (state, arguments);
-        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name)))
+        Err(Fault::new(Number::NO_HOST, format!("{} needs a machine, and there is none here", function.name())))
     }
 
     /// Reports a diagnostic of a running macro.

@@ -3,10 +3,9 @@
 //! Invariant: formatting changes no meaning, keeps every comment, and formatting twice is formatting once.
 
 pub mod explain;
-mod layout;
 mod order;
 
-pub use layout::{Style, format, standard_line};
+pub use crate::layout::{Style, format, standard_line};
 
 use crate::compile::{self, Options, Place, Program, Strong};
 use crate::diag::Diagnostic;

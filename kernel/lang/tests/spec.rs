@@ -255,7 +255,7 @@ fn every_function_statement_operator_and_format_has_a_block() {
             missing.push(name.to_owned())
         }
     };
-    func::TABLE.iter().for_each(|function| want(text.contains(&format!("{}(", function.name)), function.name));
+    func::all().for_each(|function| want(text.contains(&format!("{}(", function.name)), function.name));
     for command in parse::COMMANDS {
         let begins = |line: &str| line.rsplit(": ").next().is_some_and(|line| line.split('/').next() == Some(command));
         want(upper.lines().any(|line| begins(line.trim())), command);

@@ -1,5 +1,7 @@
 //! How the memory of a job is divided.
 
+use counterpoint_event::info::Room;
+
 use crate::options::Limits;
 
 /// How the memory of a job is divided: a quarter is for what all kernels share, the rest for the kernels in equal
@@ -29,6 +31,16 @@ impl Shares {
     pub fn of_channels(limits: &Limits, channels: usize) -> Self {
         Self::of(limits, channels + usize::from(channels > 1))
     }
+
+    /// How much of the rest results and events may take; there is a least that is of any use.
+    #[must_use]
+    pub fn room(&self) -> Room {
+        Room {
+            path: (self.rest / 2).max(32 << 10),
+            bars: (self.rest / 8).max(16 << 10),
+            waiting: (self.rest / 8).max(64 << 10),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -42,6 +54,15 @@ mod tests {
             let shares = Shares::of(&limits, kernels);
             let all = shares.common + (shares.macros + shares.rest) * kernels as u64;
             assert!(all <= limits.memory && all > limits.memory - 100, "{all}");
+        }
+    }
+
+    #[test]
+    fn results_leave_room_for_the_rest() {
+        for kernels in 1..40 {
+            let shares = Shares::of(&Limits::default(), kernels);
+            let room = shares.room();
+            assert!((room.path + room.bars + room.waiting) * 4 <= shares.rest * 3, "{kernels}: {room:?}");
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn clamp(act: &mut Act<'_, '_>, id: DataId, on: bool) -> Acted {
     let Some(axis) = act.axis_of_data(id) else { return no_axis(act, id) };
     act.set_clamp(axis, on);
     let text = format!("{} {}", if on { "clamp" } else { "unclamp" }, act.axis_name(axis));
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     Ok(())
 }
 

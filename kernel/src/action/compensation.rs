@@ -36,7 +36,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),
     };
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     act.reframe();
     Ok(())
 }
@@ -67,7 +67,7 @@ pub(super) fn vector(act: &mut Act<'_, '_>) -> Acted {
     let direction = act.state.place.compensation.vector.map(wildcard_text).join(",");
     let text = format!("comp diam vector n={} pqr={direction}", act.state.place.compensation.diameter);
     super::cutter::switched(act, codes::COMP_3D_VECTOR)?;
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     Ok(())
 }
 

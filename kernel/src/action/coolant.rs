@@ -78,5 +78,5 @@ fn set_pressure(act: &mut Act<'_, '_>, wanted: f64) {
     }
     let state = &mut act.state.others.coolant;
     (state.pressure, state.pump) = (pressure, Some(pressure > 0.0));
-    act.emit(0, Kind::Mode { text: format!("coolant pressure p={}", wildcard_text(pressure)).into() });
+    act.emit(0, Kind::mode(format!("coolant pressure p={}", wildcard_text(pressure))));
 }

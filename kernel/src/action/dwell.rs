@@ -6,7 +6,7 @@ use counterpoint_lang::format::wildcard_text;
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry};
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Dwell, Kind};
 use crate::machine::ident::codes;
 use crate::machine::ident::{DataId, data};
 use crate::state::spindle::Turning;
@@ -90,7 +90,7 @@ fn dwell(act: &mut Act<'_, '_>, seconds: f64) -> Acted {
         return Ok(());
     }
     let ns = crate::state::channel::nanoseconds(seconds);
-    act.emit(ns, Kind::Dwell);
+    act.emit(ns, Kind::Dwell(Dwell));
     act.advance(ns);
     Ok(())
 }

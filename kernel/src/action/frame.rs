@@ -66,7 +66,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     act.missing_work_offset(number);
     act.state.place.work_offset = number;
-    act.emit(0, Kind::Mode { text: format!("comp workp n={number}").into() });
+    act.emit(0, Kind::mode(format!("comp workp n={number}")));
     act.reframe();
     Ok(())
 }
@@ -74,7 +74,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
 /// Cancels work offsets.
 pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
     act.state.place.work_offset = 0;
-    act.emit(0, Kind::Mode { text: "comp workp off".into() });
+    act.emit(0, Kind::mode("comp workp off"));
     act.reframe();
     Ok(())
 }
@@ -100,7 +100,7 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
             _ => format!("comp length n={} set={set}", act.state.place.length_number),
         }
     };
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     act.reframe();
     Ok(())
 }
@@ -108,7 +108,7 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
 /// Length compensation that another code brings along.
 pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
     (act.state.place.length_sign, act.state.place.length_number) = (1.0, number);
-    act.emit(0, Kind::Mode { text: format!("comp length n={number}").into() });
+    act.emit(0, Kind::mode(format!("comp length n={number}")));
     act.reframe();
 }
 

@@ -69,7 +69,7 @@ pub(super) fn change(act: &mut Act<'_, '_>, part: Part, change: Change) -> Acted
     act.keep_ways(before);
     act.keep_levels(levels);
     let text = act.frame_text();
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::act::Act;
 use crate::action::entry::{Contour, Entry, entry_of_kind};
-use crate::log::event::Kind;
+use crate::log::event::{Function, Kind};
 use crate::machine::ident::codes;
 use crate::machine::ident::kind::CodeKind;
 use crate::machine::ident::{CodeId, data};
@@ -27,7 +27,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 /// A modal state.
 pub(super) fn mode(act: &mut Act<'_, '_>, text: &'static str) -> Acted {
     if act.acting.mode_changed {
-        act.emit(0, Kind::Mode { text: text.into() });
+        act.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -59,7 +59,7 @@ pub(super) fn diameter(act: &mut Act<'_, '_>, side: &'static str, code: CodeId) 
             _ => format!("comp diam {side}"),
         };
         super::cutter::switched(act, code)?;
-        act.emit(0, Kind::Mode { text: text.into() });
+        act.emit(0, Kind::mode(text));
         act.report_tool();
     }
     Ok(())
@@ -70,7 +70,7 @@ pub(super) fn function(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode)
     act.take(data::FUNCTION);
     if row.seconds <= 0.0 {
         let (letter, value) = act.written(row, code);
-        act.emit(0, Kind::Function { letter, value });
+        act.emit(0, Kind::Function(Function { letter, value }));
     }
     Ok(())
 }
@@ -83,6 +83,6 @@ pub(super) fn additive(act: &mut Act<'_, '_>, on: bool) -> Acted {
         (true, None) => "am on".to_owned(),
         (false, _) => "am off".to_owned(),
     };
-    act.emit(0, Kind::Mode { text: text.into() });
+    act.emit(0, Kind::mode(text));
     Ok(())
 }

@@ -48,7 +48,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, cartesian: bool) -> Acted {
     act.frames().polar = Some(Polar::new(&act.state.place, linear, rotary, cartesian));
     act.frames_changed();
     super::cutter::plane_changed(act);
-    act.emit(0, Kind::Mode { text: format!("c2p {} on", form(cartesian)).into() });
+    act.emit(0, Kind::mode(format!("c2p {} on", form(cartesian))));
     Ok(())
 }
 
@@ -59,7 +59,7 @@ pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     };
     act.frames_changed();
     super::cutter::plane_changed(act);
-    act.emit(0, Kind::Mode { text: format!("c2p {} off", form(polar.cartesian)).into() });
+    act.emit(0, Kind::mode(format!("c2p {} off", form(polar.cartesian))));
     Ok(())
 }
 

@@ -48,7 +48,7 @@ fn passes(act: &Act<'_, '_>) -> bool {
 }
 
 fn pass(act: &mut Act<'_, '_>) -> Acted {
-    act.emit(0, Kind::Mode { text: "sync passed without waiting".into() });
+    act.emit(0, Kind::mode("sync passed without waiting"));
     Ok(())
 }
 

@@ -51,7 +51,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
     act.state.others.tip.format = act.state.others.tip.format.max(1);
     if changed {
         let text = if method == 2 { "rtcp on method=2" } else { "rtcp on" };
-        act.emit(0, Kind::Mode { text: text.into() });
+        act.emit(0, Kind::mode(text));
     }
     Ok(())
 }
@@ -59,7 +59,7 @@ pub(super) fn on(act: &mut Act<'_, '_>, method: u8) -> Acted {
 /// Switches it off.
 pub(super) fn off(act: &mut Act<'_, '_>) -> Acted {
     if act.end_tip() {
-        act.emit(0, Kind::Mode { text: "rtcp off".into() });
+        act.emit(0, Kind::mode("rtcp off"));
     }
     Ok(())
 }
@@ -69,7 +69,7 @@ pub(super) fn orient(act: &mut Act<'_, '_>, format: u8) -> Acted {
     act.state.others.tip.format = format;
     if act.acting.mode_changed {
         let name = NAMES.get(usize::from(format).wrapping_sub(1)).copied().unwrap_or("axes");
-        act.emit(0, Kind::Mode { text: format!("rtcp orient {name}").into() });
+        act.emit(0, Kind::mode(format!("rtcp orient {name}")));
     }
     Ok(())
 }

@@ -2,7 +2,6 @@
 
 use super::Kernel;
 use crate::log::event::VerdictKind;
-use crate::log::info::Room;
 use crate::state::burden::{BAR, BLOCK, EVENT, LOOK_EVERY, PATH, PER_BLOCK};
 use counterpoint_fault::{Acted, Halt};
 
@@ -27,7 +26,7 @@ impl Kernel<'_> {
     /// What the kernel keeps besides values of macros, if that is too much: its largest part.
     pub(crate) fn overburdened(&self) -> Option<String> {
         let shares = self.channel.shares();
-        let (limit, room) = (shares.rest, Room::of(&shares));
+        let (limit, room) = (shares.rest, shares.room());
         // Kernels may be ahead of their results, so what those take is told by the events: at most.
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;

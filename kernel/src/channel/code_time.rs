@@ -1,7 +1,7 @@
 //! Time of a code from the machine's table.
 
 use super::Kernel;
-use crate::log::event::Kind;
+use crate::log::event::{Function, Kind};
 use crate::machine::model::{CodeForm, CodeRow};
 use crate::state::block::PendingCode;
 
@@ -10,7 +10,7 @@ impl Kernel<'_> {
     pub(crate) fn take_time(&mut self, row: &CodeRow, firing: PendingCode) {
         let ns = crate::state::channel::nanoseconds(row.seconds);
         let (letter, value) = self.written(row, firing);
-        self.emit(ns, Kind::Function { letter, value });
+        self.emit(ns, Kind::Function(Function { letter, value }));
         self.channel.advance(ns);
     }
 

@@ -11,7 +11,7 @@ use super::Kernel;
 use super::custom_codes::Origin;
 use super::scan::{Kind as LineKind, Scanner};
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Trace};
 use crate::machine::ident::data;
 use crate::machine::macros::model::Hook;
 use crate::machine::model::Point;
@@ -35,7 +35,7 @@ impl Kernel<'_> {
             Later::Items(items, _) => self.listed(items),
         };
         let text = format!("{}{}", trace::BLOCK, crate::state::burden::shortened(&text)).into();
-        self.emit(0, Kind::Trace { letter: trace::LISTING, text });
+        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
     }
 
     /// Processes such a block.

@@ -4,7 +4,7 @@
 //! this stream is before.
 
 use crate::job::Sink;
-use crate::log::event::{Event, Kind};
+use crate::log::event::{Dwell, Event, Kind};
 use crate::multi::coordinator::switch::Port;
 use crate::multi::feed::Feed;
 use crate::multi::merge::{CHUNK, Feeder, Merger, Message, TEXTS};
@@ -63,7 +63,7 @@ pub(crate) struct Emitter<'a> {
 
 /// An event to be overwritten.
 fn blank() -> Event {
-    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell }
+    Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell(Dwell) }
 }
 
 impl<'a> Emitter<'a> {

@@ -8,7 +8,7 @@ use counterpoint_lang::value::Value;
 
 use super::Kernel;
 use crate::diag;
-use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction};
+use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
 use crate::log::geometry::Loop;
 use crate::machine::macros::model::Hook;
 use crate::macros::host::tools::column;
@@ -193,7 +193,7 @@ impl Kernel<'_> {
     /// The event itself: only the listing shows it.
     pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
         let verb = if kind == 1.0 { "select" } else { "load" };
-        self.emit(0, Kind::Mode { text: format!("{verb} head n={id}").into() });
+        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
         Ok(())
     }
 
@@ -231,7 +231,7 @@ impl Kernel<'_> {
     pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
         if action == ToolAction::Select {
             self.channel.state.place.selected = tool;
-            self.emit(0, Kind::Tool { action, tool, offset });
+            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
             return Ok(());
         }
         let before = self.channel.state.place.tool;
@@ -250,7 +250,7 @@ impl Kernel<'_> {
             self.tool_row(tool);
             self.operation_of_tool();
         }
-        self.emit(ns, Kind::Tool { action, tool: self.channel.state.place.tool, offset });
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tool, offset }));
         self.channel.advance(ns);
         Ok(())
     }

@@ -18,7 +18,7 @@ use crate::dialect;
 use crate::dialect::fanuc::Line;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::kept::Kept;
-use crate::log::event::{FileId, Kind, Stop};
+use crate::log::event::{Call, FileId, Kind, Return, Stop};
 use crate::machine::model::MainReturn;
 use crate::mcd::program::Range;
 use crate::mcd::spot::Spot;
@@ -298,7 +298,7 @@ impl Kernel<'_> {
 
     pub(super) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
-        self.emit(0, Kind::Call { program: frame.name.clone(), level });
+        self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
         self.flow.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
@@ -328,7 +328,7 @@ impl Kernel<'_> {
             self.interpreter_left();
             self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
             let level = self.flow.frames.len() as u16;
-            self.emit(0, Kind::Return { level });
+            self.emit(0, Kind::Return(Return { level }));
             if self.macros.is_some() {
                 let (last, place) = (frame.called.passes.saturating_sub(1), (frame.file, frame.range));
                 self.subprogram_shutdown(&frame.called, last, place, usize::from(level))?;

@@ -3,7 +3,7 @@
 //! Invariant: changing the frame never moves the machine; the programmed position is what changes.
 
 use super::Kernel;
-use crate::log::event::{Kind, MAX_AXES, Position};
+use crate::log::event::{Frame, Kind, MAX_AXES, Position};
 use crate::state::clamps::Modulo;
 use crate::state::frames::offsets::Table;
 
@@ -16,7 +16,7 @@ impl Kernel<'_> {
         }
         if self.channel.state.place.shift != [0.0; MAX_AXES] {
             let shift = Box::new(self.channel.state.place.shift);
-            self.emit(0, Kind::Frame { shift });
+            self.emit(0, Kind::Frame(Frame { shift }));
         }
     }
 
@@ -54,14 +54,14 @@ impl Kernel<'_> {
             self.channel.state.place.shift = wanted;
         }
         self.channel.keep_ways(before);
-        self.emit(0, Kind::Frame { shift: Box::new(wanted) });
+        self.emit(0, Kind::Frame(Frame { shift: Box::new(wanted) }));
     }
 
     /// Everything between the program and the axes is as at the begin of a job, but for what offsets say; the machine
     /// stands still.
     pub(crate) fn forget_frame(&mut self) {
         if self.channel.end_tip() {
-            self.emit(0, Kind::Mode { text: "rtcp off".into() });
+            self.emit(0, Kind::mode("rtcp off"));
         }
         let place = &mut self.channel.state.place;
         (place.frames, place.clamped) = (None, 0);
@@ -88,6 +88,6 @@ impl Kernel<'_> {
         self.channel.frames_changed();
         let text =
             format!("unwind {}={}", self.channel.axis_name(axis), counterpoint_lang::format::wildcard_text(after));
-        self.emit(0, Kind::Mode { text: text.into() });
+        self.emit(0, Kind::mode(text));
     }
 }

@@ -6,7 +6,7 @@ use super::Kernel;
 use crate::diag;
 use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::mcd::spot::Spot;
 use crate::state::block::{Word, odd};
 use counterpoint_fault::{Acted, Halt};
@@ -300,7 +300,7 @@ impl Kernel<'_> {
             }
             3006 => {
                 let text: Box<str> = self.block_text().into();
-                self.emit(0, Kind::Message { text, printed: false });
+                self.emit(0, Kind::Message(Message { text, printed: false }));
                 Ok(())
             }
             3001..=3004 => Ok(()),

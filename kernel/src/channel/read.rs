@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::Kernel;
 use super::scan::Kind as LineKind;
 use crate::diag;
-use crate::log::event::{FileId, Kind};
+use crate::log::event::{Block, FileId, Kind};
 use crate::machine::model::RewindStop;
 use crate::mcd::program::Shape;
 use crate::mcd::source::Source;
@@ -142,8 +142,8 @@ impl Kernel<'_> {
         let number = self.channel.at.blocks;
         self.emit_as(0, |kind| match kind {
             // Written over what is there, a kind of another shape is dropped first.
-            Kind::Block { number: place } => *place = number,
-            other => *other = Kind::Block { number },
+            Kind::Block(Block { number: place }) => *place = number,
+            other => *other = Kind::Block(Block { number }),
         });
         self.check_limits()
     }

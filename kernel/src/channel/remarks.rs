@@ -10,7 +10,7 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::machine::ident::{CodeId, codes};
 use crate::macros::host::{code_id, code_value};
 use crate::macros::runtime::Task;
@@ -51,7 +51,7 @@ impl Kernel<'_> {
         let text = shortened(text);
         self.show_display(text);
         self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
-        self.emit(0, Kind::Message { text: text.into(), printed: false });
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
     }
 
     fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {

@@ -228,5 +228,5 @@ fn wait(kernel: &mut Kernel<'_>, by: u16, heads: Set) -> Acted {
 }
 
 fn tell(kernel: &mut Kernel<'_>, spec: &Spec, what: &str) {
-    kernel.emit(0, Kind::Mode { text: format!("sync mark={} {what}", spec.text()).into() });
+    kernel.emit(0, Kind::mode(format!("sync mark={} {what}", spec.text())));
 }

@@ -7,16 +7,16 @@
 //! The form is made of little-endian words. Each event begins with one word: kind, flags of what is as expected and left
 //! out, axes that change, and how many blocks went before that were as expected (the next line of the file, counted
 //! on, at the time where the event before ended). `-0.0` counts as `0.0`, texts and lists carry their length (u32),
-//! kinds and enums their number as listed in `kinds`. A motion says which axes of its start differ from where the
-//! last motion ended and which of its end differ from its start, and gives only those. Invariant: every field of every
+//! kinds and words their number on the wire, counted from 0. A motion says which axes of its start differ from where the
+//! last motion ended and which of its end differ from its start, and gives only those. *Invariant:* every field of every
 //! event can be told from the form; numbers already given to a kind or a state never change.
 
-mod kinds;
+mod form;
 
 use blake3::Hasher;
 
-use crate::log::event::{Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
-use kinds::{bits, number, write_kind};
+use crate::log::event::{Block, Event, FeedUnit, Kind, MAX_AXES, Motion, MotionKind, Position};
+use form::{bits, number, write_kind};
 
 /// Bytes that are hashed at once: a power of two, always whole, keeps the hash function's parallel lanes busy; not so
 /// many that another kernel has to wait for it.
@@ -184,7 +184,7 @@ impl Form {
     /// A block as expected is only counted.
     #[inline(always)]
     fn expected(&mut self, event: &Event) -> bool {
-        let Kind::Block { number } = event.kind else { return false };
+        let Kind::Block(Block { number }) = event.kind else { return false };
         let last = &mut self.last;
         let expected = number == self.number.wrapping_add(1)
             && event.line == last.line.wrapping_add(1)
@@ -240,9 +240,9 @@ impl Form {
         let mut axes = 0;
         match &event.kind {
             Kind::Motion(motion) => axes = self.motion(motion, &mut words, &mut flags),
-            Kind::Block { number } => {
-                self.number = *number;
-                words.put(*number);
+            Kind::Block(block) => {
+                self.number = block.number;
+                words.put(block.number);
             }
             _ => {}
         }
@@ -299,20 +299,7 @@ impl Form {
 
 impl Facts {
     fn word(self) -> u64 {
-        let kind = match self.kind {
-            MotionKind::Rapid => 0,
-            MotionKind::Linear => 1,
-            MotionKind::ArcCw => 2,
-            MotionKind::ArcCcw => 3,
-            MotionKind::Thread => 4,
-            MotionKind::ArcSpace => 5,
-        };
-        let unit = match self.feed_unit {
-            FeedUnit::PerMinute => 0,
-            FeedUnit::PerRevolution => 1,
-            FeedUnit::InverseTime => 2,
-            FeedUnit::Rapid => 3,
-        };
+        let (kind, unit) = (self.kind.number().wrapping_sub(1), self.feed_unit.number().wrapping_sub(1));
         let [a, b] = self.turns.to_le_bytes();
         u64::from_le_bytes([kind, unit, self.moving, self.plane_axes[0], self.plane_axes[1], a, b, 0])
     }

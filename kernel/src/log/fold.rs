@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::job::Outcome;
 use crate::log::digest::{self, Digest};
 use crate::log::event::Event;
+use crate::log::event::Work;
 use crate::log::info::Info;
 use crate::log::lane::Lane;
 use crate::log::meetings::Meetings;
@@ -15,7 +16,6 @@ use crate::log::summary::{self, ChannelState, Summary};
 use crate::log::timeline::{self, Timeline};
 use crate::log::told::Told;
 use crate::log::toolpath::{self, Toolpath};
-use crate::log::work::Work;
 
 /// Results in the making.
 #[derive(Debug)]

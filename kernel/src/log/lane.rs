@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use crate::log::digest::Digest;
-use crate::log::event::{Event, FileId, Kind, MotionKind, Phase};
+use crate::log::event::{Event, FileId, Kind, MotionKind, Phase, Work};
 use crate::log::info::{self, Info};
 use crate::log::meetings::Stay;
 use crate::log::spans::Spans;
@@ -14,7 +14,6 @@ use crate::log::timeline::bars::Bars;
 use crate::log::told::Told;
 use crate::log::toolpath::Track;
 use crate::log::tools::Tools;
-use crate::log::work::Work;
 
 /// One channel of the results in the making.
 #[derive(Debug)]
@@ -69,7 +68,7 @@ impl Lane {
     pub(crate) fn feed(&mut self, events: &[Event]) {
         for event in events {
             match event.kind {
-                Kind::Block { .. } | Kind::Motion(_) => {}
+                Kind::Block(_) | Kind::Motion(_) => {}
                 _ => self.told.extend(Told::of(event)),
             }
             if event.channel == self.number {
@@ -84,7 +83,7 @@ impl Lane {
         self.digest.event(event);
         self.last_ns = self.last_ns.max(event.t_ns);
         match &event.kind {
-            Kind::Block { number } => self.tally.blocks = self.tally.blocks.max(*number),
+            Kind::Block(block) => self.tally.blocks = self.tally.blocks.max(block.number),
             Kind::Motion(motion) => {
                 let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
                 self.work(work, event);
@@ -123,7 +122,7 @@ impl Lane {
                 if let Some(tool) = self.spans.event(event) {
                     self.track.tool(tool);
                 }
-                if let Some(work) = Work::of(kind) {
+                if let Some(work) = kind.work() {
                     self.work(work, event);
                 }
             }

@@ -27,7 +27,7 @@ use std::io::{BufWriter, Result, Write};
 
 use rustc_hash::FxHashMap;
 
-use crate::log::event::{Event, Kind};
+use crate::log::event::{Event, Frame, Kind, Trace};
 use crate::log::info::Info;
 use crate::log::summary::Summary;
 use crate::trace::LISTING;
@@ -84,7 +84,7 @@ pub fn render_trace(
         match &event.kind {
             Kind::Diagnostic(diagnostic) => diagnostics::write(info, &event, diagnostic, &mut out)?,
             _ if event.channel != channel && !of_master(&event) => {}
-            Kind::Block { .. } => tracer.block(info, &event, &mut out)?,
+            Kind::Block(_) => tracer.block(info, &event, &mut out)?,
             _ => tracer.event(info, &event, &mut out)?,
         }
     }
@@ -95,8 +95,8 @@ pub fn render_trace(
 fn of_master(event: &Event) -> bool {
     event.channel == 0
         && match event.kind {
-            Kind::Trace { letter, .. } => letter != LISTING,
-            Kind::Message { .. } => true,
+            Kind::Trace(Trace { letter, .. }) => letter != LISTING,
+            Kind::Message(_) => true,
             _ => false,
         }
 }
@@ -125,14 +125,14 @@ fn whole(
                 counts.add(diagnostic.severity);
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
-            _ if event.channel != channel || log_only && matches!(event.kind, Kind::Block { .. } | Kind::Wait(_)) => {}
-            Kind::Block { .. } => tracer.block(info, &event, &mut out)?,
+            _ if event.channel != channel || log_only && matches!(event.kind, Kind::Block(_) | Kind::Wait(_)) => {}
+            Kind::Block(_) => tracer.block(info, &event, &mut out)?,
             Kind::Wait(wait) => waits.write(&event, wait, &mut out)?,
             Kind::Motion(motion) => {
                 tooling.motion(&event, motion);
                 travel.motion(motion);
             }
-            Kind::Frame { shift } => travel.frame(shift),
+            Kind::Frame(Frame { shift }) => travel.frame(shift),
             _ => tooling.event(&event),
         }
         if !log_only && (event.channel == channel || of_master(&event)) {
@@ -169,7 +169,7 @@ pub fn render_merged(
                 counts.add(diagnostic.severity);
                 diagnostics::write(info, &event, diagnostic, &mut out)?;
             }
-            Kind::Block { .. } => {
+            Kind::Block(_) => {
                 if tracer.shows(info, &event) {
                     blocks::write_prefix(&event, &mut out)?;
                 }

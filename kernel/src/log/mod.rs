@@ -2,11 +2,11 @@
 //!
 //! Every result is a fold over the events ([`fold`]): nothing here runs a job, and nothing holds the log.
 
+pub use counterpoint_event::{event, info};
+
 pub mod digest;
-pub mod event;
 pub mod fold;
 pub(crate) mod geometry;
-pub mod info;
 pub mod jsonl;
 pub(crate) mod lane;
 pub mod listing;
@@ -18,7 +18,6 @@ pub mod timeline;
 mod told;
 pub mod toolpath;
 pub(crate) mod tools;
-pub mod work;
 
 #[cfg(test)]
 pub(crate) mod testing;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::log::event::{Event, FileId, Kind, ToolAction};
+use crate::log::event::{Event, FileId, Kind, ToolAction, ToolChange};
 use crate::log::info::{Info, cut};
 use crate::log::tools::Tool;
 
@@ -47,7 +47,7 @@ pub(crate) struct Spans {
 impl Spans {
     /// Any event that is neither block nor motion; gives the tool that it loads.
     pub(crate) fn event(&mut self, event: &Event) -> Option<u32> {
-        let Kind::Tool { action: ToolAction::Load, tool, .. } = event.kind else { return None };
+        let Kind::Tool(ToolChange { action: ToolAction::Load, tool, .. }) = event.kind else { return None };
         let again = self.loads.last().is_some_and(|(last, ..)| *last == tool);
         match self.loads.len() {
             _ if again => {}
@@ -99,7 +99,7 @@ mod tests {
     use crate::log::testing::{at, lathe};
 
     fn load(line: u32, t_ns: i64, tool: u32) -> Event {
-        at(1, line, t_ns, 0, Kind::Tool { action: ToolAction::Load, tool, offset: tool })
+        at(1, line, t_ns, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }))
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::job::{Job, Outcome, Program, Sink, Spec};
 use crate::log::event::{Diagnostic, FeedUnit};
 use crate::log::event::{Event, Kind, MAX_AXES, Motion, MotionKind, Phase, Position, Primitive, Release, Wait};
 use crate::log::fold::{Folds, Results};
-use crate::log::info::{Axis, Channel, File, Info, Room, Unit};
+use crate::log::info::{Axis, Channel, File, Info, Unit};
 use crate::options::Options;
 use counterpoint_event::Text;
 
@@ -47,7 +47,7 @@ fn info(texts: &[&str], axes: &[&[&str]], diameter: bool) -> Arc<Info> {
         parameters: String::new(),
         trace: counterpoint_event::Letters::default(),
         unit: Unit::Mm,
-        room: Room::default(),
+        room: counterpoint_ports::Shares::of_channels(&Default::default(), 1).room(),
         channels: axes.iter().enumerate().take(texts.len()).map(channel).collect(),
         files: texts.iter().enumerate().map(file).collect(),
     })

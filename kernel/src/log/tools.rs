@@ -6,7 +6,7 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use crate::log::event::{Kind, ToolAction, ToolData};
+use crate::log::event::{Kind, ToolAction, ToolChange, ToolData};
 
 /// Offsets listed per tool; a program with more of them has a mistake that the table need not show in full.
 const MOST_OFFSETS: usize = 64;
@@ -46,9 +46,9 @@ impl Tools {
     /// Any event of the channel that is neither block nor motion.
     pub(crate) fn event(&mut self, kind: &Kind) {
         match kind {
-            Kind::Tool { action: ToolAction::Select, .. } => {}
-            Kind::Tool { tool, offset, .. } => self.load(*tool, *offset),
-            Kind::Mode { text } => self.offset(text),
+            Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
+            Kind::Tool(load) => self.load(load.tool, load.offset),
+            Kind::Mode(mode) => self.offset(&mode.text),
             Kind::ToolData(data) => {
                 self.data.insert(data.tool, data.clone());
             }

@@ -24,8 +24,7 @@ pub(crate) mod variables;
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Register, Registers};
-use counterpoint_lang::func::Function;
-use counterpoint_lang::host::{Command, Host, Step};
+use counterpoint_lang::host::{Command, Host, HostFn, Step};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
@@ -181,7 +180,7 @@ impl Host for Kernel<'_> {
         self.macro_command(state, command)
     }
 
-    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
         self.going_on(state)?;
         self.macro_function(state, function, arguments)
     }

@@ -18,7 +18,7 @@ use super::sources::Sources;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
-use crate::log::info::{Axis, Channel, File, Info, Room};
+use crate::log::info::{Axis, Channel, File, Info};
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
 use crate::machine::model::{Format, RewindStop, StoredFile};
@@ -51,7 +51,7 @@ pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<(Inf
         parameters: spec.options.parameters.trim().to_owned(),
         unit: spec.machine.unit,
         trace: Letters::parse(&spec.options.trace).unwrap_or_default(),
-        room: Room::of(&Shares::of_channels(&spec.options.limits, channels.len())),
+        room: Shares::of_channels(&spec.options.limits, channels.len()).room(),
         channels,
         files: table,
     };

@@ -12,7 +12,7 @@ mod lines;
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
 use crate::channel::Kernel;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
@@ -55,7 +55,7 @@ impl Kernel<'_> {
     fn trace_wanted(&mut self, letter: char, line: impl FnOnce(&Self) -> String) {
         if self.traces(letter) {
             let text = shortened(&line(self)).into();
-            self.emit(0, Kind::Trace { letter, text });
+            self.emit(0, Kind::Trace(Trace { letter, text }));
         }
     }
 

@@ -3,7 +3,7 @@
 //! What a file could not be read for is kept: it is no fault of the program. Invariant: a path that is not in the job's list does not exist, whatever lies in the data folder.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use counterpoint_kernel::files::{Error, Files};
@@ -14,13 +14,13 @@ use crate::reason::Refusal;
 /// The files of one job.
 #[derive(Debug)]
 pub(crate) struct Sandbox {
-    blobs: Blobs,
+    blobs: Arc<dyn Blobs>,
     files: BTreeMap<String, String>,
     trouble: OnceLock<Refusal>,
 }
 
 impl Sandbox {
-    pub(crate) fn new(blobs: Blobs, files: &[(String, String)]) -> Self {
+    pub(crate) fn new(blobs: Arc<dyn Blobs>, files: &[(String, String)]) -> Self {
         Self { blobs, files: files.iter().cloned().collect(), trouble: OnceLock::new() }
     }
 

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Core;
+use crate::ledger::Keep;
 use crate::ledger::record::now_ms;
-use crate::ledger::retention::Keep;
 use crate::options::Retention;
 use crate::reason::Refusal;
 
@@ -24,10 +24,10 @@ pub(super) fn remove_folders_without_a_row(core: &Core) -> Result<(), Refusal> {
     if core.options.ephemeral {
         return Ok(());
     }
-    for id in core.store.jobs()? {
+    for id in core.logs.jobs()? {
         if !core.ledger.knows(&id)? {
             tracing::info!(job = id, "removing the folder of a job that the ledger does not know");
-            core.store.remove_job(&id)?;
+            core.logs.remove(&id)?;
         }
     }
     Ok(())
@@ -44,7 +44,7 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     let work = move || {
         let mut next = Instant::now();
         while let Some(core) = core.upgrade() {
-            copy_ledger_if_asked(&core);
+            core.ledger.serve_backups();
             remove_expired(&core, &keep);
             if next <= Instant::now() {
                 collect_blobs(&core, grace);
@@ -56,24 +56,6 @@ pub(super) fn start(core: &Arc<Core>) -> Result<(), Refusal> {
     };
     std::thread::Builder::new().name("housekeeping".to_owned()).spawn(work)?;
     Ok(())
-}
-
-/// Copies the ledger for each backup that asks for it: `tmp/backup-<id>` becomes `tmp/backup-<id>.ready`.
-fn copy_ledger_if_asked(core: &Core) {
-    for request in core.store.backups().unwrap_or_default() {
-        let copy = request.with_extension("copy");
-        let copied = core.ledger.copy(&copy, &core.store).and_then(|()| {
-            std::fs::remove_file(&request)?;
-            Ok(std::fs::rename(&copy, request.with_extension("ready"))?)
-        });
-        match copied {
-            Ok(()) => tracing::info!("the ledger has been copied for a backup"),
-            Err(error) => {
-                tracing::warn!(%error, "the ledger cannot be copied for a backup");
-                let _ = std::fs::remove_file(copy);
-            }
-        }
-    }
 }
 
 fn keep(options: &Retention) -> Keep {
@@ -118,7 +100,7 @@ fn collect_blobs(core: &Core, grace: Duration) {
     let mut removed = 0;
     for group in core.blobs.older_than(grace) {
         let blobs = core.blobs.clone();
-        match core.ledger.collect_blocking(group, move |digest| blobs.remove_older(digest, grace)) {
+        match core.ledger.collect_blocking(group, Box::new(move |digest| blobs.remove_older(digest, grace))) {
             Ok(count) => removed += count,
             Err(error) => {
                 tracing::debug!(%error, "the collection of blobs is tried again later");

@@ -4,7 +4,7 @@
 //! read the results.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -52,8 +52,6 @@ pub(crate) struct Live {
     /// Where dialogs wait for the operator.
     pub(crate) desk: Arc<Desk>,
     limits: Mutex<RunLimits>,
-    /// Its place in the queue.
-    pub(super) ordinal: AtomicU64,
 }
 
 /// A lock whose holder panicked is used as it is: records are replaced whole.
@@ -75,7 +73,6 @@ impl Live {
             finished: OnceLock::new(),
             writer: Mutex::new(None),
             limits: Mutex::default(),
-            ordinal: AtomicU64::new(0),
         }
     }
 

@@ -10,7 +10,6 @@ mod housekeeping;
 pub(crate) mod live;
 pub(crate) mod operator;
 pub(crate) mod progress;
-mod queue;
 mod recent;
 mod sink;
 mod system;
@@ -26,19 +25,19 @@ use tokio::sync::watch;
 
 use crate::blobs::Blobs;
 use crate::drain::Drain;
+use crate::host::Host;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::ledger::{Ledger, Submitted, recovered};
-use crate::local::disk::Disk;
+use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
 use crate::net::Places;
 use crate::options::Options;
+use crate::queue::{Entry, Queue};
 use crate::reason::Refusal;
 use crate::runner::Runner;
-use crate::store::Store;
 pub(crate) use files::Sandbox;
 use live::{Live, lock};
-use queue::Queue;
 use recent::Recent;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
@@ -47,17 +46,36 @@ const TICK: Duration = Duration::from_millis(50);
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
+/// What a server keeps its jobs in.
+#[derive(Debug)]
+pub(crate) struct Seams {
+    pub(crate) ledger: Arc<dyn Ledger>,
+    pub(crate) queue: Box<dyn Queue>,
+    pub(crate) logs: Arc<dyn Logs>,
+    pub(crate) blobs: Arc<dyn Blobs>,
+    pub(crate) host: Arc<dyn Host>,
+}
+
+/// The queue, and places in it.
+#[derive(Debug)]
+struct Waiting {
+    jobs: Box<dyn Queue>,
+    /// Places given to submits whose ledger entry is under way.
+    reserved: usize,
+}
+
 /// What all parts of the server share.
 pub(crate) struct Core {
     pub(crate) options: Options,
-    pub(crate) store: Store,
-    pub(crate) blobs: Blobs,
+    pub(crate) host: Arc<dyn Host>,
+    pub(crate) logs: Arc<dyn Logs>,
+    pub(crate) blobs: Arc<dyn Blobs>,
     pub(crate) machines: Machines,
-    pub(crate) ledger: Ledger,
+    pub(crate) ledger: Arc<dyn Ledger>,
     pub(crate) runner: Box<dyn Runner>,
     pub(crate) drain: Drain,
     live: DashMap<String, Arc<Live>>,
-    queue: Mutex<Queue>,
+    queue: Mutex<Waiting>,
     recent: Mutex<Recent>,
     /// Places for uploads, by the address of the connection.
     pub(crate) uploads: Arc<Places<Option<SocketAddr>>>,
@@ -72,43 +90,38 @@ impl std::fmt::Debug for Core {
 }
 
 impl Core {
-    pub(crate) fn open(options: Options, runner: Box<dyn Runner>, disk: Disk) -> Result<Arc<Self>, Refusal> {
-        let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
-        let blobs = match options.ephemeral {
-            true => Blobs::in_memory(options.maxima.max_blob_bytes),
-            false => Blobs::new(store.clone(), options.maxima.max_blob_bytes),
-        };
-        let core = Arc::new(Self {
-            ledger: Ledger::open(&store)?,
+    pub(crate) fn new(options: Options, runner: Box<dyn Runner>, seams: Seams) -> Arc<Self> {
+        let Seams { ledger, queue, logs, blobs, host } = seams;
+        let limits = &options.connections;
+        let uploads = Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection));
+        Arc::new(Self {
+            ledger,
             machines: Machines::new(blobs.clone(), options.maxima.max_machine_bytes),
-            store,
+            host,
+            logs,
             blobs,
             runner,
             drain: Drain::new(),
             live: DashMap::new(),
-            queue: Mutex::default(),
+            queue: Mutex::new(Waiting { jobs: queue, reserved: 0 }),
             recent: Mutex::default(),
-            uploads: Arc::new(Places::new(
-                options.connections.max_uploads,
-                options.connections.max_uploads_per_connection,
-            )),
+            uploads,
             running: watch::Sender::new(0),
             options,
-        });
-        Ok(core)
+        })
     }
 
     /// Puts back into the queue what a server before this one left unfinished, and begins to run jobs.
     pub(crate) fn recover(self: &Arc<Self>) -> Result<(), Refusal> {
         let mut unfinished = self.ledger.unfinished()?;
-        let mut marks: HashMap<String, u32> = self.store.marks()?.into_iter().collect();
+        let mut marks: HashMap<String, u32> = self.host.marks()?.into_iter().collect();
         for record in &mut unfinished {
             if let Some(attempt) = marks.remove(&record.id) {
                 (record.state, record.runs.attempt) = (State::Running, attempt);
             }
         }
         // Marks of jobs that have ended.
-        marks.keys().for_each(|id| self.store.unmark(id));
+        marks.keys().for_each(|id| self.host.unmark(id));
         let alone = unfinished.iter().filter(|record| record.state == State::Running).count() == 1;
         for record in unfinished {
             let before = record.state;
@@ -116,7 +129,7 @@ impl Core {
             tracing::info!(job = record.id, state = ?record.state, suspect = record.runs.suspect, "recovered");
             if record.state != before {
                 self.ledger.update_blocking(record.clone())?;
-                self.store.unmark(&record.id);
+                self.host.unmark(&record.id);
             }
             if !record.state.ended() {
                 self.admit(Arc::new(Live::new(record)));
@@ -145,7 +158,7 @@ impl Core {
     /// Whether there is enough disk space for new work.
     pub(crate) fn room(&self) -> Result<(), Refusal> {
         let least = self.options.min_free_bytes;
-        match self.store.free() {
+        match self.host.free() {
             Some(free) if free < least && !self.options.ephemeral => Err(Refusal::DiskFull(least)),
             _ => Ok(()),
         }
@@ -171,9 +184,9 @@ impl Core {
         };
         let blobs = self.blobs.clone();
         let check = move |record: &Record| {
-            blobs.require(record.files.iter().map(|(_, digest)| digest).chain(record.machine.files.values()))
+            blobs.require(&mut record.files.iter().map(|(_, digest)| digest).chain(record.machine.files.values()))
         };
-        let submitted = self.ledger.submit(record, check, accepted).await?;
+        let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
         drop(place);
         match submitted {
             Submitted::Known(known) => Ok((self.current(*known), true)),
@@ -202,8 +215,8 @@ impl Core {
             return Err(Refusal::Draining { cursor: 0 });
         }
         let mut queue = lock(&self.queue);
-        let free = self.options.slots().saturating_sub(queue.running().len());
-        if queue.len() + queue.reserved >= self.options.queue + free {
+        let free = self.options.slots().saturating_sub(queue.jobs.running().len());
+        if queue.jobs.len() + queue.reserved >= self.options.queue + free {
             return Err(Refusal::QueueFull(self.options.queue));
         }
         queue.reserved += 1;
@@ -212,16 +225,13 @@ impl Core {
 
     fn admit(&self, live: Arc<Live>) {
         self.live.insert(live.id.clone(), live.clone());
-        let mut queue = lock(&self.queue);
-        match live.record().runs.suspect {
-            true => queue.push_suspect(live),
-            false => queue.push(live),
-        }
+        let entry = if live.record().runs.suspect { Entry::Suspect } else { Entry::Accepted };
+        lock(&self.queue).jobs.push(&live.id, entry);
     }
 
     /// Starts waiting jobs while there are free workers, disk space and a ledger.
     fn pump(self: &Arc<Self>) {
-        if lock(&self.queue).len() == 0 || !*self.ledger.writable().borrow() || self.room().is_err() {
+        if lock(&self.queue).jobs.len() == 0 || !*self.ledger.writable().borrow() || self.room().is_err() {
             return;
         }
         while let Some(live) = self.next() {
@@ -234,32 +244,36 @@ impl Core {
         if self.drain.begun() {
             return None;
         }
-        let live = queue.next(self.options.slots(), Instant::now())?;
-        self.running.send_replace(queue.busy());
-        Some(live)
+        loop {
+            let id = queue.jobs.next(self.options.slots(), Instant::now())?;
+            if let Some(live) = self.live(&id) {
+                self.running.send_replace(queue.jobs.busy());
+                return Some(live);
+            }
+            queue.jobs.free(&id);
+        }
     }
 
     /// The run is over and only its storage is left, which needs no core: the next job may run meanwhile.
     fn leave(self: &Arc<Self>, live: &Live) {
-        lock(&self.queue).store(live);
+        lock(&self.queue).jobs.store(&live.id);
         self.pump();
     }
 
     /// The log of a job, wherever it is.
     pub(crate) fn kept_log(&self, id: &str) -> Result<Option<Kept>, Refusal> {
-        let path = self.store.log(id);
-        if path.is_file() {
-            return Ok(Some(Kept::File(path)));
+        match self.logs.kept(id) {
+            Some(kept) => Ok(Some(kept)),
+            None => Ok(self.ledger.log(id)?.map(Kept::Ledger)),
         }
-        Ok(self.ledger.log(id)?.map(Kept::Ledger))
     }
 
     /// A worker is free again: the job has ended, or the drain has interrupted it.
     fn free(self: &Arc<Self>, live: &Live) {
         {
             let mut queue = lock(&self.queue);
-            queue.free(live);
-            self.running.send_replace(queue.busy());
+            queue.jobs.free(&live.id);
+            self.running.send_replace(queue.jobs.busy());
         }
         let bytes = live.finished().map_or(0, |finished| finished.bytes);
         let gone = lock(&self.recent).push(live.id.clone(), bytes, self.options.ephemeral);
@@ -270,18 +284,19 @@ impl Core {
     }
 
     /// A worker is free again: the host has failed the run for the `failures`th time, and the job waits for the next.
-    fn again(&self, live: Arc<Live>, failures: u32) {
+    fn again(&self, live: &Live, failures: u32) {
         let pause = FIRST_PAUSE.saturating_mul(1 << failures.saturating_sub(1).min(16)).min(LONGEST_PAUSE);
         let mut queue = lock(&self.queue);
-        queue.free(&live);
-        queue.push_again(Instant::now() + pause, live);
-        self.running.send_replace(queue.busy());
+        queue.jobs.free(&live.id);
+        queue.jobs.push(&live.id, Entry::Again(Instant::now() + pause));
+        self.running.send_replace(queue.jobs.busy());
     }
 
     /// Stops runs that have reached their limit by the clock.
     fn stop_late_runs(&self) {
         let now = Instant::now();
-        lock(&self.queue).running().iter().for_each(|live| live.check_clock(now));
+        let running = lock(&self.queue).jobs.running().to_vec();
+        running.iter().filter_map(|id| self.live(id)).for_each(|live| live.check_clock(now));
     }
 
     /// Number of running jobs, to be followed.
@@ -307,14 +322,14 @@ impl Core {
     }
 
     /// Jobs before this one in the queue.
-    pub(crate) fn queued_before(&self, live: &Live) -> usize {
-        lock(&self.queue).before(live)
+    pub(crate) fn queued_before(&self, id: &str) -> usize {
+        lock(&self.queue).jobs.before(id)
     }
 
     /// Cancels a job: durable first, then in memory.
     pub(crate) async fn cancel(self: &Arc<Self>, id: &str) -> Result<Record, Refusal> {
         let Some(live) = self.live(id) else { return self.job(id) };
-        let waiting = lock(&self.queue).remove(&live);
+        let waiting = lock(&self.queue).jobs.remove(id);
         let record = live.change(|record| record.cancel |= !record.state.ended());
         if record.state.ended() {
             return Ok(record);
@@ -323,7 +338,7 @@ impl Core {
             let ended = Record { state: State::Cancelled, ended_ms: now_ms(), ..record };
             if let Err(refusal) = self.ledger.update(ended.clone()).await {
                 live.change(|record| record.cancel = false);
-                lock(&self.queue).put_back(live);
+                lock(&self.queue).jobs.push(id, Entry::Again(Instant::now()));
                 return Err(refusal);
             }
             live.change(|record| record.clone_from(&ended));
@@ -348,7 +363,7 @@ impl Core {
     /// Clears away what is left of a job that is no longer in the ledger.
     fn forget(&self, id: &str) -> Result<(), Refusal> {
         self.live.remove(id);
-        Ok(self.store.remove_job(id)?)
+        Ok(self.logs.remove(id)?)
     }
 
     /// Whether somebody beside the list of jobs has a job in hand.

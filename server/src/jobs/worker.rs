@@ -7,7 +7,6 @@
 use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -26,6 +25,7 @@ use super::live::{Live, Run};
 use super::sink::JobSink;
 use super::system::Shell;
 use crate::ledger::record::{Record, State, now_ms};
+use crate::log::Logs;
 use crate::log::writer::{Small, Writer};
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
@@ -108,7 +108,7 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
     tracing::warn!(trouble, "the host has failed the run; the job waits for another");
     live.forget_run();
-    if let Err(error) = core.store.remove_log(&live.id) {
+    if let Err(error) = core.logs.remove_log(&live.id) {
         tracing::warn!(%error, "the unfinished log stays until the next run");
     }
     let record = live.change(|record| {
@@ -118,8 +118,8 @@ fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
         record.runs.host_failures = record.runs.host_failures.saturating_add(1);
         record.runs.host_failure = trouble;
     });
-    core.store.unmark(&live.id);
-    core.again(live, record.runs.host_failures);
+    core.host.unmark(&live.id);
+    core.again(&live, record.runs.host_failures);
 }
 
 /// Time between two attempts to make the end of a job durable, and between two looks at whether it is to end.
@@ -143,7 +143,7 @@ fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
         std::thread::sleep(LOOK);
     }
     tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
-    core.store.unmark(&live.id);
+    core.host.unmark(&live.id);
     if let Some(log) = log.filter(|_| record.state.ended()) {
         live.tail.set(log.bytes.len() as u64, log.last_seq);
     }
@@ -168,7 +168,7 @@ enum Ran {
 
 fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
     // A run that takes the server down has left its mark.
-    core.store.mark(&live.id, live.record().runs.attempt + 1)?;
+    core.host.mark(&live.id, live.record().runs.attempt + 1)?;
     let record = live.change(|record| {
         (record.state, record.runs.started_ms) = (State::Running, now_ms());
         record.runs.attempt += 1;
@@ -200,13 +200,13 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         control = control.with_operator(live.desk.clone());
     }
     if core.options.allow_system {
-        control = control.with_system(Arc::new(Shell::new(core.store.tmp(), core.options.system_wait_s)));
+        control = control.with_system(Arc::new(Shell::new(core.host.scratch(), core.options.system_wait_s)));
     }
     let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });
     if core.options.log {
         let head = description(&info).encode_to_vec();
-        live.begin_log(Writer::create(core.store.disk(), &core.store.log(&live.id), live.tail.clone(), &info, &head)?);
+        live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
     let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
@@ -232,12 +232,12 @@ impl Through {
         let bytes = writer.as_ref().map_or(0, Writer::bytes);
         let has_files = !finished.files.is_empty();
         let log = match writer {
-            Some(writer) => writer.finish(core.store.durable())?,
+            Some(writer) => writer.finish()?,
             None => None,
         };
         let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
         if log.is_none() && core.options.log || has_files {
-            core.store.sync_job(&live.id)?;
+            core.logs.sync(&live.id)?;
         }
         let change: Change = Box::new(move |record| {
             let summary = &finished.results.summary;
@@ -278,7 +278,6 @@ const RESULTS_FROM: u64 = 1 << 20;
 /// Stores what cannot be made from the log in no time, and keeps all results in memory for a while. `bytes`: of the log.
 /// Gives also the bytes of log, files and results.
 fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Result<(Arc<Finished>, u64), Refusal> {
-    let folder = core.store.job(&live.id);
     let files = if finished.files.is_empty() { None } else { finished.document(Document::Files) };
     finished.bytes = bytes + files.as_ref().map_or(0, |files| files.len() as u64);
     let finished = Arc::new(finished);
@@ -288,11 +287,11 @@ fn keep(core: &Arc<Core>, live: &Live, mut finished: Finished, bytes: u64) -> Re
         return Ok((finished, stored));
     }
     if let Some(files) = files {
-        core.store.write(&folder.join(Document::Files.file()), &files)?;
+        core.logs.write(&live.id, Document::Files.file(), &files)?;
     }
     if bytes >= RESULTS_FROM {
-        let (core, finished) = (core.clone(), finished.clone());
-        stored += store_results(live, move || store(&core, &folder, &finished));
+        let (logs, id, finished) = (core.logs.clone(), live.id.clone(), finished.clone());
+        stored += store_results(live, move || store(&*logs, &id, &finished));
     }
     Ok((finished, stored))
 }
@@ -317,11 +316,11 @@ fn store_results(live: &Live, work: impl FnOnce() -> io::Result<u64> + Send + 's
     }
 }
 
-fn store(core: &Core, folder: &Path, finished: &Finished) -> io::Result<u64> {
+fn store(logs: &dyn Logs, id: &str, finished: &Finished) -> io::Result<u64> {
     let mut bytes = 0;
     for document in Document::ALL.into_iter().filter(|document| *document != Document::Files) {
         if let Some(text) = finished.document(document) {
-            core.store.write(&folder.join(document.file()), &text)?;
+            logs.write(id, document.file(), &text)?;
             bytes += text.len() as u64;
         }
     }

@@ -1,45 +1,25 @@
-//! The ledger: every accepted job and every machine put there, in one transactional file.
+//! The ledger: every accepted job and every machine put there.
 //!
-//! One writer thread ([`writer`]) takes operations from a bounded queue and commits them in groups. Readers use
-//! snapshots. Invariant: jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read
-//! is reported to whoever asks for it and hidden from all others.
+//! [`Ledger`] is the seam; the one in a file of the data folder is in `local`. Invariants: what was answered is on
+//! stable storage; jobs are ordered as they were accepted, whatever the clock says; a row that cannot be read is
+//! reported to whoever asks for it and hidden from all others.
 
-mod blob_refs;
-pub(crate) mod checkup;
 pub(crate) mod record;
-pub(crate) mod retention;
-mod schema;
-mod writer;
 
-use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::thread::JoinHandle;
+use std::fmt::Debug;
 
 use bytes::Bytes;
 use counterpoint_kernel::dialog::answers::Answer;
-use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
-use tokio::sync::{mpsc, oneshot, watch};
-use uuid::Uuid;
+use tokio::sync::watch;
 
 use crate::machines::Definition;
 use crate::reason::Refusal;
-use crate::store::Store;
 use record::{Record, State};
-use retention::{Ended, Keep};
-use writer::{Operation, Place, Shared};
 
-const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
-const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
-const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
-const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
-
-/// Handle on the ledger.
-#[derive(Debug)]
-pub(crate) struct Ledger {
-    shared: Arc<Shared>,
-    operations: RwLock<Option<mpsc::Sender<Operation>>>,
-    writer: Mutex<Option<JoinHandle<()>>>,
-}
+/// Asked before something is stored, while no blob can be collected.
+pub(crate) type Check<T> = Box<dyn FnOnce(&T) -> Result<(), Refusal> + Send>;
+/// Called when a job is durable, in the order of acceptance.
+pub(crate) type Accepted = Box<dyn FnOnce(&Record) + Send>;
 
 /// Answer to a submit.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,389 +30,98 @@ pub(crate) enum Submitted {
     Known(Box<Record>),
 }
 
-fn storage(error: impl std::fmt::Display) -> Refusal {
-    Refusal::Storage(error.to_string())
+/// What is kept of ended jobs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Keep {
+    /// How long, ms.
+    pub(crate) age_ms: Option<i64>,
+    /// How many.
+    pub(crate) jobs: Option<u64>,
+    /// How many bytes.
+    pub(crate) bytes: Option<u64>,
 }
 
-fn closed() -> Refusal {
-    storage("the ledger cannot be written at the moment")
+/// An ended job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Ended {
+    pub(crate) id: String,
+    pub(crate) ended_ms: i64,
 }
 
-fn parse<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Result<T, Refusal> {
-    serde_json::from_slice(bytes).map_err(|error| {
-        Refusal::DataLoss(format!("the row '{row}' of the ledger cannot be read ({error}); submit its job again"))
-    })
-}
+/// Keeps jobs and machines. Calls that are not async may block.
+#[tonic::async_trait]
+pub(crate) trait Ledger: Send + Sync + Debug {
+    /// Does what was asked so far and gives its storage free; everything asked later is refused.
+    fn close(&self);
 
-/// Same, without a row that cannot be read.
-fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T> {
-    parse(row, bytes).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
-}
+    /// Whether something can be stored, to be followed.
+    fn writable(&self) -> watch::Receiver<bool>;
 
-/// The next identity: ascending in the order of acceptance, also when the clock is set back.
-fn next_id(txn: &WriteTransaction) -> Result<String, Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
-    let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
-    Ok(after(last, Uuid::now_v7()).to_string())
-}
-
-/// `new`, or the smallest identity after `last` if `new` is not after it.
-fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
-    match last {
-        Some(last) if new <= last => Uuid::from_u128(last.as_u128().wrapping_add(1)),
-        _ => new,
-    }
-}
-
-fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
-    let bytes = serde_json::to_vec(record).map_err(storage)?;
-    txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
-    if record.state.ended() { retention::list(txn, record) } else { Ok(()) }
-}
-
-/// Removes an ended job with all that belongs to it; it may be gone already.
-fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
-    retention::unlist(txn, id, ended_ms)?;
-    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
-    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
-    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
-    txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
-    blob_refs::subtract(txn, &blob_refs::of_job(&record))
-}
-
-fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
-    let table = txn.open_table(JOB).map_err(storage)?;
-    let row = table.get(id).map_err(storage)?;
-    row.map(|row| parse(id, row.value())).transpose()
-}
-
-impl Ledger {
-    /// Opens or creates the ledger.
-    pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
-        let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
-        not_lost(store)?;
-        let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
-        let txn = database.begin_write().map_err(storage)?;
-        let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
-            Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
-            other => other,
-        })?;
-        txn.commit().map_err(storage)?;
-        if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
-            tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
-        }
-        let database = RwLock::new(Some(Arc::new(database)));
-        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
-        let (operations, queue) = mpsc::channel(1024);
-        let own = shared.clone();
-        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
-        Ok(Self { shared, operations: RwLock::new(Some(operations)), writer: Mutex::new(Some(writer)) })
-    }
-
-    /// Does what was asked so far and gives the file free; everything asked later is refused.
-    pub(crate) fn close(&self) {
-        drop(self.operations.write().unwrap_or_else(PoisonError::into_inner).take());
-        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner).take();
-        // The writer itself may drop the last handle.
-        if let Some(writer) = writer.filter(|writer| writer.thread().id() != std::thread::current().id()) {
-            let _ = writer.join();
-        }
-        self.shared.writable.send_replace(false);
-        *self.shared.database.write().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    /// Whether operations can be done, to be followed.
-    pub(crate) fn writable(&self) -> watch::Receiver<bool> {
-        self.shared.writable.subscribe()
-    }
-
-    fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
-        self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(closed)
-    }
-
-    fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
-        let database = self.shared.database.read().unwrap_or_else(PoisonError::into_inner);
-        database.as_ref().ok_or_else(closed)?.begin_read().map_err(storage)
-    }
-
-    fn operation<R: Send + 'static>(
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
-        then: impl FnOnce(&R) + Send + 'static,
-    ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
-        let (answer, answered) = oneshot::channel();
-        let operation: Operation = Box::new(move |txn| {
-            let result = work(txn);
-            Box::new(move |committed| {
-                let result = committed.and(result);
-                if let Ok(done) = &result {
-                    then(done);
-                }
-                drop(answer.send(result));
-            })
-        });
-        (operation, answered)
-    }
-
-    /// Does `work` in a transaction; answers after the commit. `work` must decide before it writes.
-    async fn write<R: Send + 'static>(
-        &self,
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
-    ) -> Result<R, Refusal> {
-        let (operation, answered) = Self::operation(work, |_| ());
-        self.operations()?.send(operation).await.map_err(|_| closed())?;
-        answered.await.map_err(|_| closed())?
-    }
-
-    /// Same as [`write`](Self::write) from a thread that may block.
-    fn write_blocking<R: Send + 'static>(
-        &self,
-        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
-    ) -> Result<R, Refusal> {
-        let (operation, answered) = Self::operation(work, |_| ());
-        self.operations()?.blocking_send(operation).map_err(|_| closed())?;
-        answered.blocking_recv().map_err(|_| closed())?
-    }
-
-    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id. `check` is asked
-    /// while no blob can be collected, `accepted` is called after the commit, in the order of acceptance.
-    pub(crate) async fn submit(
-        &self,
-        mut record: Record,
-        check: impl FnOnce(&Record) -> Result<(), Refusal> + Send + 'static,
-        accepted: impl FnOnce(&Record) + Send + 'static,
-    ) -> Result<Submitted, Refusal> {
-        let work = move |txn: &WriteTransaction| {
-            let mut requests = txn.open_table(REQUEST).map_err(storage)?;
-            let known = requests.get(record.request_id.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
-            if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
-                return same(known, &record);
-            }
-            check(&record)?;
-            record.id = next_id(txn)?;
-            put(txn, &record)?;
-            blob_refs::add(txn, &blob_refs::of_job(&record))?;
-            requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
-            Ok(Submitted::New(Box::new(record)))
-        };
-        let (operation, answered) = Self::operation(work, |submitted| {
-            if let Submitted::New(record) = submitted {
-                accepted(record);
-            }
-        });
-        self.operations()?.send(operation).await.map_err(|_| closed())?;
-        answered.await.map_err(|_| closed())?
-    }
+    /// Accepts a job and gives it its identity, or finds the one accepted under the same request id.
+    async fn submit(&self, record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal>;
 
     /// Stores a new state of a job.
-    pub(crate) async fn update(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| put(txn, &record)).await
-    }
+    async fn update(&self, record: Record) -> Result<(), Refusal>;
+
+    /// Same from a thread that may block.
+    fn update_blocking(&self, record: Record) -> Result<(), Refusal>;
 
     /// Notes that a job is to be cancelled, unless it has ended.
-    pub(crate) async fn flag_cancel(&self, id: String) -> Result<(), Refusal> {
-        self.write(move |txn| match get(txn, &id)? {
-            Some(record) if !record.state.ended() => put(txn, &Record { cancel: true, ..record }),
-            _ => Ok(()),
-        })
-        .await
-    }
+    async fn flag_cancel(&self, id: String) -> Result<(), Refusal>;
 
     /// Keeps what the operator said, unless the job has ended.
-    pub(crate) async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
-        self.write(move |txn| match get(txn, &id)? {
-            Some(mut record) if !record.state.ended() => {
-                record.answers.push((channel, answer));
-                put(txn, &record)
-            }
-            _ => Ok(()),
-        })
-        .await
-    }
-
-    /// Same as [`update`](Self::update) from a thread that may block.
-    pub(crate) fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| put(txn, &record))
-    }
+    async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal>;
 
     /// Stores the end of a job, with its log if that is small, from a thread that may block.
-    pub(crate) fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| {
-            if let Some(log) = log {
-                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
-            }
-            put(txn, &record)
-        })
-    }
+    fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal>;
 
     /// The log of a job, if it is kept here.
-    pub(crate) fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
-        let table = self.snapshot()?.open_table(LOG).map_err(storage)?;
-        let row = table.get(id).map_err(storage)?;
-        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
-    }
+    fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal>;
 
     /// Removes a job and its request id.
-    pub(crate) async fn remove(&self, record: Record) -> Result<(), Refusal> {
-        self.write(move |txn| take_out(txn, &record.id, record.ended_ms)).await
-    }
-
-    /// Ended jobs beyond what is to be kept, oldest first, with the time of their end.
-    pub(crate) fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
-        retention::expired(&self.snapshot()?, keep, now_ms, most)
-    }
+    async fn remove(&self, record: Record) -> Result<(), Refusal>;
 
     /// Removes ended jobs from a thread that may block.
-    pub(crate) fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
-        self.write_blocking(move |txn| jobs.iter().try_for_each(|job| take_out(txn, &job.id, job.ended_ms)))
-    }
+    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal>;
+
+    /// Ended jobs beyond what is to be kept, oldest first, with the time of their end.
+    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal>;
 
     /// One job.
-    pub(crate) fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        let row = table.get(id).map_err(storage)?;
-        row.map(|row| parse(id, row.value())).transpose()
-    }
-
-    /// The job accepted under a request id.
-    pub(crate) fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(REQUEST).map_err(storage)?;
-        let id = table.get(request_id).map_err(storage)?.map(|id| id.value().to_owned());
-        id.map_or(Ok(None), |id| self.job(&id))
-    }
-
-    /// Up to `count` jobs after the job `after`, in order of submission, that `wanted` takes.
-    pub(crate) fn jobs(
-        &self,
-        after: &str,
-        count: usize,
-        wanted: impl Fn(&Record) -> bool,
-    ) -> Result<Vec<Record>, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        let mut found = Vec::new();
-        for row in
-            table.range::<&str>((std::ops::Bound::Excluded(after), std::ops::Bound::Unbounded)).map_err(storage)?
-        {
-            if found.len() >= count {
-                break;
-            }
-            let (id, row) = row.map_err(storage)?;
-            let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
-            if wanted(&record) {
-                found.push(record);
-            }
-        }
-        Ok(found)
-    }
-
-    /// Stores a machine under its name and its revision. `check` is asked while no blob can be collected.
-    pub(crate) async fn put_machine(
-        &self,
-        definition: Definition,
-        check: impl FnOnce(&Definition) -> Result<(), Refusal> + Send + 'static,
-    ) -> Result<(), Refusal> {
-        self.write(move |txn| {
-            check(&definition)?;
-            let bytes = serde_json::to_vec(&definition).map_err(storage)?;
-            let pinned = format!("{}@{}", definition.name, definition.revision());
-            let mut table = txn.open_table(MACHINE).map_err(storage)?;
-            table.insert(definition.name.as_str(), bytes.as_slice()).map_err(storage)?;
-            let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
-            drop(table);
-            if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
-        })
-        .await
-    }
-
-    /// Calls `remove` for those of the blobs that no row needs; meanwhile no row can begin to need one.
-    pub(crate) fn collect_blocking(
-        &self,
-        digests: Vec<String>,
-        remove: impl Fn(&str) -> bool + Send + 'static,
-    ) -> Result<usize, Refusal> {
-        let shared = self.shared.clone();
-        self.write_blocking(move |txn| {
-            // A row that goes in this very transaction is still there when the transaction fails.
-            let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
-            let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
-            let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
-            let mut removed = 0;
-            for digest in &digests {
-                let needed = durable.get(digest.as_str()).map_err(storage)?.is_some()
-                    || table.get(digest.as_str()).map_err(storage)?.is_some();
-                removed += usize::from(!needed && remove(digest));
-            }
-            Ok(removed)
-        })
-    }
+    fn job(&self, id: &str) -> Result<Option<Record>, Refusal>;
 
     /// Whether there is a row of a job, readable or not.
-    pub(crate) fn knows(&self, id: &str) -> Result<bool, Refusal> {
-        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
-        Ok(table.get(id).map_err(storage)?.is_some())
-    }
+    fn knows(&self, id: &str) -> Result<bool, Refusal>;
 
-    /// A machine by `name` or `name@revision`.
-    pub(crate) fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal> {
-        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
-        let row = table.get(name).map_err(storage)?;
-        row.map(|row| parse(name, row.value())).transpose()
-    }
+    /// The job accepted under a request id.
+    fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal>;
 
-    /// All machines put there, newest revision each, by name.
-    pub(crate) fn machines(&self) -> Result<Vec<Definition>, Refusal> {
-        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
-        let mut found = Vec::new();
-        for row in table.iter().map_err(storage)? {
-            let (name, bytes) = row.map_err(storage)?;
-            if !name.value().contains('@') {
-                found.extend(readable::<Definition>(name.value(), bytes.value()));
-            }
-        }
-        Ok(found)
-    }
-
-    /// Copies the last durable state into a new file.
-    pub(crate) fn copy(&self, to: &Path, store: &Store) -> Result<(), Refusal> {
-        checkup::copy(&self.snapshot()?, to, store)
-    }
+    /// Up to `count` jobs after the job `after`, in order of submission, that `wanted` takes.
+    fn jobs(&self, after: &str, count: usize, wanted: &dyn Fn(&Record) -> bool) -> Result<Vec<Record>, Refusal>;
 
     /// Jobs that had not ended when the server went down, in order of submission.
-    pub(crate) fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
-        self.jobs("", usize::MAX, |record| !record.state.ended())
+    fn unfinished(&self) -> Result<Vec<Record>, Refusal> {
+        self.jobs("", usize::MAX, &|record| !record.state.ended())
     }
-}
 
-impl Drop for Ledger {
-    fn drop(&mut self) {
-        self.close();
-    }
-}
+    /// Stores a machine under its name and its revision.
+    async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal>;
 
-/// Refuses a missing or empty ledger beside jobs or blobs.
-pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
-    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
-    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
-        let what = if length.is_some() { "is empty" } else { "is missing" };
-        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
-    }
-    Ok(())
-}
+    /// A machine by `name` or `name@revision`.
+    fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal>;
 
-/// A ledger that cannot be used, with the way out.
-pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
-    let root = store.root().display();
-    Refusal::DataLoss(format!(
-        "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
-        store.ledger().display()
-    ))
-}
+    /// All machines put there, newest revision each, by name.
+    fn machines(&self) -> Result<Vec<Definition>, Refusal>;
 
-fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
-    if known.content == asked.content {
-        Ok(Submitted::Known(Box::new(known)))
-    } else {
-        Err(Refusal::RequestIdReused(asked.request_id.clone()))
-    }
+    /// Calls `remove` for those of the blobs that no row needs; meanwhile no row can begin to need one.
+    fn collect_blocking(
+        &self,
+        digests: Vec<String>,
+        remove: Box<dyn Fn(&str) -> bool + Send>,
+    ) -> Result<usize, Refusal>;
+
+    /// Copies itself for the backups that ask for it.
+    fn serve_backups(&self);
 }
 
 /// State a job is put back to when the server starts. `alone`: no other job was running when the server before this
@@ -454,21 +143,4 @@ pub(crate) fn recovered(mut record: Record, alone: bool, attempts: u32) -> Recor
         record.state = State::Queued;
     }
     record
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn identities_ascend_when_the_clock_is_set_back() {
-        let first = Uuid::from_u128(0x0190_0000_0000_7000_8000_0000_0000_0007);
-        let earlier = Uuid::from_u128(0x0180_0000_0000_7000_8000_0000_0000_0000);
-        let later = Uuid::from_u128(0x0190_0000_0001_7000_8000_0000_0000_0000);
-        assert_eq!(after(None, earlier), earlier);
-        assert_eq!(after(Some(first), later), later);
-        let second = after(Some(first), earlier);
-        assert!(second > first && after(Some(second), first) > second);
-        assert!(second.to_string() > first.to_string(), "texts are ordered as identities are");
-    }
 }

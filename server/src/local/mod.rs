@@ -1,8 +1,40 @@
-//! What the server keeps on the disk of its own machine: the one seam for file writes, the ledger's file, and the lock
-//! of the data folder.
+//! The parts of a server that needs no other machine: everything lies in one data folder.
 //!
-//! Invariant: every byte that the server writes passes [`disk::Disk`], so a test can let any write fail.
+//! Each implements a seam that the rest of the server uses without knowing what is behind it. Invariant: every byte
+//! that the server writes passes [`disk::Disk`], so a test can let any write fail.
 
+pub(crate) mod blobs;
 pub mod disk;
 pub(crate) mod folder_lock;
-pub(crate) mod ledger_file;
+pub(crate) mod ledger;
+mod logs;
+pub(crate) mod queue;
+pub(crate) mod store;
+
+use std::sync::Arc;
+
+use crate::blobs::Blobs;
+use crate::jobs::Seams;
+use crate::options::Options;
+use crate::reason::Refusal;
+use blobs::LocalBlobs;
+use disk::Disk;
+use ledger::LocalLedger;
+use queue::LocalQueue;
+use store::Store;
+
+/// Takes the data folder and opens what is in it.
+pub(crate) fn open(options: &Options, disk: Disk) -> Result<Seams, Refusal> {
+    let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
+    let blobs: Arc<dyn Blobs> = match options.ephemeral {
+        true => Arc::new(LocalBlobs::in_memory(options.maxima.max_blob_bytes)),
+        false => Arc::new(LocalBlobs::new(store.clone(), options.maxima.max_blob_bytes)),
+    };
+    Ok(Seams {
+        ledger: Arc::new(LocalLedger::open(&store)?),
+        queue: Box::new(LocalQueue::default()),
+        logs: Arc::new(store.clone()),
+        blobs,
+        host: Arc::new(store),
+    })
+}

@@ -1,57 +1,35 @@
 //! Wire encoding back to kernel events, for results made from the log.
 //!
-//! Invariant: decoding what [`super::encode`] wrote gives the same event, bit for bit (tested), so a result made
-//! later equals the one made while the job ran. Damage gives `None`, never a panic.
+//! Which field is what comes from the types of the events. *Invariant:* decoding what [`super::encode`] wrote gives the
+//! same event, bit for bit (tested), so a result made later equals the one made while the job ran. Damage gives `None`,
+//! never a panic.
 
-use std::sync::Arc;
+use std::borrow::Cow;
 
-use counterpoint_kernel::log::event::{
-    Coolant, Diagnostic, Event, FeedUnit, Kind, MAX_AXES, Member, Motion, MotionKind, Origin, Outlet, Position,
-    Release, Spindle, ToolData, Verdict, Wait,
-};
-
-use super::encode as numbers;
+use counterpoint_kernel::log::event::Event;
+use counterpoint_kernel::log::event::fields::Source;
 
 /// A value on the wire.
+#[derive(Clone, Copy)]
 enum Value<'a> {
     Number(u64),
     Fixed(u64),
     Bytes(&'a [u8]),
 }
 
-impl Value<'_> {
-    fn number(&self) -> u64 {
+impl<'a> Value<'a> {
+    fn number(self) -> u64 {
         match self {
-            Self::Number(n) | Self::Fixed(n) => *n,
+            Self::Number(n) | Self::Fixed(n) => n,
             Self::Bytes(_) => 0,
         }
     }
 
-    fn double(&self) -> f64 {
-        f64::from_bits(self.number())
-    }
-}
-
-impl Value<'_> {
-    /// None for a field that is not there.
-    fn optional_double(&self) -> Option<f64> {
-        match self {
-            Self::Fixed(bits) => Some(f64::from_bits(*bits)),
-            _ => None,
-        }
-    }
-}
-
-impl<'a> Value<'a> {
-    fn bytes(&self) -> &'a [u8] {
+    fn bytes(self) -> &'a [u8] {
         match self {
             Self::Bytes(bytes) => bytes,
             _ => &[],
         }
-    }
-
-    fn text(&self) -> Box<str> {
-        String::from_utf8_lossy(self.bytes()).into()
     }
 }
 
@@ -101,6 +79,9 @@ impl<'a> Iterator for Fields<'a> {
     }
 }
 
+/// First field of the oneof that says what an event is.
+const FIRST_KIND: u64 = 10;
+
 /// The encoded events of an encoded batch.
 pub(crate) fn events(batch: &[u8]) -> impl Iterator<Item = &[u8]> {
     Fields(batch).filter(|(field, _)| *field == 3).map(|(_, value)| value.bytes())
@@ -108,7 +89,7 @@ pub(crate) fn events(batch: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// Number of the oneof field that says what an encoded event is; 0 when there is none.
 pub(crate) fn kind_field(event: &[u8]) -> u64 {
-    Fields(event).map(|(field, _)| field).find(|field| *field >= 10).unwrap_or(0)
+    Fields(event).map(|(field, _)| field).find(|field| *field >= FIRST_KIND).unwrap_or(0)
 }
 
 /// Sequence number of an encoded event.
@@ -116,193 +97,82 @@ pub(crate) fn seq(event: &[u8]) -> u64 {
     Fields(event).find(|(field, _)| *field == 1).map_or(0, |(_, value)| value.number())
 }
 
-/// Decodes one event.
+/// Fields that a message may have, 0 counted.
+const MOST: usize = 12;
+
+/// A message: the last value of each of its fields; what is not there is zero.
+struct Message<'a> {
+    values: [Value<'a>; MOST],
+    bytes: &'a [u8],
+}
+
+impl<'a> Message<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        let mut message = Self { values: [const { Value::Number(0) }; MOST], bytes };
+        Fields(bytes).for_each(|(field, value)| message.set(field, value));
+        message
+    }
+
+    fn set(&mut self, field: u64, value: Value<'a>) {
+        if let Some(slot) = self.values.get_mut(field as usize) {
+            *slot = value;
+        }
+    }
+
+    fn get(&self, tag: u8) -> Value<'a> {
+        self.values.get(usize::from(tag)).copied().unwrap_or(Value::Number(0))
+    }
+}
+
+impl<'a> Source for Message<'a> {
+    fn number(&self, tag: u8) -> u64 {
+        self.get(tag).number()
+    }
+
+    fn float(&self, tag: u8) -> f64 {
+        f64::from_bits(self.get(tag).number())
+    }
+
+    fn known(&self, tag: u8) -> Option<f64> {
+        match self.get(tag) {
+            Value::Fixed(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    fn text(&self, tag: u8) -> Cow<'_, str> {
+        String::from_utf8_lossy(self.get(tag).bytes())
+    }
+
+    fn numbers(&self, tag: u8) -> impl Iterator<Item = u64> {
+        let mut fields = Fields(self.get(tag).bytes());
+        std::iter::from_fn(move || fields.varint())
+    }
+
+    fn floats(&self, tag: u8, into: &mut [f64]) {
+        for (slot, chunk) in into.iter_mut().zip(self.get(tag).bytes().chunks_exact(8)) {
+            *slot = chunk.try_into().map_or(0.0, f64::from_le_bytes);
+        }
+    }
+
+    fn message(&self, tag: u8) -> Option<Self> {
+        match self.get(tag) {
+            Value::Bytes(bytes) => Some(Self::new(bytes)),
+            _ => None,
+        }
+    }
+
+    fn messages(&self, tag: u8) -> impl Iterator<Item = Self> {
+        let fields = Fields(self.bytes).filter(move |(field, _)| *field == u64::from(tag));
+        fields.map(|(_, value)| Self::new(value.bytes()))
+    }
+}
+
+/// Decodes one event, and its number in the log.
 pub(crate) fn event(bytes: &[u8]) -> Option<(u64, Event)> {
-    let mut seq = 0;
-    let mut event = Event { t_ns: 0, micro: 0, dur_ns: 0, channel: 0, file: 0, line: 0, kind: Kind::Dwell };
-    for (field, value) in Fields(bytes) {
-        match field {
-            1 => seq = value.number(),
-            2 => event.t_ns = value.number() as i64,
-            3 => event.micro = value.number() as u32,
-            4 => event.dur_ns = value.number() as i64,
-            5 => event.channel = value.number() as u16,
-            6 => event.file = value.number() as u16,
-            7 => event.line = value.number() as u32,
-            _ => event.kind = kind(field, value.bytes())?,
-        }
+    let (mut number, mut kind) = (0, &[][..]);
+    for (field, value) in Fields(bytes).filter(|(field, _)| *field >= FIRST_KIND) {
+        (number, kind) = (field, value.bytes());
     }
-    Some((seq, event))
+    Event::read(&Message::new(bytes), (number, &Message::new(kind)))
 }
-
-/// The first fields of a small message, by number from 1; absent ones are zero.
-struct Small<'a>([Value<'a>; 7]);
-
-impl<'a> Small<'a> {
-    fn read(bytes: &'a [u8]) -> Self {
-        let mut values = [const { Value::Number(0) }; 7];
-        for (field, value) in Fields(bytes) {
-            if let Some(slot) = values.get_mut(field as usize) {
-                *slot = value;
-            }
-        }
-        Self(values)
-    }
-
-    fn get(&self, field: usize) -> &Value<'a> {
-        self.0.get(field).unwrap_or(&Value::Number(0))
-    }
-
-    fn number(&self, field: usize) -> u64 {
-        self.get(field).number()
-    }
-}
-
-fn kind(field: u64, bytes: &[u8]) -> Option<Kind> {
-    if field == 12 {
-        return Some(Kind::Motion(motion(bytes)?));
-    }
-    let m = Small::read(bytes);
-    Some(match field {
-        10 => Kind::Lifecycle(numbers::phase_of(m.number(1))?),
-        11 => Kind::Block { number: m.number(1) },
-        13 => Kind::Dwell,
-        14 => Kind::Tool {
-            action: numbers::tool_action_of(m.number(1))?,
-            tool: m.number(2) as u32,
-            offset: m.number(3) as u32,
-        },
-        15 => Kind::Spindle(Spindle {
-            spindle: m.number(1) as u16,
-            direction: numbers::direction_of(m.number(2))?,
-            css: m.number(3) != 0,
-            speed: m.get(4).double(),
-            limit: m.get(5).double(),
-            angle: m.get(6).double(),
-        }),
-        16 => Kind::Coolant(Coolant {
-            on: m.number(1) != 0,
-            fluid: m.number(2) as u8,
-            outlet: match (m.number(3), m.number(4)) {
-                (0, 0) => Outlet::Main,
-                (0, number) => Outlet::Device(number as u8),
-                _ => Outlet::Side,
-            },
-        }),
-        17 => Kind::Function { letter: m.get(1).text().chars().next()?, value: m.get(2).double() },
-        18 => Kind::Mode { text: m.get(1).text() },
-        19 => Kind::Frame { shift: Box::new(position(m.get(1).bytes())) },
-        20 => Kind::Stop(numbers::stop_of(m.number(1))?),
-        21 => Kind::Call { program: m.get(1).text(), level: m.number(2) as u16 },
-        22 => Kind::Return { level: m.number(1) as u16 },
-        23 => Kind::Message { text: m.get(1).text(), printed: m.number(2) != 0 },
-        24 => Kind::Wait(Arc::new(Wait {
-            key: m.get(1).text().into(),
-            primitive: numbers::primitive_of(m.number(2))?,
-            participants: channels(m.get(3).bytes()).into(),
-        })),
-        25 => Kind::Release(Release {
-            key: m.get(1).text().into(),
-            primitive: numbers::primitive_of(m.number(2))?,
-            since_ns: m.number(3) as i64,
-            meeting: m.number(4),
-        }),
-        26 => Kind::Diagnostic(Box::new(Diagnostic {
-            number: m.number(1) as u32,
-            severity: m.number(2) as u8,
-            text: m.get(3).text(),
-            operation: m.get(4).text(),
-            kernel: m.get(5).text(),
-            origin: match m.get(6) {
-                Value::Bytes(bytes) => Some(Box::new(origin(bytes))),
-                _ => None,
-            },
-        })),
-        29 => Kind::ToolData(Box::new(ToolData {
-            tool: m.number(1) as u32,
-            name: m.get(2).text(),
-            diameter: m.get(3).optional_double(),
-            radius: m.get(4).optional_double(),
-            length: m.get(5).optional_double(),
-            place: m.number(6) as u16,
-        })),
-        28 => Kind::Trace { letter: m.get(1).text().chars().next()?, text: m.get(2).text() },
-        27 => Kind::Verdict(Box::new(Verdict {
-            kind: numbers::verdict_kind_of(m.number(1))?,
-            at_ns: m.number(2) as i64,
-            text: m.get(3).text(),
-            members: Fields(bytes).filter(|(field, _)| *field == 4).map(|(_, v)| member(v.bytes())).collect(),
-        })),
-        _ => return None,
-    })
-}
-
-fn origin(bytes: &[u8]) -> Origin {
-    let m = Small::read(bytes);
-    Origin { name: m.get(1).text(), file: m.get(2).text(), line: m.number(3) as u32, statement: m.get(4).text() }
-}
-
-fn member(bytes: &[u8]) -> Member {
-    let m = Small::read(bytes);
-    Member {
-        channel: m.number(1) as u16,
-        file: m.number(2) as u16,
-        line: m.number(3) as u32,
-        waiting_for: channels(m.get(4).bytes()),
-    }
-}
-
-fn motion(bytes: &[u8]) -> Option<Motion> {
-    let mut motion = Motion {
-        kind: MotionKind::Rapid,
-        moving: 0,
-        from: [0.0; MAX_AXES],
-        to: [0.0; MAX_AXES],
-        center: [0.0; 2],
-        plane_axes: [255; 2],
-        turns: 0,
-        feed: 0.0,
-        feed_unit: FeedUnit::Rapid,
-        length: 0.0,
-    };
-    for (field, value) in Fields(bytes) {
-        match field {
-            1 => motion.kind = numbers::motion_kind_of(value.number())?,
-            2 => motion.moving = value.number() as u8,
-            3 => motion.from = position(value.bytes()),
-            4 => motion.to = position(value.bytes()),
-            5 => doubles(value.bytes(), &mut motion.center),
-            6 => {
-                let mut axes = Fields(value.bytes());
-                motion.plane_axes = [axes.varint()? as u8, axes.varint()? as u8];
-            }
-            7 => motion.turns = value.number() as u16,
-            8 => motion.feed = value.double(),
-            9 => motion.feed_unit = numbers::feed_unit_of(value.number())?,
-            10 => motion.length = value.double(),
-            _ => {}
-        }
-    }
-    Some(motion)
-}
-
-fn doubles(bytes: &[u8], into: &mut [f64]) {
-    for (slot, chunk) in into.iter_mut().zip(bytes.chunks_exact(8)) {
-        *slot = chunk.try_into().map_or(0.0, f64::from_le_bytes);
-    }
-}
-
-fn position(bytes: &[u8]) -> Position {
-    let mut position = [0.0; MAX_AXES];
-    doubles(bytes, &mut position);
-    position
-}
-
-fn channels(bytes: &[u8]) -> Vec<u16> {
-    let mut fields = Fields(bytes);
-    std::iter::from_fn(|| fields.varint()).map(|channel| channel as u16).collect()
-}
-
-#[cfg(test)]
-#[path = "codec_tests.rs"]
-mod tests;

@@ -6,6 +6,13 @@
 //! the bytes in the file are the bytes a watcher gets; what was committed never changes while its job lives. A second
 //! run of the same job writes the same events, though batches may be cut elsewhere.
 
+use std::fmt::Debug;
+use std::io;
+
+#[cfg(test)]
+mod codec_tests;
+#[cfg(test)]
+mod contract_tests;
 pub(crate) mod decode;
 pub mod encode;
 pub(crate) mod filter;
@@ -13,6 +20,33 @@ pub(crate) mod kept;
 pub(crate) mod reader;
 pub(crate) mod tail;
 pub(crate) mod writer;
+
+/// Keeps the logs of jobs, and beside them what else a run leaves. All calls may block.
+pub(crate) trait Logs: Send + Sync + Debug {
+    /// A place for the log of a run that begins; the log of a run before it is removed.
+    fn begin(&self, id: &str) -> io::Result<Box<dyn writer::Place>>;
+
+    /// The log of a job, unless it is small and in the ledger.
+    fn kept(&self, id: &str) -> Option<kept::Kept>;
+
+    /// Removes the log of a run that did not come to its end; not being there is fine.
+    fn remove_log(&self, id: &str) -> io::Result<()>;
+
+    /// Stores a result beside the log, whole or not at all.
+    fn write(&self, id: &str, name: &str, content: &[u8]) -> io::Result<()>;
+
+    /// A stored result.
+    fn open(&self, id: &str, name: &str) -> io::Result<Box<dyn io::Read + Send>>;
+
+    /// Makes durable that log and results of a job are there.
+    fn sync(&self, id: &str) -> io::Result<()>;
+
+    /// Removes log and results of a job; not being there is fine.
+    fn remove(&self, id: &str) -> io::Result<()>;
+
+    /// Identities of all jobs of which anything is kept here.
+    fn jobs(&self) -> io::Result<Vec<String>>;
+}
 
 /// First bytes of a log file; the last digit is the version of the form.
 pub(crate) const MAGIC: &[u8; 8] = b"CPLOG\0\0\x01";

@@ -4,8 +4,8 @@
 //! write, or when a watcher that waits asks for it. Invariant: readers are told of bytes only after they are in the
 //! file.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::fmt::Debug;
+use std::io;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,6 @@ use counterpoint_kernel::log::info::Info;
 
 use super::tail::Tail;
 use super::{BATCH_BYTES, BATCH_EVENTS, FRAME, Frame, MAGIC, encode};
-use crate::local::disk::{Disk, Written};
 
 const WRITE_BYTES: usize = 256 * 1024;
 const WRITE_EVERY: Duration = Duration::from_millis(10);
@@ -24,11 +23,15 @@ const WRITE_EVERY: Duration = Duration::from_millis(10);
 const SMALL: usize = 16 * 1024;
 
 /// Where a log goes.
-#[derive(Debug)]
-enum Place {
-    /// Nothing has been written yet.
-    None(Disk, PathBuf),
-    File(Written),
+pub(crate) trait Place: Send + Debug {
+    /// Appends bytes.
+    fn write(&mut self, content: &[u8]) -> io::Result<()>;
+
+    /// Whether anything has been written.
+    fn used(&self) -> bool;
+
+    /// Makes what has been written durable.
+    fn sync(&self) -> io::Result<()>;
 }
 
 /// A log that has no file.
@@ -41,7 +44,7 @@ pub(crate) struct Small {
 /// The one writer of a log.
 #[derive(Debug)]
 pub(crate) struct Writer {
-    place: Place,
+    place: Box<dyn Place>,
     tail: Arc<Tail>,
     /// Axes by channel number.
     axes: Vec<usize>,
@@ -55,19 +58,8 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Begins a log anew; its file comes with the first write. The encoded description of the job is its head.
-    pub(crate) fn create(
-        disk: &Disk,
-        path: &Path,
-        tail: Arc<Tail>,
-        info: &Info,
-        description: &[u8],
-    ) -> io::Result<Self> {
-        // Readers of the log of a run before this one keep that file.
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+    /// Begins a log at a place. The encoded description of the job is its head.
+    pub(crate) fn new(place: Box<dyn Place>, tail: Arc<Tail>, info: &Info, description: &[u8]) -> Self {
         let mut axes = Vec::new();
         for channel in &info.channels {
             let number = usize::from(channel.number);
@@ -82,8 +74,7 @@ impl Writer {
         buffer.extend_from_slice(MAGIC);
         buffer.extend_from_slice(&Frame::of(description, 0, 0).to_bytes());
         buffer.extend_from_slice(description);
-        let place = Place::None(disk.clone(), path.to_owned());
-        Ok(Self { place, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() })
+        Self { place, tail, axes, buffer, open: None, bytes: 0, last_seq: 0, written: Instant::now() }
     }
 
     /// Appends events in log order.
@@ -116,17 +107,14 @@ impl Writer {
         if self.written.elapsed() >= WRITE_EVERY && !self.buffer.is_empty() { self.flush() } else { Ok(()) }
     }
 
-    /// Writes everything and makes it durable when asked; gives back a log that is small and has no file.
-    pub(crate) fn finish(mut self, durable: bool) -> io::Result<Option<Small>> {
+    /// Writes everything and makes it durable; gives back a log that is small and of which nothing has been written.
+    pub(crate) fn finish(mut self) -> io::Result<Option<Small>> {
         self.close_record();
-        if matches!(self.place, Place::None(..)) && self.buffer.len() <= SMALL {
+        if !self.place.used() && self.buffer.len() <= SMALL {
             return Ok(Some(Small { bytes: self.buffer.into(), last_seq: self.last_seq }));
         }
         self.write()?;
-        match &self.place {
-            Place::File(file) if durable => file.sync()?,
-            _ => {}
-        }
+        self.place.sync()?;
         Ok(None)
     }
 
@@ -153,15 +141,7 @@ impl Writer {
     }
 
     fn write(&mut self) -> io::Result<()> {
-        if let Place::None(disk, path) = &self.place {
-            if let Some(folder) = path.parent() {
-                disk.create_folder(folder)?;
-            }
-            self.place = Place::File(disk.create(path)?);
-        }
-        if let Place::File(file) = &mut self.place {
-            file.write_all(&self.buffer)?;
-        }
+        self.place.write(&self.buffer)?;
         self.bytes += self.buffer.len() as u64;
         self.buffer.clear();
         self.tail.set(self.bytes, self.last_seq);

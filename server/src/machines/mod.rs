@@ -70,7 +70,7 @@ pub(crate) struct Checked {
 /// Loads machines and keeps those in use.
 #[derive(Debug)]
 pub(crate) struct Machines {
-    blobs: Blobs,
+    blobs: Arc<dyn Blobs>,
     most: u64,
     loaded: DashMap<(String, String), Checked>,
     /// Bytes of the files of those.
@@ -84,7 +84,7 @@ const KEPT_BYTES: u64 = 256 << 20;
 
 impl Machines {
     /// Machines with files of at most `most` bytes.
-    pub(crate) fn new(blobs: Blobs, most: u64) -> Self {
+    pub(crate) fn new(blobs: Arc<dyn Blobs>, most: u64) -> Self {
         Self { blobs, most, loaded: DashMap::new(), bytes: AtomicU64::new(0) }
     }
 

@@ -52,7 +52,7 @@ impl Service for Jobs {
         let core = self.0.clone();
         let answer = blocking(move || {
             let wanted = |s: v1::JobState| request.states.is_empty() || request.states.contains(&s.into());
-            let mut jobs = core.ledger.jobs(&request.page_token, size + 1, |record| {
+            let mut jobs = core.ledger.jobs(&request.page_token, size + 1, &|record| {
                 let now = core.live(&record.id).map_or(record.state, |live| live.state());
                 wanted(state(now))
             })?;

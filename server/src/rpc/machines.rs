@@ -34,7 +34,7 @@ impl Service for Machines {
         .await?;
         let machine = Some(summary(&definition, &checked));
         let blobs = self.0.blobs.clone();
-        let check = move |definition: &Definition| blobs.require(definition.files.values());
+        let check = Box::new(move |definition: &Definition| blobs.require(&mut definition.files.values()));
         self.0.ledger.put_machine(definition, check).await?;
         Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
     }
@@ -104,7 +104,7 @@ fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<
     for (i, file) in files.iter().enumerate() {
         submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;
     }
-    core.blobs.require(files.iter().map(|file| &file.digest))?;
+    core.blobs.require(&mut files.iter().map(|file| &file.digest))?;
     Ok(Definition { name, files: files.into_iter().map(|f| (f.path, f.digest)).collect() })
 }
 

@@ -1,6 +1,6 @@
 //! Service `Results`: stored results from their files, others made from the log.
 
-use std::io::{self, Write};
+use std::io::{self, Read as _, Write};
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -134,7 +134,10 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
     let core = core.clone();
     blocking(move || {
         let record = ended(&core, &id)?;
-        let kept = std::fs::read(core.store.job(&record.id).join(Document::Files.file())).ok();
+        let kept = core.logs.open(&record.id, Document::Files.file()).ok().and_then(|mut file| {
+            let mut text = Vec::new();
+            file.read_to_end(&mut text).ok().map(|_| text)
+        });
         let live = || core.live(&id).and_then(|live| live.finished()?.document(Document::Files));
         let text = match kept.or_else(live) {
             Some(text) => text,
@@ -152,8 +155,8 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
 
 async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document) -> Answer<T> {
     let record = ended(core, &id)?;
-    let path = core.store.job(&record.id).join(document.file());
-    if let Ok(mut file) = blocking(move || Ok(std::fs::File::open(path)?)).await {
+    let logs = core.logs.clone();
+    if let Ok(mut file) = blocking(move || Ok(logs.open(&record.id, document.file())?)).await {
         return Ok(stream(move |out| Ok(io::copy(&mut file, out).map(drop)?)));
     }
     if let Some(finished) = core.live(&id).and_then(|live| live.finished().cloned())

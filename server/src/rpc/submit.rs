@@ -15,7 +15,6 @@ use crate::jobs::Core;
 use crate::ledger::record::{Record, Runs, State, now_ms};
 use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
-use crate::store::path_is_clean;
 
 /// Checks a request and makes the record of a new job.
 pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
@@ -30,7 +29,7 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     // The maxima of the server are not part of what was submitted.
     options.limits = core.options.maxima.capped(&options.limits);
     let machine = machine(core, &request.machine)?;
-    core.blobs.require(files.iter().map(|(_, digest)| digest))?;
+    core.blobs.require(&mut files.iter().map(|(_, digest)| digest))?;
     Ok(Record {
         // The ledger gives it when it accepts the job.
         id: String::new(),
@@ -208,4 +207,28 @@ fn content(
     let own_limits = Some(own_limits).filter(|limits| *limits != (0, 0));
     let content = serde_json::to_vec(&Content { machine, programs, files, options, own_limits });
     digest(&content.unwrap_or_default())
+}
+
+/// Whether a path may be used inside a sandbox: relative, `/` between parts, no empty, `.` or `..` part, no
+/// backslash, no colon (drive or stream on some systems), no control character, at most 255 bytes.
+fn path_is_clean(path: &str) -> bool {
+    !path.is_empty()
+        && path.len() <= 255
+        && !path.chars().any(|c| c == '\\' || c == ':' || c.is_control())
+        && path.split('/').all(|part| !matches!(part, "" | "." | ".."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_relative_downward_paths_are_clean() {
+        for path in ["O1000.nc", "sub/O9001", "a b/ü.tps"] {
+            assert!(path_is_clean(path), "{path}");
+        }
+        for path in ["", "/etc/passwd", "../x", "a/../b", "a//b", "a/", "./a", "a\\b", "C:x", "a\nb"] {
+            assert!(!path_is_clean(path), "{path}");
+        }
+    }
 }

@@ -227,7 +227,7 @@ impl Watch {
             state: state(self.live.state()).into(),
             position: self.cursor,
             channels: self.live.run().map(|run| progress::channels(&run)).unwrap_or_default(),
-            queued_before: self.core.queued_before(&self.live) as u32,
+            queued_before: self.core.queued_before(&self.live.id) as u32,
         };
         if first || progress != self.last_progress || self.sent_at.elapsed() >= HEARTBEAT {
             self.last_progress = progress.clone();

@@ -12,12 +12,12 @@ use std::time::Duration;
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::dialog::Dialog;
 use counterpoint_kernel::dialog::operator::Question;
+use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files;
 use counterpoint_kernel::job::{Outcome, Sink};
 use counterpoint_kernel::log::event::*;
 use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Unit};
 use counterpoint_kernel::machine::finding::Finding;
-use counterpoint_kernel::mcd::source::Source;
 use counterpoint_kernel::options::Limits;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::blobs_client::BlobsClient;
@@ -82,9 +82,9 @@ impl Runner for Script {
             lower: false,
             axes: vec![axis("X"), axis("Z")],
         };
-        let file = File { name: program.file.clone(), source: Default::default() };
-        let text = Source::new(&program.file, files.read(&program.file).unwrap());
-        file.source.set(Some(Arc::new(text))).unwrap();
+        let file = File { name: program.file.clone(), text: Default::default() };
+        let text = Text::new(files.read(&program.file).unwrap(), || false);
+        file.text.set(Some(Arc::new(text))).unwrap();
         let info = Arc::new(Info {
             machine: task.machine.name.clone(),
             machine_number: 1,
@@ -118,7 +118,7 @@ pub fn event(seq: u64) -> Event {
             text: "note".into(),
             ..Diagnostic::default()
         })),
-        n if n % 2 == 0 => Kind::Block { number: seq },
+        n if n % 2 == 0 => Kind::Block(Block { number: seq }),
         _ => Kind::Motion(Motion {
             kind: MotionKind::Linear,
             moving: 3,

@@ -5,7 +5,7 @@
 mod machines;
 mod programs;
 
-use counterpoint_kernel::log::event::{Event, Kind, Motion, Position};
+use counterpoint_kernel::log::event::{Event, Frame, Kind, Message, Mode, Motion, Position};
 use counterpoint_kernel::machine::Machine;
 use counterpoint_kernel::options::{Limits, Options};
 use counterpoint_tests::{Done, Work, cases, processors};
@@ -51,7 +51,7 @@ impl Seen {
                 self.joints = None;
                 return self.motion(motion).or_else(fail);
             }
-            Kind::Frame { shift } => {
+            Kind::Frame(Frame { shift }) => {
                 if self.tip {
                     self.at = None;
                 } else if let Some(at) = &mut self.at {
@@ -62,12 +62,12 @@ impl Seen {
                 }
                 self.shift = **shift;
             }
-            Kind::Mode { text } if text.starts_with("rtcp on") || text.starts_with("rtcp off") => {
+            Kind::Mode(Mode { text }) if text.starts_with("rtcp on") || text.starts_with("rtcp off") => {
                 self.tip = text.starts_with("rtcp on");
                 self.at = None;
             }
-            Kind::Mode { text } if text.starts_with("unwind") => (self.at, self.joints) = (None, None),
-            Kind::Message { text, .. } => {
+            Kind::Mode(Mode { text }) if text.starts_with("unwind") => (self.at, self.joints) = (None, None),
+            Kind::Message(Message { text, .. }) => {
                 if let Some(values) = text.strip_prefix("J ") {
                     let values: Vec<f64> = values.split(' ').map(|value| value.parse().unwrap_or(f64::NAN)).collect();
                     if let Some(before) = &self.joints

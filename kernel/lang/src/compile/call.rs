@@ -41,7 +41,7 @@ impl MacroCompiler<'_> {
 
     pub(super) fn call(&mut self, name: &str, arguments: &[Expr], span: Span, wanted: Option<Slot>) -> Operand {
         let Some(function) = func::named(name) else {
-            let help = ident::nearest(name, func::TABLE.iter().map(|function| function.name));
+            let help = ident::nearest(name, func::all().map(|function| function.name));
             let help = help.map(|near| format!("did you mean {near}?"));
             self.error_with(span, Number::UNKNOWN_FUNCTION, format!("there is no function {name}"), help);
             return (0, None);

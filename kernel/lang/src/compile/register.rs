@@ -1,10 +1,11 @@
 //! What a file gives to all macros: functions and shared variables.
 
 use super::arms::Arms;
-use super::{FunctionSymbol, Options, Place, Program, SharedSymbol, Strong};
+use super::{Options, Place, Program, Strong};
 use crate::ast::{Macro, Scope, StatementKind};
 use crate::bytecode::{Code, Shared};
 use crate::diag::{Diagnostic, Number};
+use crate::program::{FunctionSymbol, SharedSymbol};
 use crate::source::Source;
 use std::sync::Arc;
 

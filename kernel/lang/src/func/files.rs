@@ -2,16 +2,16 @@
 
 use super::{Context, count, number, real, string};
 use crate::fault::Outcome;
+use crate::host::HostFn;
 use crate::ident;
 use crate::value::{Kind, Value};
 use std::cmp::Ordering;
 
 pub(super) fn at_end(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Value> {
     if arguments.is_empty() {
-        let Some(function) = super::named("$FEOF") else { return Ok(Value::Null) };
-        return context.host.function(context.state, function, arguments);
+        return context.host.function(context.state, HostFn::EndOfProgram, arguments);
     }
-    crate::vm::units::at_end(context.state, number(arguments, 0)?).map(Value::Logical)
+    context.state.unit_at_end(number(arguments, 0)?).map(Value::Logical)
 }
 
 const SEPARATORS: [char; 2] = ['/', '\\'];
@@ -133,7 +133,7 @@ pub(super) fn sort(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<Va
     // Every row meets about as many others as its number has bits.
     let rounds = (all.len() / width).max(1).ilog2() as usize + 1;
     for _ in 0..rounds {
-        crate::vm::pay_to_look_inside(context.state, all)?;
+        crate::state::pay_to_look_inside(context.state, all)?;
     }
     context.state.spend((all.len() / width).saturating_mul(keys.len()).saturating_mul(rounds) / 4)?;
     let mut rows: Vec<&[Value]> = all.chunks(width).collect();

@@ -4,6 +4,7 @@ use super::math::{cosine, sine};
 use super::{Context, impossible, numbers};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
+use crate::host::HostFn;
 use crate::ident;
 use crate::value::Value;
 
@@ -142,9 +143,8 @@ pub(super) fn build(context: &mut Context<'_>, arguments: &[Value]) -> Outcome<V
     let inverse = items.word("INVERS");
     if items.word("MSYS") {
         let last = items.word("LAST");
-        let Some(function) = super::named("$FMX") else { return Ok(Value::Null) };
         let asked = [Value::Logical(last)];
-        let frame = context.host.function(context.state, function, &asked)?;
+        let frame = context.host.function(context.state, HostFn::MachineFrame, &asked)?;
         return if inverse { invert(&numbers(&[frame], 0)?) } else { Ok(frame) };
     }
     let first = items.numbers();

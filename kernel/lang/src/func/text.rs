@@ -4,8 +4,8 @@ use super::{Context, count, number, real, sequence as elements, string};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::pattern::STEPS;
+use crate::state::{State, pay_to_look_inside, pay_to_write, range, sequence_of};
 use crate::value::Value;
-use crate::vm::{State, pay_to_look_inside, pay_to_write, range, sequence_of};
 
 /// Steps of a search that one tick pays for.
 const STEPS_PER_TICK: u64 = 8;
@@ -143,8 +143,7 @@ pub(super) fn formatted(context: &mut Context<'_>, arguments: &[Value]) -> Outco
     let format = context.state.format(string(arguments, 0)?, false)?;
     arguments.iter().try_for_each(|value| pay_to_write(context.state, value))?;
     let mut out = String::new();
-    let mut outside = crate::vm::commands::Outside(context.host);
-    crate::format::write(&mut out, &format, arguments.get(1..).unwrap_or(&[]), &mut outside)?;
+    crate::format::write(&mut out, &format, arguments.get(1..).unwrap_or(&[]), context.host)?;
     context.state.check_text(out.len())?;
     Ok(Value::text(out))
 }

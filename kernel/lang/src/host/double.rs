@@ -13,14 +13,14 @@ mod tables;
 pub use dialog::Answer;
 pub use outside::{Outside, Stream};
 
-use super::{Command, Environment, Folder, Host, Step, SystemVariable};
+use super::{Command, Environment, Folder, Host, HostFn, Step, SystemVariable};
 use crate::diag::{self, Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::format::{Register, Registers, any, wildcard_text};
-use crate::func::{Function, stamp};
+use crate::func::stamp;
 use crate::source::Source;
+use crate::state::{Scale, State};
 use crate::value::{Kind, Value};
-use crate::vm::{Scale, State};
 use std::collections::{BTreeMap, HashMap};
 
 /// What a system variable takes.
@@ -107,8 +107,8 @@ impl Test {
     #[must_use]
     pub fn bare() -> Test {
         let mut test = Test::default();
-        for (number, severity, about) in diag::TABLE {
-            test.add_diagnostic(number.0, *severity, about);
+        for row in diag::TABLE {
+            test.add_diagnostic(row.number.0, row.severity, row.about);
         }
         test
     }
@@ -390,42 +390,40 @@ impl Host for Test {
         Ok(0)
     }
 
-    fn function(&mut self, state: &mut State, function: &'static Function, arguments: &[Value]) -> Outcome<Value> {
-        let (call, program) = ((function.name, arguments), self.system_text("$TAPEN"));
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+        let (call, program) = ((function, arguments), self.system_text("$TAPEN"));
         if let Some(answer) = self.with_files(|folder, shelf| folder.function(shelf, state, call, &program)) {
             return answer;
         }
-        Ok(match function.name {
-            "$FEOF" => Value::Logical(self.next >= self.program.len()),
-            "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            "$FDIALOG" => self.dialog(arguments)?,
-            "$FPAUSE" => Value::Logical(false),
-            "$FDOC" => Test::out_of_scope(state, function),
-            "$FERSEV" => self.severity(arguments)?,
-            "$FERSTA" => self.switched(arguments),
-            "$FERTXT" => self.text_of(arguments),
-            "$FMACID" => self.macros(state, arguments)?,
-            "$FMACSTA" => self.macro_states(arguments),
-            "$FREGFMT" => Test::register_format(arguments),
-            "$FREGPOS" => Test::register_position(arguments),
-            "$FCEADD" => self.add(state, arguments)?,
-            "$FCEGET" => self.seek(arguments, true)?,
-            "$FCESEEK" => self.seek(arguments, false)?,
-            "$FCEGAC" => self.active(arguments, false),
-            "$FCESAC" => self.active(arguments, true),
-            "$FCEDAC" | "$FCERST" => Value::Logical(true),
-            "$FCETIMESYNC" => self.without_model(state, function),
-            "$FCEGNCV" => self.nc_variable(arguments),
-            "$FCESNCV" => self.set_nc_variable(arguments),
-            "$FCEPP" => Test::setting_of_pre_processor(state, arguments),
-            "$FGET" => self.search(state, arguments, true)?,
-            "$FGETR" => self.search(state, arguments, false)?,
-            "$FAPPLY" => Value::Logical(false),
-            "$FDK" => self.kinematics(arguments, false)?,
-            "$FIK" => self.kinematics(arguments, true)?,
-            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => Value::Real(1.0),
-            name if name.starts_with("$FMS") => self.without_model(state, function),
-            name => return Err(Fault::new(Number::NO_HOST, format!("{name} needs a machine, and there is none here"))),
+        Ok(match function {
+            HostFn::EndOfProgram => Value::Logical(self.next >= self.program.len()),
+            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::Dialog => self.dialog(arguments)?,
+            HostFn::Pause => Value::Logical(false),
+            HostFn::Document => Test::out_of_scope(state, function),
+            HostFn::DiagnosticSeverity => self.severity(arguments)?,
+            HostFn::DiagnosticState => self.switched(arguments),
+            HostFn::DiagnosticText => self.text_of(arguments),
+            HostFn::MacroNames => self.macros(state, arguments)?,
+            HostFn::MacroStates => self.macro_states(arguments),
+            HostFn::RegisterFormat => Test::register_format(arguments),
+            HostFn::RegisterPosition => Test::register_position(arguments),
+            HostFn::AddItem => self.add(state, arguments)?,
+            HostFn::TakeItem => self.seek(arguments, true)?,
+            HostFn::SeekItem => self.seek(arguments, false)?,
+            HostFn::ActiveCode => self.active(arguments, false),
+            HostFn::SetActiveCode => self.active(arguments, true),
+            HostFn::DataAsCode | HostFn::Restart => Value::Logical(true),
+            HostFn::NcVariable => self.nc_variable(arguments),
+            HostFn::SetNcVariable => self.set_nc_variable(arguments),
+            HostFn::PreProcessorSetting => Test::setting_of_pre_processor(state, arguments),
+            HostFn::SearchForward => self.search(state, arguments, true)?,
+            HostFn::SearchBackward => self.search(state, arguments, false)?,
+            HostFn::Apply => Value::Logical(false),
+            HostFn::ForwardKinematics => self.kinematics(arguments, false)?,
+            HostFn::InverseKinematics => self.kinematics(arguments, true)?,
+            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => Value::Real(1.0),
+            _ => self.without_model(state, function),
         })
     }
 

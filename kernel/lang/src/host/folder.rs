@@ -7,8 +7,9 @@ mod mru;
 
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
+use crate::host::HostFn;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 
 /// Temporary files of one run.
 const MOST_TEMPORARIES: usize = 100;
@@ -187,23 +188,22 @@ impl Folder {
         &mut self,
         shelf: &mut dyn Shelf,
         state: &mut State,
-        (name, arguments): (&str, &[Value]),
+        (function, arguments): (HostFn, &[Value]),
         program: &str,
     ) -> Option<Outcome<Value>> {
-        if !matches!(name, "$FACCESS" | "$FSTAT" | "$FSETCWD" | "$FTMPFILE" | "$FGETCWD") && !name.starts_with("$FMRU_")
-        {
+        if !works_on_files(function) {
             return None;
         }
         if let Err(fault) = state.spend(FILE_TICKS) {
             return Some(Err(fault));
         }
-        Some(match name {
-            "$FACCESS" => Ok(self.access(shelf, state, arguments)),
-            "$FSTAT" => self.stat(shelf, state, arguments),
-            "$FGETCWD" => Ok(self.current()),
-            "$FSETCWD" => Ok(self.change(shelf, state, arguments)),
-            "$FTMPFILE" => Ok(self.temporary(shelf, state, arguments)),
-            _ => self.most_recently_used(shelf, state, (name, arguments), program),
+        Some(match function {
+            HostFn::FileAccess => Ok(self.access(shelf, state, arguments)),
+            HostFn::FileStatus => self.stat(shelf, state, arguments),
+            HostFn::CurrentFolder => Ok(self.current()),
+            HostFn::ChangeFolder => Ok(self.change(shelf, state, arguments)),
+            HostFn::TemporaryFile => Ok(self.temporary(shelf, state, arguments)),
+            _ => self.most_recently_used(shelf, state, (function, arguments), program),
         })
     }
 
@@ -290,6 +290,28 @@ impl Folder {
     pub fn clean(&mut self, shelf: &mut dyn Shelf) {
         std::mem::take(&mut self.temporaries).iter().for_each(|place| shelf.remove(place));
     }
+}
+
+fn works_on_files(function: HostFn) -> bool {
+    matches!(
+        function,
+        HostFn::FileAccess
+            | HostFn::FileStatus
+            | HostFn::CurrentFolder
+            | HostFn::ChangeFolder
+            | HostFn::TemporaryFile
+            | HostFn::MruOpen
+            | HostFn::MruClose
+            | HostFn::MruKey
+            | HostFn::MruKeys
+            | HostFn::MruDeleteKey
+            | HostFn::MruDeleteKeys
+            | HostFn::MruParameter
+            | HostFn::MruParameters
+            | HostFn::MruSetParameter
+            | HostFn::MruDeleteParameter
+            | HostFn::MruDeleteParameters
+    )
 }
 
 /// A file stored with the machine, by its name.

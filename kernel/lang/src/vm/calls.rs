@@ -1,41 +1,17 @@
 //! Entering and leaving macros.
 
 use super::run::{self, Stop};
-use super::{End, State, report};
+use super::{End, report, shown};
 use crate::bytecode::fast::WINDOW;
 use crate::bytecode::{Code, Slot};
-use crate::compile::Program;
 use crate::diag::Number;
 use crate::fault::Fault;
 use crate::host::{Host, Step};
+use crate::program::Program;
 use crate::source::Span;
+use crate::state::{Frame, State, typed};
 use crate::value::{Kind, Value};
 use std::sync::Arc;
-
-/// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
-#[derive(Debug, Default)]
-pub(super) struct Frame {
-    /// Its registers, and unused ones up to the size of a window behind them.
-    pub(super) registers: Vec<Value>,
-    /// Which macro it is.
-    pub(super) index: u16,
-    /// Who waits for it, none for the outermost macro; at which instruction, and the register for the result.
-    pub(super) caller: Option<Box<Frame>>,
-    pub(super) at: usize,
-    pub(super) to: Slot,
-}
-
-impl Frame {
-    /// Notes who waits for this macro.
-    #[inline]
-    pub(super) fn wait(&mut self, caller: Box<Frame>, at: usize, to: Slot) {
-        if let Some(other) = self.caller.replace(caller) {
-            drop(other);
-        }
-        self.at = at;
-        self.to = to;
-    }
-}
 
 /// Runs a macro to its end; faults are reported here. `arguments` are `$P1` and on, written back.
 pub(super) fn enter(
@@ -99,8 +75,8 @@ pub(super) fn call<'p>(
 pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth += 1;
     if !code.statements.is_empty() {
-        host.trace(Step::Entering(code));
-        state.names.push(code.name.clone());
+        host.trace(Step::Entering(shown(code)));
+        state.calls.names.push(code.name.clone());
     }
 }
 
@@ -109,15 +85,15 @@ pub(super) fn begin(state: &mut State, host: &mut dyn Host, code: &Code) {
 pub(super) fn leave(state: &mut State, host: &mut dyn Host, code: &Code) {
     state.depth -= 1;
     if !code.statements.is_empty() {
-        state.names.pop();
-        host.trace(Step::Leaving(code, state.names.last().map(String::as_str)));
+        state.calls.names.pop();
+        host.trace(Step::Leaving(shown(code), state.calls.names.last().map(String::as_str)));
     }
 }
 
 /// Makes the registers of a macro free for its next run.
 #[inline]
 pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
-    if let Some(place) = state.frames.get_mut(usize::from(frame.index)) {
+    if let Some(place) = state.calls.frames.get_mut(usize::from(frame.index)) {
         *place = Some(frame);
     }
 }
@@ -125,7 +101,7 @@ pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
 /// Result of the last run of a function.
 pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
     static NULL: Value = Value::Null;
-    match (code.result, state.frames.get(usize::from(index))) {
+    match (code.result, state.calls.frames.get(usize::from(index))) {
         (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
         _ => &NULL,
     }
@@ -145,7 +121,7 @@ pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot)
 /// running already is refused, and too many macros at once.
 #[inline]
 fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result<Box<Frame>, Box<Fault>> {
-    let mut frame = match state.frames.get_mut(usize::from(index)) {
+    let mut frame = match state.calls.frames.get_mut(usize::from(index)) {
         // Short forms work on a window of fixed size, so every frame has that much more than it needs.
         Some(place) if state.depth < state.limits.depth => match place.take() {
             Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
@@ -184,13 +160,13 @@ fn fresh(
         return Err(Box::new(Fault::new(Number::DEPTH, message)));
     }
     let slot = usize::from(index);
-    if old.is_none() && slot < state.frames.len() {
+    if old.is_none() && slot < state.calls.frames.len() {
         let name = program.macros.get(slot).map_or("the macro", |code| code.name.as_str());
         return Err(Box::new(Fault::new(Number::RE_ENTERED, format!("{name} is running already"))));
     }
-    if state.frames.len() <= slot {
-        state.frames.resize_with(slot, || Some(Box::default()));
-        state.frames.push(None);
+    if state.calls.frames.len() <= slot {
+        state.calls.frames.resize_with(slot, || Some(Box::default()));
+        state.calls.frames.push(None);
     }
     let mut registers = vec![Value::Unset; code.registers + WINDOW];
     for (slot, value) in &code.constants {
@@ -211,7 +187,7 @@ pub(super) fn quick_call<'p>(
 ) -> Option<&'p Code> {
     let function = program.macros.get(usize::from(callee))?.as_ref();
     let given = code.lists.get(usize::from(list))?;
-    let place = state.frames.get_mut(usize::from(callee))?;
+    let place = state.calls.frames.get_mut(usize::from(callee))?;
     if !function.statements.is_empty() || state.depth >= state.limits.depth || state.ticks < 5 {
         return None;
     }
@@ -265,7 +241,7 @@ pub(super) fn quick_return<'p>(
         return None;
     }
     let caller = program.macros.get(usize::from(frame.caller.as_ref()?.index))?.as_ref();
-    let place = state.frames.get_mut(usize::from(frame.index))?;
+    let place = state.calls.frames.get_mut(usize::from(frame.index))?;
     let waiting = frame.caller.take()?;
     let ended = std::mem::replace(frame, waiting);
     match (run::number(&ended.registers, result), frame.registers.get_mut(usize::from(ended.to))) {
@@ -288,7 +264,7 @@ pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[
         match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
             (Value::Real(number), None | Some(Kind::Real), Some(parameter)) => run::put(parameter, *number),
             (value, None, Some(parameter)) => *parameter = value.clone(),
-            (value, Some(kind), Some(parameter)) => *parameter = super::data::typed(value, *kind)?,
+            (value, Some(kind), Some(parameter)) => *parameter = typed(value, *kind)?,
             (_, _, None) => {}
         }
     }

@@ -3,11 +3,12 @@
 //! Facts: reference macro-language.md 3.2 to 3.5.
 
 use super::run::{get, slots};
-use super::{State, report, units};
+use super::{report, units};
 use crate::bytecode::{Code, CommandCode, Slot};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::{Command, Host};
+use crate::state::{State, pay_to_look, pay_to_write, whole};
 use crate::value::Value;
 
 /// Carries out a command; true if the macro issued a diagnostic that ends it.
@@ -31,8 +32,8 @@ pub(super) fn command(
         CommandCode::RestoreModal => Command::RestoreModal,
         CommandCode::ListingOn => Command::Listing(true),
         CommandCode::ListingOff => Command::Listing(false),
-        CommandCode::Search => Command::Search(super::data::whole(number()?)),
-        CommandCode::Skip => Command::Skip(super::data::whole(number()?)),
+        CommandCode::Search => Command::Search(whole(number()?)),
+        CommandCode::Skip => Command::Skip(whole(number()?)),
         CommandCode::Output => return output(state, host, code, frame),
         CommandCode::ExecNextFormat | CommandCode::ExecNowFormat => {
             let text = formatted(state, host, frame, slots)?;
@@ -77,7 +78,7 @@ pub(super) fn command(
 
 /// The values of registers, which are looked at as a whole.
 fn given(state: &mut State, frame: &[Value], slots: &[Slot]) -> Outcome<Vec<Value>> {
-    slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| super::data::pay_to_write(state, value))?;
+    slots.iter().map(|slot| get(frame, *slot)).try_for_each(|value| pay_to_write(state, value))?;
     Ok(slots.iter().map(|slot| get(frame, *slot).clone()).collect())
 }
 
@@ -88,29 +89,14 @@ fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[S
     let format = state.format(text, false)?;
     let mut out = String::new();
     let values = given(state, frame, values)?;
-    crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
+    crate::format::write(&mut out, &format, &values, host)?;
     state.check_text(out.len())?;
     state.spend(out.len() / 16)?;
     Ok(out)
 }
 
-/// The register side of a host.
-pub(crate) struct Outside<'a>(pub(crate) &'a mut dyn Host);
-
-impl crate::format::Registers for Outside<'_> {
-    fn code_name(&self, code: u32) -> String {
-        self.0.code_name(code)
-    }
-    fn register_name(&self, register: u32) -> String {
-        self.0.register_name(register)
-    }
-    fn register_text(&mut self, register: crate::format::Register, value: Option<f64>, word: bool) -> Option<String> {
-        self.0.register_text(register, value, word)
-    }
-}
-
 fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> Outcome<bool> {
-    code.arguments.iter().try_for_each(|(_, slot)| super::data::pay_to_look(state, get(frame, *slot)))?;
+    code.arguments.iter().try_for_each(|(_, slot)| pay_to_look(state, get(frame, *slot)))?;
     let mut arguments: Vec<(u8, Value)> =
         code.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
     arguments.sort_by_key(|(number, _)| *number);
@@ -164,7 +150,7 @@ fn error(
     let format = state.format(&text, false)?;
     let values = given(state, frame, rest)?;
     let mut out = String::new();
-    crate::format::write(&mut out, &format, &values, &mut Outside(host))?;
+    crate::format::write(&mut out, &format, &values, host)?;
     state.check_text(out.len())?;
     state.spend(out.len() / 16)?;
     report(code, place, Fault::new(Number(index), out), severity, state, host);

@@ -5,12 +5,12 @@
 //! in their own place whenever another macro or the host may look at them.
 
 use super::bodies::{self, Running};
-use super::calls::{self, Frame};
-use super::{State, homes, light};
+use super::{calls, homes, light};
 use crate::bytecode::fast::{Fast, Near, WINDOW};
 use crate::bytecode::{Code, Target};
-use crate::compile::Program;
 use crate::host::Host;
+use crate::program::Program;
+use crate::state::{Frame, State};
 use crate::value::{Elements, Value};
 
 /// Ticks that are used up at most before a stop of the run is looked at.

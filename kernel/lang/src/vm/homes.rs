@@ -3,11 +3,11 @@
 //! Invariant: a variable changes places with its home when a short form first needs it, and is back in its own place
 //! before anything but short forms of the same macro can look at it.
 
-use super::State;
 use super::fast::Window;
 use crate::bytecode::fast::Fast;
 use crate::bytecode::{Code, Op, Shared};
 use crate::host::Host;
+use crate::state::State;
 use crate::value::Value;
 
 /// Place of a shared variable while nobody else runs.
@@ -22,7 +22,7 @@ impl State {
     /// A shared variable lies in its home.
     #[inline(always)]
     pub(super) fn is_at_home(&self, shared: u8) -> bool {
-        self.at_home >> (shared & 63) & 1 != 0
+        self.objects.at_home >> (shared & 63) & 1 != 0
     }
 }
 
@@ -41,28 +41,28 @@ pub(super) fn bring(code: &Code, at: usize, state: &mut State, host: &mut dyn Ho
         ) => usize::from(*shared),
         _ => return false,
     };
-    if shared >= 64 || state.at_home >> shared & 1 != 0 {
+    if shared >= 64 || state.objects.at_home >> shared & 1 != 0 {
         return false;
     }
     let home = code.homes.get(shared).and_then(|home| window.get_mut(usize::from(*home)));
     let place = code.shared.get(shared).and_then(|(place, _)| shared_place(state, host, *place));
     let (Some(home), Some(place)) = (home, place) else { return false };
     std::mem::swap(home, place);
-    state.at_home |= 1 << shared;
+    state.objects.at_home |= 1 << shared;
     true
 }
 
 /// Takes all shared variables back from their homes.
 #[inline(always)]
 pub(super) fn take_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
-    if state.at_home != 0 {
+    if state.objects.at_home != 0 {
         take_all_back(code, state, host, window);
     }
 }
 
 #[inline(never)]
 fn take_all_back(code: &Code, state: &mut State, host: &mut dyn Host, window: &mut Window) {
-    let mut at_home = std::mem::take(&mut state.at_home);
+    let mut at_home = std::mem::take(&mut state.objects.at_home);
     while at_home != 0 {
         let shared = at_home.trailing_zeros() as usize;
         at_home &= at_home - 1;

@@ -5,10 +5,10 @@
 //! that nobody else has is used again.
 
 use super::fast::{Window, passed, position};
-use super::{State, memory};
 use crate::bytecode::fast::{Fast, Near};
 use crate::bytecode::{Code, Relation, Slot};
 use crate::func::{Function, Way};
+use crate::state::{State, memory};
 use crate::value::{Array, Elements, Kind, Value, padded};
 use std::sync::Arc;
 

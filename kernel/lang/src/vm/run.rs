@@ -3,13 +3,14 @@
 //! Invariant: a call costs no stack of the computer, its caller waits in a list; short forms give exactly what
 //! [`super::step`] gives, or are not taken.
 
-use super::calls::{self, Frame};
+use super::calls;
 use super::fast::{self, Place};
-use super::{End, State, memory, step};
+use super::{End, step, weigh};
 use crate::bytecode::{Code, Op, Relation, Slot, Target};
-use crate::compile::Program;
 use crate::fault::Fault;
 use crate::host::Host;
+use crate::program::Program;
+use crate::state::{Frame, State};
 use crate::value::Value;
 use std::sync::Arc;
 
@@ -165,7 +166,7 @@ fn execute<'p>(
             Some(_) => {}
         }
         if state.is_vague() && matches!(code.ops.get(at), Some(Op::Command { .. } | Op::Call { .. })) {
-            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
+            weigh::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
         }
         match step::step(state, host, code, &mut place.frame.registers, at) {
             Ok(Next::Step) => place.at += 1,
@@ -176,7 +177,7 @@ fn execute<'p>(
             Err(stop) => return Err(Box::new(stop)),
         }
         if state.is_full() {
-            memory::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
+            weigh::weigh(program, state, host, place.frame).map_err(|fault| Box::new(Stop::Fault(at, fault)))?;
         }
     }
 }

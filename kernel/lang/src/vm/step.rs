@@ -3,12 +3,13 @@
 //! Invariant: this is the meaning of every instruction; [`super::run`] only takes short ways to the same results.
 
 use super::run::{Next, Stop, copy, get, number, relate, set, set_number, slots};
-use super::{State, commands, data};
+use super::{commands, data, shown};
 use crate::bytecode::{Code, Op, Own, Relation, Slot};
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::func::{Context, Way};
 use crate::host::Host;
+use crate::state::{self, State};
 use crate::value::Value;
 
 #[inline(never)]
@@ -71,7 +72,7 @@ pub(super) fn step(
             None => copy(frame, to, a),
         },
         Op::Typed { to, a, kind } => {
-            let value = good!(data::typed(get(frame, a), kind));
+            let value = good!(state::typed(get(frame, a), kind));
             set(frame, to, value);
         }
         Op::Add { to, a, b } => match (number(frame, a), number(frame, b)) {
@@ -124,8 +125,8 @@ pub(super) fn step(
         Op::AddTo { to, a } => match (number(frame, to), number(frame, a)) {
             (Some(x), Some(y)) if (x + y).is_finite() => set_number(frame, to, x + y),
             _ => {
-                good!(data::pay_to_append(state, get(frame, to), get(frame, a)));
-                good!(data::pay_if_shared(state, get(frame, to)));
+                good!(state::pay_to_append(state, get(frame, to), get(frame, a)));
+                good!(state::pay_if_shared(state, get(frame, to)));
                 good!(data::add_to(state, frame, to, a));
             }
         },
@@ -201,7 +202,7 @@ pub(super) fn step(
                 Some(found) => set_number(frame, to, found),
                 None => {
                     if let Value::Text(_) = get(frame, a) {
-                        good!(data::pay_to_look(state, get(frame, a)));
+                        good!(state::pay_to_look(state, get(frame, a)));
                     }
                     good!(element_slow(state, frame, to, a, index));
                 }
@@ -219,17 +220,17 @@ pub(super) fn step(
             };
             if !stored {
                 let position = good!(real(frame, index));
-                good!(data::pay_if_shared(state, get(frame, to)));
-                good!(data::set_element(state, frame, to, &[data::whole(position)], a));
+                good!(state::pay_if_shared(state, get(frame, to)));
+                good!(data::set_element(state, frame, to, &[state::whole(position)], a));
             }
         }
         Op::SetElements { to, list, a } => {
             let indices = good!(data::indices(code, frame, list));
-            good!(data::pay_if_shared(state, get(frame, to)));
+            good!(state::pay_if_shared(state, get(frame, to)));
             good!(data::set_element(state, frame, to, &indices, a));
         }
         Op::Range { to, a, list } => {
-            good!(data::pay_to_look(state, get(frame, a)));
+            good!(state::pay_to_look(state, get(frame, a)));
             let value = good!(data::range_of(code, frame, get(frame, a), list));
             good!(state.made(&value));
             set(frame, to, value);
@@ -314,7 +315,7 @@ pub(super) fn step(
         }
         Op::Trace { statement } => {
             if let Some(text) = code.statements.get(usize::from(statement)) {
-                host.trace(crate::host::Step::Statement(code, text));
+                host.trace(crate::host::Step::Statement(shown(code), text));
             }
         }
     }
@@ -324,7 +325,7 @@ pub(super) fn step(
 #[inline(never)]
 fn element_slow(state: &mut State, frame: &mut [Value], to: Slot, a: Slot, index: Slot) -> Outcome<()> {
     let position = real(frame, index)?;
-    let value = data::element(state, get(frame, a), &[data::whole(position)])?;
+    let value = data::element(state, get(frame, a), &[state::whole(position)])?;
     state.made(&value)?;
     set(frame, to, value);
     Ok(())
@@ -361,8 +362,8 @@ fn pay_to_compare(state: &mut State, frame: &[Value], a: Slot, b: Slot) -> Outco
     match (get(frame, a), get(frame, b)) {
         (Value::Text(x), Value::Text(y)) => state.spend(x.len().max(y.len()) / 64),
         (Value::Sequence(x), Value::Sequence(y)) if x.len() == y.len() => {
-            data::pay_to_look_inside(state, x)?;
-            data::pay_to_look_inside(state, y)
+            state::pay_to_look_inside(state, x)?;
+            state::pay_to_look_inside(state, y)
         }
         _ => Ok(()),
     }
@@ -400,11 +401,11 @@ fn call(
     arguments.clear();
     arguments.extend(slots(code, list).iter().map(|slot| get(frame, *slot).clone()));
     for argument in &arguments {
-        data::pay_to_look(state, argument)?;
+        state::pay_to_look(state, argument)?;
     }
     let result = match function.way {
         Way::Compute(compute) | Way::Pair(_, compute) => compute(&mut Context { state, host }, &arguments),
-        Way::Host => check(function, &arguments).and_then(|()| host.function(state, function, &arguments)),
+        Way::Host(by) => check(function, &arguments).and_then(|()| host.function(state, by, &arguments)),
         Way::Math(_) | Way::Missing(_) => Ok(Value::Null),
     };
     arguments.clear();

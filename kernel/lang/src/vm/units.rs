@@ -3,14 +3,15 @@
 //! Invariant: failures of files only set `$ERRNO`. Facts: reference macro-language.md 3.4; choices of this project: a
 //! missing file is created when it is written, FRONT truncates, lines end with LF.
 
-use super::run::get;
-use super::{State, data};
+use super::run::{get, set};
+
 use crate::bytecode::Slot;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::format;
 use crate::host::Host;
 use crate::ident;
+use crate::state::{LINE, State, Unit, unit_number};
 use crate::value::Value;
 
 const END_OF_FILE: i32 = -1;
@@ -21,42 +22,6 @@ const BAD_INPUT: i32 = 22;
 const FILE_TICKS: usize = 100;
 /// Bytes that can be written to a file before it is closed.
 const MOST_WRITTEN: usize = 64 << 20;
-/// Bytes that a line takes besides its text.
-const LINE: usize = 48;
-
-/// An open unit.
-#[derive(Debug, Default)]
-pub struct Unit {
-    path: String,
-    lines: Vec<String>,
-    next: usize,
-    /// Appends at the end.
-    rear: bool,
-    changed: bool,
-    console: bool,
-    /// Bytes written since it was opened.
-    written: usize,
-    /// Bytes of what was read when it was opened.
-    read: usize,
-    /// Status of writing to it, found by the first WRITE.
-    writable: Option<i32>,
-}
-
-impl Unit {
-    /// Memory that it takes.
-    pub(super) fn bytes(&self) -> usize {
-        self.read + self.written + self.lines.len() * LINE
-    }
-}
-
-fn unit_number(value: f64) -> Outcome<u8> {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    if (20.0..30.0).contains(&value) {
-        return Ok(value as u8);
-    }
-    Err(Fault::new(Number::UNITS, format!("{value} is no unit; units are 20 to 29")))
-}
-
 pub(super) fn open(state: &mut State, host: &mut dyn Host, arguments: &[Value]) -> Outcome<()> {
     let first = arguments.first().unwrap_or(&Value::Unset);
     let number = unit_number(first.as_real().ok_or_else(|| Fault::kind("a unit number", first))?)?;
@@ -164,15 +129,6 @@ pub(super) fn write(state: &mut State, host: &mut dyn Host, number: f64, text: &
     Ok(())
 }
 
-/// End-of-file test of a unit.
-pub(crate) fn at_end(state: &State, number: f64) -> Outcome<bool> {
-    let number = unit_number(number)?;
-    match state.units.get(&number) {
-        Some(unit) => Ok(!unit.console && unit.next >= unit.lines.len()),
-        None => Err(Fault::new(Number::UNIT_NOT_OPEN, format!("the unit {number} is not open"))),
-    }
-}
-
 fn line(state: &mut State, host: &mut dyn Host, number: f64, again: bool) -> Outcome<Option<String>> {
     let number = unit_number(number)?;
     let Some(unit) = state.units.get_mut(&number) else {
@@ -231,7 +187,7 @@ pub(super) fn read(
     };
     for (slot, value) in targets.iter().zip(values) {
         state.made(&value)?;
-        data::put(frame, *slot, value);
+        set(frame, *slot, value);
     }
     Ok(())
 }

@@ -111,7 +111,7 @@ pub(super) fn meets_motion(act: &mut Act<'_, '_>) -> Acted {
         act.state.cycle.end();
         let off = act.state.cycle.off;
         act.state.modal.activate(group::CYCLE, codes::CYCLE_OFF, off);
-        act.emit(0, EventKind::Mode { text: "cycle off".into() });
+        act.emit(0, EventKind::mode("cycle off"));
     }
     Ok(())
 }

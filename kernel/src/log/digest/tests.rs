@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::*;
 use crate::log::event::{
-    Coolant, Diagnostic, Direction, Member, Origin, Outlet, Phase, Primitive, Release, Spindle, Stop, ToolAction,
-    ToolData, Verdict, VerdictKind, Wait,
+    Block, Call, Coolant, Diagnostic, Direction, Dwell, Frame, Function, Member, Message, Origin, Outlet, Phase,
+    Primitive, Release, Return, Spindle, Stop, ToolAction, ToolChange, ToolData, Verdict, VerdictKind, Wait,
 };
 
 fn event(kind: Kind) -> Event {
@@ -55,20 +55,20 @@ fn words(events: &[Event]) -> Vec<u64> {
 
 #[test]
 fn the_form_is_fixed() {
-    let block = event(Kind::Block { number: 258 });
+    let block = event(Kind::Block(Block { number: 258 }));
     // Kind 1, no flags; then time, duration, microstep, file, line, number.
     assert_eq!(words(std::slice::from_ref(&block)), [1, 7, 3, 1, 1, 40, 258]);
     // The next event follows in the same place (1 + 2 + 8 + 16) and takes no time (4).
-    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message { text: "ab".into(), printed: false }) };
+    let message = Event { t_ns: 10, dur_ns: 0, ..event(Kind::Message(Message { text: "ab".into(), printed: false })) };
     let both = form(&[block.clone(), message]);
     assert_eq!(both.get(form(&[block]).len()..), Some(&[13, 31, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'][..]));
 }
 
 #[test]
 fn expected_blocks_are_counted() {
-    let block = |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block { number }) };
-    let first = event(Kind::Block { number: 1 });
-    let dwell = Event { t_ns: 10, dur_ns: 0, line: 42, ..event(Kind::Dwell) };
+    let block = |number, line| Event { t_ns: 10, dur_ns: 0, line, ..event(Kind::Block(Block { number })) };
+    let first = event(Kind::Block(Block { number: 1 }));
+    let dwell = Event { t_ns: 10, dur_ns: 0, line: 42, ..event(Kind::Dwell(Dwell)) };
     let counted = words(&[first.clone(), block(2, 41), block(3, 42), dwell]);
     assert_eq!(counted[7..], [3 | 31 << 8 | 2 << 32]);
     assert_eq!(words(&[first.clone(), block(2, 41)])[7..], [255 | 1 << 32]);
@@ -128,11 +128,11 @@ fn every_field_counts() {
     kinds.extend([
         Kind::Lifecycle(Phase::MachineStart),
         Kind::Lifecycle(Phase::ProgramEnd),
-        Kind::Dwell,
-        Kind::Tool { action: ToolAction::Load, tool: 1, offset: 1 },
-        Kind::Tool { action: ToolAction::Select, tool: 1, offset: 1 },
-        Kind::Tool { action: ToolAction::Load, tool: 2, offset: 1 },
-        Kind::Tool { action: ToolAction::Load, tool: 1, offset: 2 },
+        Kind::Dwell(Dwell),
+        Kind::Tool(ToolChange { action: ToolAction::Load, tool: 1, offset: 1 }),
+        Kind::Tool(ToolChange { action: ToolAction::Select, tool: 1, offset: 1 }),
+        Kind::Tool(ToolChange { action: ToolAction::Load, tool: 2, offset: 1 }),
+        Kind::Tool(ToolChange { action: ToolAction::Load, tool: 1, offset: 2 }),
         Kind::ToolData(Box::new(ToolData { tool: 1, radius: Some(0.0), ..ToolData::default() })),
         Kind::ToolData(Box::new(ToolData { tool: 1, diameter: Some(0.0), ..ToolData::default() })),
         Kind::ToolData(Box::new(ToolData { tool: 1, place: 1, ..ToolData::default() })),
@@ -145,18 +145,18 @@ fn every_field_counts() {
         Kind::Coolant(Coolant { on: true, fluid: 4, outlet: Outlet::Main }),
         Kind::Coolant(Coolant { on: false, fluid: 0, outlet: Outlet::Side }),
         Kind::Coolant(Coolant { on: true, fluid: 0, outlet: Outlet::Device(9) }),
-        Kind::Function { letter: 'M', value: 8.0 },
-        Kind::Function { letter: 'N', value: 8.0 },
-        Kind::Function { letter: 'M', value: 9.0 },
-        Kind::Mode { text: "plane zx".into() },
-        Kind::Frame { shift: Box::new([0.0; MAX_AXES]) },
-        Kind::Frame { shift: Box::new([1.0; MAX_AXES]) },
+        Kind::Function(Function { letter: 'M', value: 8.0 }),
+        Kind::Function(Function { letter: 'N', value: 8.0 }),
+        Kind::Function(Function { letter: 'M', value: 9.0 }),
+        Kind::mode("plane zx"),
+        Kind::Frame(Frame { shift: Box::new([0.0; MAX_AXES]) }),
+        Kind::Frame(Frame { shift: Box::new([1.0; MAX_AXES]) }),
         Kind::Stop(Stop::End),
         Kind::Stop(Stop::Rewind),
-        Kind::Call { program: "O1".into(), level: 1 },
-        Kind::Call { program: "O1".into(), level: 2 },
-        Kind::Return { level: 1 },
-        Kind::Message { text: "plane zx".into(), printed: false },
+        Kind::Call(Call { program: "O1".into(), level: 1 }),
+        Kind::Call(Call { program: "O1".into(), level: 2 }),
+        Kind::Return(Return { level: 1 }),
+        Kind::Message(Message { text: "plane zx".into(), printed: false }),
         Kind::Wait(Arc::new(wait.clone())),
         Kind::Wait(Arc::new(Wait { participants: [1, 3].into(), ..wait.clone() })),
         Kind::Wait(Arc::new(Wait { primitive: Primitive::Join, ..wait })),
@@ -175,7 +175,7 @@ fn every_field_counts() {
         Kind::Verdict(Box::new(Verdict { members: vec![Member { waiting_for: vec![3], ..member }], ..verdict })),
     ]);
     let mut events: Vec<Event> = kinds.into_iter().map(event).collect();
-    let base = event(Kind::Dwell);
+    let base = event(Kind::Dwell(Dwell));
     events.extend([
         Event { t_ns: 8, ..base.clone() },
         Event { micro: 2, ..base.clone() },

@@ -2,7 +2,8 @@
 
 use super::write_event;
 use crate::log::event::{
-    Diagnostic, Direction, Kind, Member, Motion, MotionKind, Origin, Spindle, ToolData, Verdict, VerdictKind,
+    Diagnostic, Direction, Frame, Function, Kind, Member, Message, Motion, MotionKind, Origin, Spindle, ToolData,
+    Verdict, VerdictKind,
 };
 use crate::log::testing::*;
 
@@ -47,7 +48,7 @@ fn a_circle_in_space_tells_its_centre_and_its_middle() {
 
 #[test]
 fn odd_texts_and_numbers_stay_valid() {
-    let text = line(&at(1, 1, 0, 0, Kind::Message { text: "a\"b\\c\n\u{1}ä".into(), printed: false }));
+    let text = line(&at(1, 1, 0, 0, Kind::Message(Message { text: "a\"b\\c\n\u{1}ä".into(), printed: false })));
     assert!(text.ends_with(r#""text":"a\"b\\c\n\u0001ä"}"#), "{text}");
     let spindle = Spindle {
         spindle: 1,
@@ -59,9 +60,9 @@ fn odd_texts_and_numbers_stay_valid() {
     };
     let text = line(&at(1, 1, 0, 0, Kind::Spindle(spindle)));
     assert!(text.ends_with(r#""direction":"clockwise","css":true,"speed":null,"limit":null}"#), "{text}");
-    let text = line(&at(1, 1, 0, 0, Kind::Function { letter: '"', value: 1e300 }));
+    let text = line(&at(1, 1, 0, 0, Kind::Function(Function { letter: '"', value: 1e300 })));
     assert!(text.contains(r#""letter":"\"","value":1e300"#) || text.contains("1e+300"), "{text}");
-    line(&at(99, 3, 0, 0, Kind::Frame { shift: Box::new([1.0; 8]) }));
+    line(&at(99, 3, 0, 0, Kind::Frame(Frame { shift: Box::new([1.0; 8]) })));
 }
 
 #[test]

@@ -5,8 +5,7 @@
 
 use counterpoint_lang::format::wildcard_text;
 
-use super::blocks::mark;
-use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, Stop, ToolAction};
+use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle};
 use crate::log::geometry::Loop;
 use crate::log::info::Axis;
 
@@ -21,34 +20,11 @@ pub(super) struct Actions {
 impl Actions {
     /// The actions of an event, in order.
     pub(super) fn of(&mut self, axes: &[Axis], event: &Event) -> Vec<String> {
-        let one = |text: String| vec![text];
-        let number = wildcard_text;
         match &event.kind {
             Kind::Motion(motion) => self.motion(axes, motion),
-            Kind::Dwell => one(format!("dwell t={}", number(event.dur_ns as f64 / 1e9))),
-            Kind::Tool { action, tool, offset } => one(match action {
-                ToolAction::Select => format!("select tool n={tool}"),
-                ToolAction::Load => format!("load tool n={tool}"),
-                ToolAction::Offset => format!("tool offset n={offset}"),
-            }),
-            Kind::Spindle(spindle) => one(self.spindle(spindle)),
-            Kind::Coolant(coolant) => one(coolant.to_string()),
-            Kind::Function { letter, value } => {
-                one(format!("function {}={}", letter.to_ascii_lowercase(), number(*value)))
-            }
-            Kind::Mode { text } => one(text.to_string()),
-            Kind::Stop(stop) => one(match stop {
-                Stop::Program => "stop",
-                Stop::Optional => "opstop",
-                Stop::End => "end",
-                Stop::Rewind => "rewind",
-            }
-            .to_owned()),
-            Kind::Call { program, .. } => one(format!("call id={program}")),
-            Kind::Return { .. } => one("return".to_owned()),
-            Kind::Wait(wait) => one(format!("sync mark={} wait", mark(&wait.key))),
-            Kind::Release(release) => one(format!("sync mark={} go", mark(&release.key))),
-            _ => Vec::new(),
+            Kind::Dwell(_) => vec![format!("dwell t={}", wildcard_text(event.dur_ns as f64 / 1e9))],
+            Kind::Spindle(spindle) => vec![self.spindle(spindle)],
+            kind => kind.action(wildcard_text).into_iter().collect(),
         }
     }
 

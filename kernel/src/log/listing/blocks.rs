@@ -7,7 +7,7 @@ use std::io::{Result, Write};
 
 use rustc_hash::FxHashMap;
 
-use crate::log::event::{Event, Wait};
+use crate::log::event::{Event, Wait, mark};
 use crate::log::info::Info;
 use crate::log::summary::Summary;
 
@@ -51,11 +51,4 @@ impl Waits {
             None => writeln!(out, "wait mark={mark} never released"),
         }
     }
-}
-
-/// The number of a mark (`M101 P12`: `101`), the whole word when it has none behind a single letter (`START1`).
-pub(super) fn mark(key: &str) -> &str {
-    let first = key.split_whitespace().next().unwrap_or(key);
-    let number = first.strip_prefix(|c: char| c.is_ascii_alphabetic()).unwrap_or(first);
-    if number.starts_with(|c: char| c.is_ascii_digit()) { number } else { first }
 }

@@ -7,7 +7,7 @@ use std::io::{BufWriter, Result, Write};
 
 use super::{BUFFER, diagnostics};
 use crate::diag;
-use crate::log::event::{Diagnostic, Event, Kind};
+use crate::log::event::{Diagnostic, Event, Kind, Message};
 
 /// Writes the console lines of one channel and the master, of all channels for 0.
 ///
@@ -17,7 +17,7 @@ pub fn render_console(channel: u16, events: &mut dyn Iterator<Item = (u64, Event
     let mut out = BufWriter::with_capacity(BUFFER, out);
     for (_, event) in events.filter(|(_, event)| channel == 0 || [0, channel].contains(&event.channel)) {
         match &event.kind {
-            Kind::Message { text, .. } => writeln!(out, "Display : {text}")?,
+            Kind::Message(Message { text, .. }) => writeln!(out, "Display : {text}")?,
             Kind::Diagnostic(diagnostic) => writeln!(out, "{}", line(&event, diagnostic))?,
             _ => {}
         }

@@ -1,7 +1,9 @@
 //! Tests of the listing; the layouts are those of the reference.
 
 use super::*;
-use crate::log::event::{Direction, FeedUnit, Motion, MotionKind, Phase, Spindle, ToolAction};
+use crate::log::event::{
+    Block, Direction, Dwell, FeedUnit, Frame, Motion, MotionKind, Phase, Spindle, ToolAction, ToolChange,
+};
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
@@ -33,14 +35,14 @@ fn turning() -> Vec<Event> {
         ..motion(MotionKind::Linear, from, to)
     };
     vec![
-        at(1, 1, 0, 0, Kind::Block { number: 1 }),
-        at(1, 1, 0, 0, Kind::Frame { shift: Box::new(position(&[1.5, -100.0])) }),
-        at(1, 2, 0, 0, Kind::Block { number: 2 }),
-        at(1, 2, 0, 4 * S, Kind::Tool { action: ToolAction::Load, tool: 3, offset: 3 }),
+        at(1, 1, 0, 0, Kind::Block(Block { number: 1 })),
+        at(1, 1, 0, 0, Kind::Frame(Frame { shift: Box::new(position(&[1.5, -100.0])) })),
+        at(1, 2, 0, 0, Kind::Block(Block { number: 2 })),
+        at(1, 2, 0, 4 * S, Kind::Tool(ToolChange { action: ToolAction::Load, tool: 3, offset: 3 })),
         at(1, 2, 4 * S, 0, Kind::Spindle(spindle)),
         at(1, 2, 4 * S, 12 * S, Kind::Motion(motion(MotionKind::Rapid, &[60.5, 250.0, 0.0], &[0.0, 0.0, 90.5]))),
         diagnostic(1, 2, 16 * S, 2_001_005, 4, "Q7 not recognised in 'N60 G1 X15. Q7'"),
-        at(1, 3, 16 * S, 0, Kind::Block { number: 3 }),
+        at(1, 3, 16 * S, 0, Kind::Block(Block { number: 3 })),
         at(1, 3, 16 * S, 100 * S, Kind::Motion(cut(&[0.0, 0.0, 90.5], &[18.0, -20.0, 90.5], 0.15))),
         at(1, 3, 116 * S, 90 * S, Kind::Motion(cut(&[18.0, -20.0, 90.5], &[18.0, 0.0, 90.5], 0.3))),
         life(1, 206 * S, Phase::ProgramEnd),
@@ -121,17 +123,17 @@ TOTAL         1
 fn several_kernels_show_waits_idle_time_and_kernel_names() {
     let info = lathe(&["G4P1000\nM101\n", "M101 P12\nG4 P2000"]);
     let mut events = vec![
-        at(1, 1, 0, 0, Kind::Block { number: 1 }),
-        at(1, 1, 0, 2 * S, Kind::Dwell),
-        at(2, 1, 0, 0, Kind::Block { number: 1 }),
+        at(1, 1, 0, 0, Kind::Block(Block { number: 1 })),
+        at(1, 1, 0, 2 * S, Kind::Dwell(Dwell)),
+        at(2, 1, 0, 0, Kind::Block(Block { number: 1 })),
         wait(2, 1, 0, "M101 P12", &[1, 2]),
-        at(1, 2, 2 * S, 0, Kind::Block { number: 2 }),
+        at(1, 2, 2 * S, 0, Kind::Block(Block { number: 2 })),
         wait(1, 2, 2 * S, "M101 P12", &[1, 2]),
         release(1, 2, 2 * S, 2 * S, "M101 P12", 1),
         release(2, 1, 0, 2 * S, "M101 P12", 1),
         diagnostic(2, 1, 2 * S, 2_900_050, 12, "alarm"),
         diagnostic(0, 0, 2 * S, 2_900_071, 16, "deadlock"),
-        at(2, 2, 2 * S, 0, Kind::Block { number: 2 }),
+        at(2, 2, 2 * S, 0, Kind::Block(Block { number: 2 })),
         wait(2, 2, 2 * S, "M102", &[1, 2]),
     ];
     let upper = listing(&info, 1, &events);
@@ -231,8 +233,9 @@ fn the_log_file_has_diagnostics_and_summaries_but_no_trace() {
 
 #[test]
 fn offsets_are_joined_by_commas_and_tools_stand_in_load_order() {
-    let load =
-        |second: i64, tool, offset| at(1, 1, second * S, 0, Kind::Tool { action: ToolAction::Load, tool, offset });
+    let load = |second: i64, tool, offset| {
+        at(1, 1, second * S, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset }))
+    };
     let listing = listing(&lathe(&["x"]), 1, &[load(0, 12, 12), load(1, 3, 3), load(2, 12, 14)]);
     let first = listing.find("       12  NA                      NA        NA           12,14            NA\n");
     let second = listing.find("        3  NA                      NA        NA               3            NA\n");
@@ -248,7 +251,7 @@ fn each_time_is_rounded_by_itself_and_the_total_from_the_sum() {
     let events = [
         part(0, Kind::Motion(rapid)),
         part(1, Kind::Motion(cut)),
-        part(2, Kind::Dwell),
+        part(2, Kind::Dwell(Dwell)),
         life(1, S * 6 / 5, Phase::ProgramEnd),
     ];
     let listing = listing(&lathe(&["x"]), 1, &events);
@@ -278,6 +281,6 @@ fn the_operation_stands_before_the_kernel() {
 
 #[test]
 fn marks_are_told_by_their_numbers() {
-    let marks = ["M101", "M101 P12", "101", "START1", "S205", "GATE"].map(blocks::mark);
+    let marks = ["M101", "M101 P12", "101", "START1", "S205", "GATE"].map(crate::log::event::mark);
     assert_eq!(marks, ["101", "101", "101", "START1", "205", "GATE"]);
 }

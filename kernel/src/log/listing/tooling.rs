@@ -8,9 +8,9 @@ use std::io::{Result, Write};
 use rustc_hash::FxHashMap;
 
 use super::time::clock;
-use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, ToolAction};
+use crate::log::event::Work;
+use crate::log::event::{Direction, Event, FeedUnit, Kind, Motion, MotionKind, Spindle, ToolAction, ToolChange};
 use crate::log::summary::Tool;
-use crate::log::work::Work;
 
 /// Smallest and largest value seen.
 #[derive(Debug, Default)]
@@ -57,8 +57,8 @@ impl Tooling {
     /// Any event of the channel that is no motion.
     pub(super) fn event(&mut self, event: &Event) {
         match &event.kind {
-            Kind::Tool { action: ToolAction::Select, .. } => {}
-            Kind::Tool { tool, .. } if *tool != 0 => self.current = *tool,
+            Kind::Tool(ToolChange { action: ToolAction::Select, .. }) => {}
+            Kind::Tool(ToolChange { tool, .. }) if *tool != 0 => self.current = *tool,
             Kind::Spindle(spindle) => {
                 let turns = matches!(spindle.direction, Direction::Clockwise | Direction::CounterClockwise);
                 self.spindle = turns.then_some(*spindle);
@@ -93,7 +93,7 @@ impl Tooling {
     }
 
     fn time(&mut self, event: &Event) {
-        let Some(work) = Work::of(&event.kind) else { return };
+        let Some(work) = event.kind.work() else { return };
         let ns = event.dur_ns.min(self.end_ns.saturating_sub(event.t_ns)).max(0);
         let Some(tool) = self.tool() else { return };
         match work {

@@ -7,7 +7,7 @@ use std::io::{Result, Write};
 
 use super::actions::Actions;
 use super::blocks;
-use crate::log::event::{Event, Kind};
+use crate::log::event::{Dwell, Event, Kind, Message, Trace};
 use crate::log::info::Info;
 use crate::machine::model::StoredFile;
 use crate::trace::{ACTION, BLOCK, DWELL, LISTING};
@@ -62,19 +62,19 @@ impl Tracer {
     /// The lines of an event that the letters ask for.
     pub(super) fn event(&mut self, info: &Info, event: &Event, out: &mut dyn Write) -> Result<()> {
         match &event.kind {
-            Kind::Trace { letter: LISTING, text } => return self.control(text, out),
+            Kind::Trace(Trace { letter: LISTING, text }) => return self.control(text, out),
             _ if self.off => return Ok(()),
-            Kind::Message { text, printed: true } => return writeln!(out, "{text}"),
+            Kind::Message(Message { text, printed: true }) => return writeln!(out, "{text}"),
             _ if info.trace.is_empty() => return Ok(()),
             _ => {}
         }
         match &event.kind {
-            Kind::Dwell if std::mem::take(&mut self.told) => Ok(()),
-            Kind::Trace { letter, text } => {
+            Kind::Dwell(Dwell) if std::mem::take(&mut self.told) => Ok(()),
+            Kind::Trace(Trace { letter, text }) => {
                 self.told = *letter == ACTION && text.contains(DWELL);
                 writeln!(out, "{text}")
             }
-            Kind::Message { text, .. } if info.trace.has('S') => writeln!(out, "Display : {text}"),
+            Kind::Message(Message { text, .. }) if info.trace.has('S') => writeln!(out, "Display : {text}"),
             _ if info.trace.has('A') => {
                 let axes = info.channel(event.channel).map_or(&[][..], |c| &c.axes);
                 self.actions.of(axes, event).iter().try_for_each(|action| writeln!(out, "      | {action}"))

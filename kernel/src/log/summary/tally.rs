@@ -3,8 +3,8 @@
 //! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
 
 use super::ChannelState;
+use crate::log::event::Work;
 use crate::log::event::{Event, Phase};
-use crate::log::work::Work;
 
 /// Times of one channel while the log goes by.
 #[derive(Debug, Default)]

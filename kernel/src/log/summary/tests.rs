@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::job::Outcome;
-use crate::log::event::{Event, Kind, Member as LogMember, MotionKind, Phase, Verdict as LogVerdict};
+use crate::log::event::{
+    Block, Dwell, Event, Function, Kind, Member as LogMember, MotionKind, Phase, Verdict as LogVerdict,
+};
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
@@ -58,7 +60,7 @@ fn the_json_is_the_documented_one() {
     let events = [
         life(2, 0, Phase::NotStarted),
         life(1, 0, Phase::ProgramStart),
-        at(1, 1, 0, 0, Kind::Block { number: 1 }),
+        at(1, 1, 0, 0, Kind::Block(Block { number: 1 })),
         at(1, 1, 0, 3 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[10.0]))),
         diagnostic(1, 1, 3 * S, 2_001_005, 4, "no \"Q\""),
         life(1, 3 * S, Phase::ProgramEnd),
@@ -87,9 +89,9 @@ fn a_stop_cuts_durations_and_waits() {
     let verdict = LogVerdict { kind: VerdictKind::Limit, at_ns: 4 * S, text: "limit".into(), members: vec![] };
     let events = [
         at(1, 1, 0, 10 * S, Kind::Motion(motion(MotionKind::Rapid, &[0.0], &[10.0]))),
-        at(2, 1, 0, S, Kind::Dwell),
+        at(2, 1, 0, S, Kind::Dwell(Dwell)),
         wait(2, 2, S, "M101", &[1, 2]),
-        at(3, 1, 0, 4 * S, Kind::Function { letter: 'M', value: 8.0 }),
+        at(3, 1, 0, 4 * S, Kind::Function(Function { letter: 'M', value: 8.0 })),
         at(0, 0, 4 * S, 0, Kind::Verdict(Box::new(verdict))),
     ];
     let limited = summary(&info, &events);

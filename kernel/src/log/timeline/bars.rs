@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use crate::log::event::Work;
 use crate::log::meetings::Stay;
-use crate::log::work::Work;
 
 /// Bars a channel has at most.
 pub const MOST: usize = 20_000;

@@ -10,9 +10,9 @@ mod tools;
 use std::fmt::Write as _;
 
 use super::Timeline;
+use crate::log::event::Work;
 use crate::log::summary::ChannelState;
 use crate::log::svg::{fit, open, text, width};
-use crate::log::work::Work;
 use scale::{Scale, time_text};
 
 const WIDTH: f64 = 1200.0;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Event, Kind, MotionKind, Phase, ToolAction};
+use crate::log::event::{Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
 use crate::log::testing::*;
 
 const S: i64 = 1_000_000_000;
@@ -19,8 +19,8 @@ fn neighbours_of_one_kind_are_one_bar() {
         line(1, 0, MotionKind::Linear),
         line(2, 1, MotionKind::ArcCw),
         line(3, 2, MotionKind::Rapid),
-        at(1, 4, 3 * S, S, Kind::Tool { action: ToolAction::Load, tool: 1, offset: 1 }),
-        at(1, 5, 4 * S, S, Kind::Dwell),
+        at(1, 4, 3 * S, S, Kind::Tool(ToolChange { action: ToolAction::Load, tool: 1, offset: 1 })),
+        at(1, 5, 4 * S, S, Kind::Dwell(Dwell)),
         wait(1, 6, 5 * S, "M101", &[1, 2]),
         release(1, 6, 5 * S, 7 * S, "M101", 1),
         line(7, 7, MotionKind::Thread),
@@ -55,8 +55,8 @@ fn neighbours_of_one_kind_are_one_bar() {
 #[test]
 fn a_blocked_channel_has_no_bar_for_its_stand_and_a_stop_cuts() {
     let events = [
-        at(1, 1, 0, 3 * S, Kind::Dwell),
-        at(2, 1, 0, S, Kind::Dwell),
+        at(1, 1, 0, 3 * S, Kind::Dwell(Dwell)),
+        at(2, 1, 0, S, Kind::Dwell(Dwell)),
         wait(2, 2, S, "M101", &[1, 2]),
         at(1, 2, 3 * S, 9 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0]))),
         life(0, 5 * S, Phase::MachineEnd),
@@ -150,7 +150,8 @@ fn marks_of_meetings_stay_inside_and_off_each_other() {
 fn tools_and_operations_are_above_the_bars_and_names_are_cut() {
     let mut info = Arc::into_inner(lathe(&["T0101 (OD ROUGH)\nG1 X1.\nT0202 (THE NEXT ONE)\nG1 X1.\n"])).unwrap();
     info.channels[0].name = "AN UPPER TURRET WITH A LONG NAME".into();
-    let load = |line, t, tool| at(1, line, t * S, 0, Kind::Tool { action: ToolAction::Load, tool, offset: tool });
+    let load =
+        |line, t, tool| at(1, line, t * S, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }));
     let cut = |line, t, dur| at(1, line, t * S, dur * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0])));
     let events = [load(1, 0, 1), cut(2, 0, 96), load(3, 96, 2), cut(4, 96, 4), life(1, 100 * S, Phase::ProgramEnd)];
     let svg = timeline(&Arc::new(info), &events).svg();
@@ -168,7 +169,7 @@ fn a_channel_with_many_tools_and_meetings_is_a_small_picture() {
     let mut events = Vec::new();
     for n in 0..100_000_u32 {
         let t = i64::from(n) * S;
-        events.push(at(1, n, t, 0, Kind::Tool { action: ToolAction::Load, tool: n % 20 + 1, offset: 0 }));
+        events.push(at(1, n, t, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool: n % 20 + 1, offset: 0 })));
         events.push(at(1, n, t, S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0]))));
         for channel in [1, 2] {
             events.push(wait(channel, n, t + S, "M101", &[1, 2]));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::log::event::{Kind, ToolAction};
+use crate::log::event::{Kind, ToolAction, ToolChange};
 use crate::log::fold::Folds;
 use crate::log::testing::*;
 
@@ -189,7 +189,9 @@ fn a_cut_that_goes_in_and_out_on_one_line_is_drawn() {
 fn turrets() -> Toolpath {
     let info = lathe(&["O1\nT0101 (OD ROUGH)\nG1 X20.\nG1 Z-10.\n", "O2\nT0202\nG1 Z-10.\n"]);
     let mut folds = Folds::new(&info);
-    let load = |channel: u16, tool| at(channel, 2, 0, 0, Kind::Tool { action: ToolAction::Load, tool, offset: tool });
+    let load = |channel: u16, tool| {
+        at(channel, 2, 0, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }))
+    };
     let cut = |channel: u16, line, from: &[f64], to: &[f64]| {
         at(channel, line, 0, 1, Kind::Motion(motion(MotionKind::Linear, from, to)))
     };
@@ -245,7 +247,13 @@ fn a_long_path_has_a_bounded_number_of_pieces() {
     let mut folds = Folds::new(&mill("x"));
     for n in 0..100_000_u32 {
         if n % 10 == 0 {
-            folds.event(&at(1, n, 0, 0, Kind::Tool { action: ToolAction::Load, tool: n / 10 + 1, offset: 0 }));
+            folds.event(&at(
+                1,
+                n,
+                0,
+                0,
+                Kind::Tool(ToolChange { action: ToolAction::Load, tool: n / 10 + 1, offset: 0 }),
+            ));
         }
         let kind = if n % 2 == 0 { MotionKind::Rapid } else { MotionKind::Linear };
         let place = |n: u32| [f64::from(n % 317), f64::from(n / 317), f64::from(n % 7)];

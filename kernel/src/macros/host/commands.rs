@@ -13,7 +13,7 @@ use counterpoint_lang::vm::State;
 use super::variables::names;
 use crate::channel::Kernel;
 use crate::diag;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message, Trace};
 use crate::machine::ident::{CodeId, codes};
 use crate::machine::macros::model::Hook;
 use crate::macros::runtime::{Later, MOST_QUEUED, Task};
@@ -82,7 +82,9 @@ impl Kernel<'_> {
                 self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
             }
             Command::Skip(_) => {}
-            Command::Print(text) => self.emit(0, Kind::Message { text: shortened(text).into(), printed: true }),
+            Command::Print(text) => {
+                self.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
+            }
             Command::System(text) => return self.system_command(state, text),
         }
         Ok(0)
@@ -90,7 +92,7 @@ impl Kernel<'_> {
 
     /// LPRINT goes along as a line of the trace that is there without a trace.
     fn control_listing(&mut self, text: Box<str>) {
-        self.emit(0, Kind::Trace { letter: crate::trace::LISTING, text });
+        self.emit(0, Kind::Trace(Trace { letter: crate::trace::LISTING, text }));
     }
 
     fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {

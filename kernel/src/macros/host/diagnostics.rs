@@ -27,7 +27,7 @@ fn shipped(number: u32) -> Option<(u8, &'static str)> {
 
 /// The same for what the macro language raises.
 fn of_language(number: u32) -> Option<(u8, &'static str)> {
-    TABLE.iter().find(|(n, ..)| n.0 == number).map(|(_, severity, about)| (*severity, *about))
+    TABLE.iter().find(|row| row.number.0 == number).map(|row| (row.severity, row.about))
 }
 
 fn number(value: Option<&Value>) -> Option<u32> {

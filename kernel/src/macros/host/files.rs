@@ -4,7 +4,7 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, HostFn, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
@@ -46,12 +46,12 @@ impl Kernel<'_> {
     pub(super) fn file_function(
         &mut self,
         state: &mut State,
-        name: &str,
+        function: HostFn,
         arguments: &[Value],
     ) -> Option<Outcome<Value>> {
         let program =
             self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
-        self.with_files(|folder, shelf| folder.function(shelf, state, (name, arguments), &program))
+        self.with_files(|folder, shelf| folder.function(shelf, state, (function, arguments), &program))
     }
 
     /// Closes the units that are open when the kernel comes to its end, and removes its temporary files. What a kernel

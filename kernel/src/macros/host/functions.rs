@@ -6,8 +6,7 @@
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
-use counterpoint_lang::func::Function;
-use counterpoint_lang::host::macro_states;
+use counterpoint_lang::host::{HostFn, macro_states};
 use counterpoint_lang::pattern::STEPS;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
@@ -27,82 +26,89 @@ fn text(arguments: &[Value], at: usize) -> &str {
 }
 
 /// What a function answers that has nothing to work on.
-fn nothing(function: &Function) -> Value {
-    function.result.map_or(Value::Null, Kind::initial)
+fn nothing(function: HostFn) -> Value {
+    function.result().map_or(Value::Null, Kind::initial)
 }
 
 impl Kernel<'_> {
     pub(super) fn macro_function(
         &mut self,
         state: &mut State,
-        function: &'static Function,
+        function: HostFn,
         arguments: &[Value],
     ) -> Outcome<Value> {
-        if let Some(answer) = self.file_function(state, function.name, arguments) {
+        if let Some(answer) = self.file_function(state, function, arguments) {
             return answer;
         }
-        Ok(match function.name {
-            "$FEOF" => Value::Logical(self.at_end()),
-            "$FGET" => self.search_program(state, arguments, true)?,
-            "$FGETR" => self.search_program(state, arguments, false)?,
-            "$FERSEV" => self.severity_of(arguments)?,
-            "$FERSTA" => self.switched(arguments),
-            "$FERTXT" => self.text_of(arguments),
-            "$FMACID" => self.macro_ids(state, arguments)?,
-            "$FMACSTA" => macro_states(arguments, |id, on| self.switch_macro(id, on)),
-            "$FREGFMT" => Value::text(self.register_format(arguments)),
-            "$FREGPOS" => {
+        Ok(match function {
+            HostFn::EndOfProgram => Value::Logical(self.at_end()),
+            HostFn::SearchForward => self.search_program(state, arguments, true)?,
+            HostFn::SearchBackward => self.search_program(state, arguments, false)?,
+            HostFn::DiagnosticSeverity => self.severity_of(arguments)?,
+            HostFn::DiagnosticState => self.switched(arguments),
+            HostFn::DiagnosticText => self.text_of(arguments),
+            HostFn::MacroNames => self.macro_ids(state, arguments)?,
+            HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
+            HostFn::RegisterFormat => Value::text(self.register_format(arguments)),
+            HostFn::RegisterPosition => {
                 let at = self
                     .register_at(arguments.first())
                     .map(|at| self.channel.env.machine.registers.get(at).map(|r| r.index));
                 at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
             }
-            "$FCEADD" | "$FCEGET" | "$FCESEEK" if self.before_block() => return Self::not_here(function.name),
-            "$FCEADD" => self.add_item(arguments)?,
-            "$FCEGET" => self.get_item(arguments, true)?,
-            "$FCESEEK" => self.get_item(arguments, false)?,
-            "$FCEGAC" => self.active_code(arguments, false),
-            "$FCESAC" => self.active_code(arguments, true),
-            "$FCEDAC" => self.data_as_code(arguments),
-            "$FCEGNCV" => self.nc_variable(arguments)?,
-            "$FCESNCV" => self.set_nc_variable(arguments)?,
-            "$FCEPP" => self.preprocessor_setting(state, arguments),
-            "$FMX" => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            "$FCERST" => self.restart_with(state, arguments)?,
-            "$FDIALOG" => self.show_dialog(state, text(arguments, 0))?,
-            "$FDK" => self.forward(arguments)?,
-            "$FIK" => self.backward(arguments)?,
-            "$FKINCFG" | "$FKINROT" | "$FUNWIND" => {
+            HostFn::AddItem | HostFn::TakeItem | HostFn::SeekItem if self.before_block() => {
+                return Self::not_here(function.name());
+            }
+            HostFn::AddItem => self.add_item(arguments)?,
+            HostFn::TakeItem => self.get_item(arguments, true)?,
+            HostFn::SeekItem => self.get_item(arguments, false)?,
+            HostFn::ActiveCode => self.active_code(arguments, false),
+            HostFn::SetActiveCode => self.active_code(arguments, true),
+            HostFn::DataAsCode => self.data_as_code(arguments),
+            HostFn::NcVariable => self.nc_variable(arguments)?,
+            HostFn::SetNcVariable => self.set_nc_variable(arguments)?,
+            HostFn::PreProcessorSetting => self.preprocessor_setting(state, arguments),
+            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::Restart => self.restart_with(state, arguments)?,
+            HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
+            HostFn::ForwardKinematics => self.forward(arguments)?,
+            HostFn::InverseKinematics => self.backward(arguments)?,
+            HostFn::ConfigureKinematics | HostFn::SelectRotaryAxes | HostFn::Unwind => {
                 only_axes(arguments)?;
-                match function.name {
-                    "$FKINCFG" => self.configure(arguments),
-                    "$FKINROT" => self.choose_rotary(arguments),
+                match function {
+                    HostFn::ConfigureKinematics => self.configure(arguments),
+                    HostFn::SelectRotaryAxes => self.choose_rotary(arguments),
                     _ => self.unwind_named(arguments),
                 }
             }
-            "$FMSGDCV" => self.read_radius(Radii::Cutter, arguments)?,
-            "$FMSGRCV" => self.read_radius(Radii::Corner, arguments)?,
-            "$FMSGLCV" => self.read_offset(Table::Length, arguments)?,
-            "$FMSGFCV" => self.read_offset(Table::Work, arguments)?,
-            "$FMSSDCV" => self.write_radius(Radii::Cutter, arguments)?,
-            "$FMSSRCV" => self.write_radius(Radii::Corner, arguments)?,
-            "$FMSSLCV" => self.write_offset(Table::Length, arguments)?,
-            "$FMSSFCV" => self.write_offset(Table::Work, arguments)?,
-            "$FMSLCS" => self.give_frame(arguments)?,
-            name => match without::why(name) {
+            HostFn::CutterDiameter => self.read_radius(Radii::Cutter, arguments)?,
+            HostFn::CornerRadius => self.read_radius(Radii::Corner, arguments)?,
+            HostFn::LengthOffset => self.read_offset(Table::Length, arguments)?,
+            HostFn::WorkOffset => self.read_offset(Table::Work, arguments)?,
+            HostFn::SetCutterDiameter => self.write_radius(Radii::Cutter, arguments)?,
+            HostFn::SetCornerRadius => self.write_radius(Radii::Corner, arguments)?,
+            HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
+            HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
+            HostFn::LocalFrame => self.give_frame(arguments)?,
+            function => match without::why(function) {
                 Some(why) => self.without(state, function, why),
-                None => return Err(Fault::new(Number::NO_HOST, format!("{name} is not available on this control"))),
+                None => {
+                    return Err(Fault::new(
+                        Number::NO_HOST,
+                        format!("{} is not available on this control", function.name()),
+                    ));
+                }
             },
         })
     }
 
     /// The answer of a function that has nothing to work on, which is told once for each function.
-    fn without(&mut self, state: &mut State, function: &'static Function, why: &str) -> Value {
+    fn without(&mut self, state: &mut State, function: HostFn, why: &str) -> Value {
         if let Some(runtime) = self.macros.as_deref_mut()
-            && !runtime.asked.without.contains(&function.name)
+            && !runtime.asked.without.contains(&function)
         {
-            runtime.asked.without.push(function.name);
-            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name)));
+            runtime.asked.without.push(function);
+            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name())));
         }
         nothing(function)
     }
@@ -110,7 +116,7 @@ impl Kernel<'_> {
     /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
     fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
         if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
-            return Self::not_here("$FCERST");
+            return Self::not_here(HostFn::Restart.name());
         }
         let name = text(arguments, 0).trim();
         let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);

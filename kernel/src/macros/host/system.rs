@@ -11,7 +11,7 @@ use counterpoint_lang::vm::State;
 
 use crate::channel::Kernel;
 use crate::files::Bytes;
-use crate::log::event::Kind;
+use crate::log::event::{Kind, Message};
 use crate::state::burden::shortened;
 use crate::system::{Answer, Call};
 
@@ -56,7 +56,7 @@ impl Kernel<'_> {
             self.diagnose(&crate::diag::MACRO_FILES, text);
         }
         for line in output.lines().take(MOST_LINES) {
-            self.emit(0, Kind::Message { text: shortened(line).into(), printed: false });
+            self.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
         }
         Ok(status)
     }

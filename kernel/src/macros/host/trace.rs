@@ -38,16 +38,16 @@ impl Kernel<'_> {
                 self.trace(letter, |_| trace::statement(text));
             }
             Step::Entering(code) if code.is_function => {
-                self.trace('H', |_| trace::entering(&code.name, ""));
+                self.trace('H', |_| trace::entering(code.name, ""));
                 if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
-                    call.functions.push(code.name.clone());
+                    call.functions.push(code.name.to_owned());
                 }
             }
             Step::Leaving(code, _) if code.is_function => {
                 if let Some(call) = self.macros.as_deref_mut().and_then(|runtime| runtime.call()) {
                     call.functions.pop();
                 }
-                self.trace('H', |kernel| trace::leaving(&code.name, "", kernel.running_name()));
+                self.trace('H', |kernel| trace::leaving(code.name, "", kernel.running_name()));
             }
             // Whoever runs a macro of the machine shows it with the name that the machine gave it.
             Step::Entering(_) | Step::Leaving(..) => {}

@@ -7,8 +7,8 @@ use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
 use crate::host::folder::text;
 use crate::ident;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 
 /// Settings of the pre-processors: the first texts of `$FCEPP`.
 const SETTINGS: [&str; 14] = [

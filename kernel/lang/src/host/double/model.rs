@@ -6,26 +6,26 @@
 use super::Test;
 use crate::diag::Number;
 use crate::fault::{Fault, Outcome};
-use crate::func::Function;
+use crate::host::HostFn;
+use crate::state::State;
 use crate::value::{Kind, Value};
-use crate::vm::State;
 
 /// What a function answers that has nothing to work on.
-fn nothing(function: &Function) -> Value {
-    function.result.map_or(Value::Null, Kind::initial)
+fn nothing(function: HostFn) -> Value {
+    function.result().map_or(Value::Null, Kind::initial)
 }
 
 impl Test {
-    pub(super) fn without_model(&mut self, state: &mut State, function: &Function) -> Value {
+    pub(super) fn without_model(&mut self, state: &mut State, function: HostFn) -> Value {
         if !std::mem::replace(&mut self.said_no_model, true) {
-            let message = format!("{} needs a machine model, and there is none here", function.name);
+            let message = format!("{} needs a machine model, and there is none here", function.name());
             state.warn(Fault::new(Number::NO_MODEL, message));
         }
         nothing(function)
     }
 
-    pub(super) fn out_of_scope(state: &mut State, function: &Function) -> Value {
-        state.warn(Fault::new(Number::NO_MODEL, format!("{} does nothing here", function.name)));
+    pub(super) fn out_of_scope(state: &mut State, function: HostFn) -> Value {
+        state.warn(Fault::new(Number::NO_MODEL, format!("{} does nothing here", function.name())));
         nothing(function)
     }
 

@@ -7,8 +7,8 @@ use super::Test;
 use crate::diag::{Diagnostic, Number};
 use crate::fault::{Fault, Outcome};
 use crate::host::folder::text;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 
 /// Letters of the double's registers; the position is the index.
 const REGISTERS: &str = "ABCDEFHNSTXYZ";

@@ -5,8 +5,9 @@
 
 use super::{FAILED, Folder, Shelf, text};
 use crate::fault::Outcome;
+use crate::host::HostFn;
+use crate::state::State;
 use crate::value::Value;
-use crate::vm::State;
 use std::fmt::Write as _;
 
 /// Name of a store that is opened without one.
@@ -143,16 +144,16 @@ impl Folder {
         &mut self,
         shelf: &mut dyn Shelf,
         state: &mut State,
-        (name, arguments): (&str, &[Value]),
+        (function, arguments): (HostFn, &[Value]),
         program: &str,
     ) -> Outcome<Value> {
-        if name == "$FMRU_OPEN" {
+        if function == HostFn::MruOpen {
             return Ok(self.open_store(shelf, state, text(arguments, 0)));
         }
         let handle = arguments.first().and_then(Value::as_real).unwrap_or(0.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let at = (handle.max(0.0) as usize).wrapping_sub(1);
-        if name == "$FMRU_CLOSE" {
+        if function == HostFn::MruClose {
             let Some(store) = self.stores.get_mut(at).and_then(Option::take) else { return Ok(Value::Null) };
             let saved = self.save(shelf, &store.file, &store.write());
             state.status = saved.err().unwrap_or(0);
@@ -170,7 +171,7 @@ impl Folder {
         // Every search goes through the whole store, so it pays for its size.
         state.spend(store.keys.len() + store.keys.iter().map(|key| key.parameters.len()).max().unwrap_or(0))?;
         let key = named(store, arguments.get(1)).unwrap_or_else(|| key(arguments.get(1)));
-        Ok(asked(store, name, &key, arguments))
+        Ok(asked(store, function, &key, arguments))
     }
 
     fn open_store(&mut self, shelf: &mut dyn Shelf, state: &mut State, file: &str) -> Value {
@@ -197,13 +198,13 @@ fn named(store: &Store, value: Option<&Value>) -> Option<String> {
     store.keys.iter().find(|key| f64::from(key.id) == id).map(|key| key.name.clone())
 }
 
-fn asked(store: &mut Store, name: &str, key: &str, arguments: &[Value]) -> Value {
+fn asked(store: &mut Store, function: HostFn, key: &str, arguments: &[Value]) -> Value {
     let parameter = text(arguments, 2).trim().to_owned();
     let position = |key: &Key| key.parameters.iter().position(|(name, _)| name.eq_ignore_ascii_case(&parameter));
     let list = |at: usize| arguments.get(at).and_then(Value::as_sequence);
-    match name {
-        "$FMRU_GETKEY" => count(store.find(key).and_then(|at| store.keys.get(at)).map_or(0, |key| key.id as usize)),
-        "$FMRU_GETKEYS" => {
+    match function {
+        HostFn::MruKey => count(store.find(key).and_then(|at| store.keys.get(at)).map_or(0, |key| key.id as usize)),
+        HostFn::MruKeys => {
             let mut names: Vec<&str> = store.keys.iter().map(|key| key.name.as_str()).collect();
             let order = arguments.get(1).and_then(Value::as_real).unwrap_or(0.0);
             if order != 0.0 {
@@ -214,8 +215,8 @@ fn asked(store: &mut Store, name: &str, key: &str, arguments: &[Value]) -> Value
             }
             Value::sequence(names.into_iter().map(Value::text).collect())
         }
-        "$FMRU_DELKEY" => done(store.find(key).map(|at| store.keys.remove(at)).is_some()),
-        "$FMRU_DELKEYS" => {
+        HostFn::MruDeleteKey => done(store.find(key).map(|at| store.keys.remove(at)).is_some()),
+        HostFn::MruDeleteKeys => {
             let before = store.keys.len();
             match list(1) {
                 Some(names) => store.keys.retain(|key| !holds(names, &key.name)),
@@ -223,11 +224,11 @@ fn asked(store: &mut Store, name: &str, key: &str, arguments: &[Value]) -> Value
             }
             count(before - store.keys.len())
         }
-        "$FMRU_GETPARAMS" => {
+        HostFn::MruParameters => {
             let found = store.touch(key, false).map(|key| &key.parameters);
             Value::sequence(found.into_iter().flatten().map(|(name, _)| Value::text(name.as_str())).collect())
         }
-        "$FMRU_DELPARAMS" => {
+        HostFn::MruDeleteParameters => {
             let Some(found) = store.touch(key, false) else { return count(0) };
             let before = found.parameters.len();
             match list(2) {
@@ -237,12 +238,12 @@ fn asked(store: &mut Store, name: &str, key: &str, arguments: &[Value]) -> Value
             count(before - found.parameters.len())
         }
         _ if parameter.is_empty() => Value::Null,
-        "$FMRU_GETPARAM" => {
+        HostFn::MruParameter => {
             let found = store.touch(key, false);
             let found = found.and_then(|key| position(key).and_then(|at| key.parameters.get(at)));
             found.map(|(_, value)| value.clone()).or_else(|| arguments.get(3).cloned()).unwrap_or(Value::Null)
         }
-        "$FMRU_SETPARAM" => {
+        HostFn::MruSetParameter => {
             let value = arguments.get(3).cloned().unwrap_or(Value::Null);
             let Some(key) = store.touch(key, true) else { return Value::Null };
             match position(key).and_then(|at| key.parameters.get_mut(at)) {

@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 use super::scale::{Scale, time_text};
 use super::tools;
 use super::{BAR, INK, KINDS, LEFT, RED, SOFT, WIDTH, style};
+use crate::log::event::Work;
 use crate::log::summary::ChannelState;
 use crate::log::svg::{escape, fit, hundredths, px, text};
 use crate::log::timeline::bars::Bar;
 use crate::log::timeline::{Channel, Timeline};
-use crate::log::work::Work;
 
 /// Bars of a row that still get a hint each.
 const FEW: usize = 300;

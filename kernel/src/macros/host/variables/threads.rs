@@ -58,8 +58,7 @@ pub(super) fn find(name: &str) -> Option<(Read, Option<Write>)> {
 
 /// `$THTYPE`: the cycle whose code is active, else the one that acted on this block.
 fn kind(kernel: &Kernel<'_>) -> f64 {
-    let active =
-        [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.channel.state.modal.code(group));
+    let active = [group::MOTION, group::CYCLE].into_iter().filter_map(|group| kernel.channel.state.modal.code(group));
     let active = active.map(CodeId::kind).find_map(|kind| match kind {
         CodeKind::ThreadCycle(cycle) => Some(cycle),
         _ => None,

@@ -1,0 +1,12 @@
+//! A block that is about to act.
+
+use super::declare::record;
+
+record! {
+    /// A block was read and is about to act.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct Block {
+        /// Ordinal of the block within its channel, from 1.
+        pub number: u64 = 1,
+    }
+}

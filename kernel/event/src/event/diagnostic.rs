@@ -1,0 +1,41 @@
+//! Diagnostics.
+
+use serde::{Deserialize, Serialize};
+
+use super::declare::record;
+
+record! {
+    /// A diagnostic of the program, the machine or a limit.
+    #[derive(Debug, Clone, PartialEq, Eq, Default)]
+    pub struct Diagnostic {
+        /// Stable number with a page in `docs/diagnostics/`.
+        pub number: u32 = 1,
+        /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
+        pub severity: u8 = 2,
+        /// Text for people, one line.
+        pub text: Box<str> = 3,
+        /// Name of the operation as macros have set it (`$OPNAME`), empty without one.
+        pub operation: Box<str> = 4 [added],
+        /// Name of the kernel as macros have set it (`$MCENAM`), empty while it is that of the channel.
+        pub kernel: Box<str> = 5 [added],
+        /// The statement of a macro that raised it, none if no macro did.
+        pub origin: Option<Box<Origin>> = 6 [added],
+    }
+}
+
+record! {
+    /// A statement of a macro that raised a diagnostic.
+    #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct Origin {
+        /// Name of the macro as the trace shows it.
+        #[serde(rename = "macro")]
+        pub name: Box<str> = 1 [as "macro"],
+        /// Its file.
+        pub file: Box<str> = 2,
+        /// Line in that file, from 1.
+        pub line: u32 = 3,
+        /// The statement as the trace shows it.
+        pub statement: Box<str> = 4,
+    }
+}

@@ -1,0 +1,330 @@
+//! What the fields of events are written through, and read back from.
+//!
+//! Each kind of event names its fields once, in its [`Record`]. The JSON lines, the wire, the fingerprint of the log
+//! and the count of texts are each a [`Fields`]; what reads an encoding is a [`Source`]. *Invariant:* numbers and names
+//! of fields never change; a field that comes later is [`Field::added`].
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::work::Work;
+use super::{FileId, MAX_AXES, Position};
+
+/// When a field is written in a form that could leave it out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Presence {
+    /// Always.
+    Always,
+    /// Unless it is zero, empty, false or not known.
+    NotBlank,
+    /// Never.
+    Never,
+}
+
+/// Where and how one field is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Field {
+    /// Number on the wire, 0 = not there. The wire leaves out what is zero or empty.
+    pub tag: u8,
+    /// Name in JSON.
+    pub name: &'static str,
+    /// Presence in JSON.
+    pub json: Presence,
+    /// Presence in the fingerprint. Fields that are not always there are the last of their kind.
+    pub digest: Presence,
+}
+
+impl Field {
+    /// A field of all forms.
+    #[must_use]
+    pub const fn new(tag: u8, name: &'static str) -> Self {
+        Self { tag, name, json: Presence::Always, digest: Presence::Always }
+    }
+
+    /// JSON leaves it out when there is nothing to say.
+    #[must_use]
+    pub const fn optional(self) -> Self {
+        Self { json: Presence::NotBlank, ..self }
+    }
+
+    /// A field that its kind has not always had: logs that do not use it are written as before.
+    #[must_use]
+    pub const fn added(self) -> Self {
+        Self { json: Presence::NotBlank, digest: Presence::NotBlank, ..self }
+    }
+
+    /// JSON has it only if `shown`.
+    #[must_use]
+    pub const fn shown_if(self, shown: bool) -> Self {
+        if shown { self } else { Self { json: Presence::Never, ..self } }
+    }
+
+    /// For the wire only: other forms say the same in another way.
+    #[must_use]
+    pub const fn wire(tag: u8) -> Self {
+        Self { tag, name: "", json: Presence::Never, digest: Presence::Never }
+    }
+
+    /// For JSON only.
+    #[must_use]
+    pub const fn shown(name: &'static str) -> Self {
+        Self { tag: 0, name, json: Presence::Always, digest: Presence::Never }
+    }
+
+    /// For the fingerprint only.
+    #[must_use]
+    pub const fn counted() -> Self {
+        Self { tag: 0, name: "", json: Presence::Never, digest: Presence::Always }
+    }
+}
+
+/// The value of a field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value<'a> {
+    /// Yes or no.
+    Bool(bool),
+    /// A number of one byte.
+    U8(u8),
+    /// A number of two bytes.
+    U16(u16),
+    /// A number of four bytes.
+    U32(u32),
+    /// A number of eight bytes.
+    U64(u64),
+    /// A time, ns.
+    I64(i64),
+    /// A measure.
+    Float(f64),
+    /// A measure that may be unknown.
+    Known(Option<f64>),
+    /// A text.
+    Text(&'a str),
+    /// A letter.
+    Letter(char),
+    /// One of several states: its number, from 1, and its word.
+    Word(u8, &'static str),
+    /// A number that has a name.
+    Named(u8, &'static str),
+    /// Numbers of channels.
+    Channels(&'a [u16]),
+    /// A value for each axis of the channel.
+    Position(&'a Position),
+    /// Two axes by index, 255 = none.
+    Axes(&'a [u8; 2]),
+    /// Two measures.
+    Pair(&'a [f64; 2]),
+    /// The centre of the motion, and of a circle in space its middle, if it has one: how, depends on the axes of the
+    /// channel.
+    Center,
+    /// A file, by name where it has one: that of line 0 has none.
+    File(FileId, u32),
+}
+
+impl Value<'_> {
+    /// Nothing is said by it.
+    #[must_use]
+    pub fn is_blank(&self) -> bool {
+        match self {
+            Self::Bool(flag) => !flag,
+            Self::U8(number) | Self::Word(number, _) | Self::Named(number, _) => *number == 0,
+            Self::U16(number) | Self::File(number, _) => *number == 0,
+            Self::U32(number) => *number == 0,
+            Self::U64(number) => *number == 0,
+            Self::I64(number) => *number == 0,
+            Self::Float(number) => *number == 0.0,
+            Self::Known(number) => number.is_none(),
+            Self::Text(text) => text.is_empty(),
+            Self::Letter(letter) => *letter == '\0',
+            Self::Channels(list) => list.is_empty(),
+            Self::Position(_) | Self::Axes(_) | Self::Pair(_) | Self::Center => false,
+        }
+    }
+}
+
+/// A form that events are written in, field by field.
+pub trait Fields {
+    /// Writes one field.
+    fn put(&mut self, field: Field, value: Value<'_>);
+
+    /// Writes what may be there once.
+    fn message<R: Record>(&mut self, field: Field, record: Option<&R>);
+
+    /// Writes a list.
+    fn messages<R: Record>(&mut self, field: Field, records: &[R]);
+}
+
+/// An encoded record: its fields by their numbers on the wire. What is not there reads as zero or empty.
+pub trait Source: Sized {
+    /// A number.
+    fn number(&self, tag: u8) -> u64;
+    /// A measure.
+    fn float(&self, tag: u8) -> f64;
+    /// A measure that may be unknown.
+    fn known(&self, tag: u8) -> Option<f64>;
+    /// A text.
+    fn text(&self, tag: u8) -> Cow<'_, str>;
+    /// The numbers of a list.
+    fn numbers(&self, tag: u8) -> impl Iterator<Item = u64>;
+    /// Measures into their places, as many as there are.
+    fn floats(&self, tag: u8, into: &mut [f64]);
+    /// The record inside a field.
+    fn message(&self, tag: u8) -> Option<Self>;
+    /// All records of a list.
+    fn messages(&self, tag: u8) -> impl Iterator<Item = Self>;
+}
+
+/// What has fields: the type of a kind of events, or a part of it.
+pub trait Record: Sized {
+    /// Writes all fields, in their order.
+    fn fields(&self, out: &mut impl Fields);
+
+    /// Reads them back; `None` for what is damaged.
+    fn read(from: &impl Source) -> Option<Self>;
+
+    /// What the time of such an event was spent on, if it takes any.
+    fn work(&self) -> Option<Work> {
+        None
+    }
+
+    /// The action in the words of the listing, if such an event is one. `number` writes a number as the listing does.
+    fn action(&self, number: fn(f64) -> String) -> Option<String> {
+        let _ = number;
+        None
+    }
+}
+
+/// The type of a field.
+pub trait Datum: Sized {
+    /// Writes it.
+    fn put(&self, field: Field, out: &mut impl Fields);
+
+    /// Reads it back; `None` for what is damaged.
+    fn get(tag: u8, from: &impl Source) -> Option<Self>;
+}
+
+/// Fields that are one value of the same name.
+macro_rules! data {
+    ($($type:ty: |$value:ident| $put:expr, |$from:ident, $tag:ident| $get:expr;)*) => { $(
+        impl Datum for $type {
+            #[inline]
+            fn put(&self, field: Field, out: &mut impl Fields) {
+                let $value = self;
+                out.put(field, $put);
+            }
+
+            #[inline]
+            fn get($tag: u8, $from: &impl Source) -> Option<Self> {
+                $get
+            }
+        }
+    )* };
+}
+
+data! {
+    bool: |v| Value::Bool(*v), |from, tag| Some(from.number(tag) != 0);
+    u8: |v| Value::U8(*v), |from, tag| Some(from.number(tag) as u8);
+    u16: |v| Value::U16(*v), |from, tag| Some(from.number(tag) as u16);
+    u32: |v| Value::U32(*v), |from, tag| Some(from.number(tag) as u32);
+    u64: |v| Value::U64(*v), |from, tag| Some(from.number(tag));
+    i64: |v| Value::I64(*v), |from, tag| Some(from.number(tag) as i64);
+    f64: |v| Value::Float(*v), |from, tag| Some(from.float(tag));
+    Option<f64>: |v| Value::Known(*v), |from, tag| Some(from.known(tag));
+    char: |v| Value::Letter(*v), |from, tag| from.text(tag).chars().next();
+    Box<str>: |v| Value::Text(v), |from, tag| Some(from.text(tag).into());
+    Arc<str>: |v| Value::Text(v), |from, tag| Some(from.text(tag).into());
+    Cow<'static, str>: |v| Value::Text(v), |from, tag| Some(Cow::Owned(from.text(tag).into_owned()));
+    Arc<[u16]>: |v| Value::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
+    Vec<u16>: |v| Value::Channels(v), |from, tag| Some(from.numbers(tag).map(|number| number as u16).collect());
+    Box<Position>: |v| Value::Position(v), |from, tag| Some(Box::new(position(tag, from)));
+}
+
+impl<R: Record> Datum for Option<Box<R>> {
+    fn put(&self, field: Field, out: &mut impl Fields) {
+        out.message(field, self.as_deref());
+    }
+
+    fn get(tag: u8, from: &impl Source) -> Option<Self> {
+        match from.message(tag) {
+            Some(inner) => R::read(&inner).map(|record| Some(Box::new(record))),
+            None => Some(None),
+        }
+    }
+}
+
+impl<R: Record> Datum for Vec<R> {
+    fn put(&self, field: Field, out: &mut impl Fields) {
+        out.messages(field, self);
+    }
+
+    fn get(tag: u8, from: &impl Source) -> Option<Self> {
+        from.messages(tag).map(|inner| R::read(&inner)).collect()
+    }
+}
+
+/// Reads a position; axes that are not there are at zero.
+pub(super) fn position(tag: u8, from: &impl Source) -> Position {
+    let mut position = [0.0; MAX_AXES];
+    from.floats(tag, &mut position);
+    position
+}
+
+impl<R: Record> Record for Box<R> {
+    #[inline]
+    fn fields(&self, out: &mut impl Fields) {
+        (**self).fields(out);
+    }
+
+    fn read(from: &impl Source) -> Option<Self> {
+        R::read(from).map(Self::new)
+    }
+
+    #[inline]
+    fn work(&self) -> Option<Work> {
+        (**self).work()
+    }
+
+    fn action(&self, number: fn(f64) -> String) -> Option<String> {
+        (**self).action(number)
+    }
+}
+
+impl<R: Record> Record for Arc<R> {
+    #[inline]
+    fn fields(&self, out: &mut impl Fields) {
+        (**self).fields(out);
+    }
+
+    fn read(from: &impl Source) -> Option<Self> {
+        R::read(from).map(Self::new)
+    }
+
+    #[inline]
+    fn work(&self) -> Option<Work> {
+        (**self).work()
+    }
+
+    fn action(&self, number: fn(f64) -> String) -> Option<String> {
+        (**self).action(number)
+    }
+}
+
+/// Adds up the bytes of the texts of an event.
+#[derive(Debug, Default)]
+pub(super) struct Texts(pub(super) usize);
+
+impl Fields for Texts {
+    #[inline]
+    fn put(&mut self, _: Field, value: Value<'_>) {
+        if let Value::Text(text) = value {
+            self.0 += text.len();
+        }
+    }
+
+    fn message<R: Record>(&mut self, _: Field, record: Option<&R>) {
+        record.into_iter().for_each(|record| record.fields(self));
+    }
+
+    fn messages<R: Record>(&mut self, _: Field, records: &[R]) {
+        records.iter().for_each(|record| record.fields(self));
+    }
+}

@@ -1,0 +1,23 @@
+//! Functions that only take time.
+
+use super::declare::record;
+use super::work::Work;
+
+record! {
+    /// An M function (or other word) that only takes time from the machine's table.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Function {
+        /// Register letter, `M` mostly.
+        pub letter: char = 1,
+        /// Its value.
+        pub value: f64 = 2,
+    }
+
+    fn work(&self) -> Option<Work> {
+        Some(Work::Misc)
+    }
+
+    fn action(&self, number: fn(f64) -> String) -> Option<String> {
+        Some(format!("function {}={}", self.letter.to_ascii_lowercase(), number(self.value)))
+    }
+}

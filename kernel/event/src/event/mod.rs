@@ -1,0 +1,158 @@
+//! The events of a job, in the order of the log.
+//!
+//! Everything a user sees (listing, timeline, toolpath, summary, live progress) is read off these events;
+//! nothing prints on the side. Each kind of event is a type in a file of its own, which names its fields once
+//! ([`fields`]). *Invariant:* an event is complete when it is emitted and is never changed later,
+//! and the log is sorted by `(t_ns, micro, stream rank, order within the stream)`.
+
+mod block;
+mod call;
+mod coolant;
+mod declare;
+mod diagnostic;
+mod dwell;
+pub mod fields;
+mod frame;
+mod function;
+mod lifecycle;
+mod message;
+mod mode;
+mod motion;
+mod spindle;
+mod stop;
+mod tool;
+mod trace;
+mod verdict;
+mod wait;
+mod work;
+
+use std::sync::Arc;
+
+pub use block::Block;
+pub use call::{Call, Return};
+pub use coolant::{Coolant, Outlet};
+pub use diagnostic::{Diagnostic, Origin};
+pub use dwell::Dwell;
+pub use frame::Frame;
+pub use function::Function;
+pub use lifecycle::Phase;
+pub use message::Message;
+pub use mode::Mode;
+pub use motion::{FeedUnit, Motion, MotionKind};
+pub use spindle::{Direction, Spindle};
+pub use stop::Stop;
+pub use tool::{ToolAction, ToolChange, ToolData};
+pub use trace::Trace;
+pub use verdict::{Member, Verdict, VerdictKind};
+pub use wait::{Primitive, Release, Wait, mark};
+pub use work::Work;
+
+pub use crate::{FileId, MAX_AXES, Position};
+
+use fields::{Datum, Field, Fields, Texts, Value};
+
+/// What happened on one channel at one instant or during one stretch of simulated time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Start, nanoseconds of simulated time since the start of the job.
+    pub t_ns: i64,
+    /// Order of causally related events at the same nanosecond (superdense time).
+    pub micro: u32,
+    /// Duration in nanoseconds; 0 for what takes no time.
+    pub dur_ns: i64,
+    /// Channel number, 0 for the master kernel.
+    pub channel: u16,
+    /// Source file of the block; meaningless when `line` is 0.
+    pub file: FileId,
+    /// Line in the file, from 1; 0 when the event belongs to no line.
+    pub line: u32,
+    /// What it is.
+    pub kind: Kind,
+}
+
+declare::kinds! {
+    /// The kinds of events.
+    pub enum Kind {
+        /// A kernel entered a phase of its life.
+        10 "lifecycle" Lifecycle(Phase),
+        /// A block was read and is about to act.
+        11 "block" Block(Block),
+        /// One motion (boxed nowhere: this is the hot kind).
+        12 "motion" Motion(Motion),
+        /// Programmed dwell.
+        13 "dwell" Dwell(Dwell),
+        /// A tool was selected or loaded.
+        14 "tool" Tool(ToolChange),
+        /// Spindle state after a spindle code.
+        15 "spindle" Spindle(Spindle),
+        /// Coolant switched.
+        16 "coolant" Coolant(Coolant),
+        /// A word that only takes time from the machine's table.
+        17 "function" Function(Function),
+        /// A modal state changed.
+        18 "mode" Mode(Mode),
+        /// The work frame moved.
+        19 "frame" Frame(Frame),
+        /// The program stops or ends here.
+        20 "stop" Stop(Stop),
+        /// A subprogram was entered.
+        21 "call" Call(Call),
+        /// A subprogram was left.
+        22 "return" Return(Return),
+        /// A message to the operator, or a line that a macro prints.
+        23 "message" Message(Message),
+        /// The channel arrived at a sync point and may now have to wait.
+        24 "wait" Wait(Arc<Wait>),
+        /// The channel continues after a wait.
+        25 "release" Release(Release),
+        /// A diagnostic of the program, the machine or a limit.
+        26 "diagnostic" Diagnostic(Box<Diagnostic>),
+        /// The verdict on channels that can never continue.
+        27 "verdict" Verdict(Box<Verdict>),
+        /// A line of the trace.
+        28 "trace" Trace(Trace),
+        /// What is known about a tool has changed.
+        29 "tool_data" ToolData(Box<ToolData>),
+    }
+}
+
+impl Kind {
+    /// Bytes of the texts that it carries.
+    pub fn text_bytes(&self) -> usize {
+        let mut texts = Texts::default();
+        self.fields(&mut texts);
+        texts.0
+    }
+}
+
+impl Event {
+    /// Writes the fields that every event has; `seq` is its number in the log, from 1. Those of its kind follow.
+    #[inline]
+    pub fn head(&self, seq: u64, out: &mut impl Fields) {
+        seq.put(Field::new(1, "seq"), out);
+        self.t_ns.put(Field::new(2, "t_ns"), out);
+        self.micro.put(Field::wire(3), out);
+        self.dur_ns.put(Field::new(4, "dur_ns"), out);
+        self.channel.put(Field::new(5, "channel"), out);
+        out.put(Field::shown("kind"), Value::Text(self.kind.word()));
+        out.put(Field::new(6, "file"), Value::File(self.file, self.line));
+        self.line.put(Field::new(7, "line"), out);
+    }
+
+    /// Reads an event and its number in the log; the fields of its kind are in `kind`, of this number in the oneof.
+    #[must_use]
+    pub fn read<S: fields::Source>(head: &S, (number, kind): (u64, &S)) -> Option<(u64, Self)> {
+        let kind = Kind::read(number, kind)?;
+        let seq = Datum::get(1, head)?;
+        let event = Self {
+            t_ns: Datum::get(2, head)?,
+            micro: Datum::get(3, head)?,
+            dur_ns: Datum::get(4, head)?,
+            channel: Datum::get(5, head)?,
+            file: Datum::get(6, head)?,
+            line: Datum::get(7, head)?,
+            kind,
+        };
+        Some((seq, event))
+    }
+}

@@ -1,0 +1,67 @@
+//! Waits of channels for each other.
+
+use std::sync::Arc;
+
+use super::declare::{record, words};
+
+words! {
+    /// The primitives of channel synchronisation (reference: channel-synchronisation.md 0 and 1.1).
+    pub enum Primitive {
+        /// All named channels meet.
+        Barrier = 1 "BARRIER",
+        /// A set flag lets others pass.
+        Flag = 2 "FLAG",
+        /// Ascending order numbers.
+        Order = 3 "ORDER",
+        /// The k-th meets the k-th.
+        Count = 4 "COUNT",
+        /// One sender, one receiver.
+        Signal = 5 "SIGNAL",
+        /// Waits for the end of others.
+        Join = 6 "JOIN",
+    }
+}
+
+record! {
+    /// The channel arrived at a sync point and may now have to wait.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Wait {
+        /// Mark as shown to people: `M101`, `M101 P12`.
+        pub key: Arc<str> = 1,
+        /// Primitive that waits.
+        pub primitive: Primitive = 2,
+        /// Channels that take part, own one included, ascending.
+        pub participants: Arc<[u16]> = 3,
+    }
+
+    fn action(&self, _: fn(f64) -> String) -> Option<String> {
+        Some(format!("sync mark={} wait", mark(&self.key)))
+    }
+}
+
+record! {
+    /// The channel continues after a wait.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Release {
+        /// Same text as in [`Wait::key`].
+        pub key: Arc<str> = 1,
+        /// Primitive that waited.
+        pub primitive: Primitive = 2,
+        /// When this channel arrived, ns.
+        pub since_ns: i64 = 3,
+        /// Ordinal of the sync point in the job, from 1, the same in all channels that met there.
+        pub meeting: u64 = 4,
+    }
+
+    fn action(&self, _: fn(f64) -> String) -> Option<String> {
+        Some(format!("sync mark={} go", mark(&self.key)))
+    }
+}
+
+/// The number of a mark (`M101 P12`: `101`), the whole word when it has none behind a single letter (`START1`).
+#[must_use]
+pub fn mark(key: &str) -> &str {
+    let first = key.split_whitespace().next().unwrap_or(key);
+    let number = first.strip_prefix(|c: char| c.is_ascii_alphabetic()).unwrap_or(first);
+    if number.starts_with(|c: char| c.is_ascii_digit()) { number } else { first }
+}

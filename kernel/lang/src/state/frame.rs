@@ -1,0 +1,37 @@
+//! The registers of macros.
+
+use crate::value::Value;
+
+/// Which macros have registers, and which are active.
+#[derive(Debug, Default)]
+pub(crate) struct Calls {
+    /// Frame of every macro, none while it runs.
+    pub(crate) frames: Vec<Option<Box<Frame>>>,
+    /// Names of the active macros, if they are traced.
+    pub(crate) names: Vec<String>,
+}
+
+/// A macro that runs, or waits for a function. It stays allocated, constants included, from run to run.
+#[derive(Debug, Default)]
+pub(crate) struct Frame {
+    /// Its registers, and unused ones up to the size of a window behind them.
+    pub(crate) registers: Vec<Value>,
+    /// Which macro it is.
+    pub(crate) index: u16,
+    /// Who waits for it, none for the outermost macro; at which instruction, and the register for the result.
+    pub(crate) caller: Option<Box<Frame>>,
+    pub(crate) at: usize,
+    pub(crate) to: u16,
+}
+
+impl Frame {
+    /// Notes who waits for this macro.
+    #[inline]
+    pub(crate) fn wait(&mut self, caller: Box<Frame>, at: usize, to: u16) {
+        if let Some(other) = self.caller.replace(caller) {
+            drop(other);
+        }
+        self.at = at;
+        self.to = to;
+    }
+}

@@ -1,0 +1,53 @@
+//! Open units: text files as macros read and write them.
+
+use super::State;
+use crate::diag::Number;
+use crate::fault::{Fault, Outcome};
+
+/// Bytes that a line takes besides its text.
+pub(crate) const LINE: usize = 48;
+
+/// An open unit.
+#[derive(Debug, Default)]
+pub(crate) struct Unit {
+    pub(crate) path: String,
+    pub(crate) lines: Vec<String>,
+    pub(crate) next: usize,
+    /// Appends at the end.
+    pub(crate) rear: bool,
+    pub(crate) changed: bool,
+    pub(crate) console: bool,
+    /// Bytes written since it was opened.
+    pub(crate) written: usize,
+    /// Bytes of what was read when it was opened.
+    pub(crate) read: usize,
+    /// Status of writing to it, found by the first WRITE.
+    pub(crate) writable: Option<i32>,
+}
+
+impl Unit {
+    /// Memory that it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        self.read + self.written + self.lines.len() * LINE
+    }
+}
+
+/// The number of a unit.
+pub(crate) fn unit_number(value: f64) -> Outcome<u8> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    if (20.0..30.0).contains(&value) {
+        return Ok(value as u8);
+    }
+    Err(Fault::new(Number::UNITS, format!("{value} is no unit; units are 20 to 29")))
+}
+
+impl State {
+    /// End-of-file test of a unit.
+    pub(crate) fn unit_at_end(&self, number: f64) -> Outcome<bool> {
+        let number = unit_number(number)?;
+        match self.units.get(&number) {
+            Some(unit) => Ok(!unit.console && unit.next >= unit.lines.len()),
+            None => Err(Fault::new(Number::UNIT_NOT_OPEN, format!("the unit {number} is not open"))),
+        }
+    }
+}

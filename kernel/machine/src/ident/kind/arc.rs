@@ -1,0 +1,31 @@
+//! What codes of circles say by themselves.
+
+/// Words that tell a circle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum By {
+    /// A radius if there is one, else a centre.
+    #[default]
+    Any,
+    /// A centre.
+    Center,
+    /// A radius.
+    Radius,
+}
+
+/// What a code of circles tells by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Form {
+    /// Direction, if the code has one.
+    pub clockwise: Option<bool>,
+    /// Words that describe the circle.
+    pub by: By,
+    /// A code of helices.
+    pub helix: bool,
+}
+
+impl Form {
+    /// A form.
+    pub const fn new(clockwise: Option<bool>, by: By, helix: bool) -> Self {
+        Self { clockwise, by, helix }
+    }
+}

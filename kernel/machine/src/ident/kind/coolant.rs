@@ -1,0 +1,27 @@
+//! What codes of coolant switch.
+
+use counterpoint_event::event::Outlet;
+
+/// What a coolant code switches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switch {
+    /// Coolant of the main or the side head.
+    Fluid(Flow, Outlet),
+    /// An auxiliary device.
+    Device(u8, bool),
+    /// The pressure that a word gives.
+    Pressure,
+    /// A pressure of the machine's list.
+    Level(u8),
+}
+
+/// What flows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flow {
+    /// Nothing.
+    Off,
+    /// What flowed last.
+    Again,
+    /// By the numbers of `$COOLTYP`.
+    Fluid(u8),
+}

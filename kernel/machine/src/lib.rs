@@ -1,0 +1,23 @@
+//! Machine definitions: what a control does, as data.
+//!
+//! Facts: reference control-emulator.md 1 and channel-synchronisation.md 1; the file form is this project's own
+//! and documented in docs/machine-definition.md. Invariant: a [`Machine`] that exists has been checked; the block
+//! loop never meets a contradiction in it.
+
+mod diagnostics;
+pub mod finding;
+pub mod habits;
+pub mod ident;
+mod load;
+pub mod macros;
+pub mod model;
+pub mod number;
+pub mod package;
+pub mod paths;
+pub mod refusals;
+pub mod show;
+pub mod tables;
+mod toml;
+
+pub use load::{Loaded, load};
+pub use model::Machine;

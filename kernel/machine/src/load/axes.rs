@@ -1,0 +1,119 @@
+//! `[[axes]]`: what moves.
+//!
+//! Invariant: names are unique in the machine, and an axis starts inside its limits.
+
+use super::defaults;
+use super::names::Names;
+use crate::ident::{self, DataId};
+use crate::model::{Axis, AxisRole, DataRow, Turn};
+use crate::toml::section::Section;
+
+/// Most axes of a machine.
+const MOST: usize = 99;
+
+/// Reads the rows in file order.
+pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, data: &[DataRow]) -> Vec<Axis> {
+    top.require("axes", "the axes of the machine");
+    let mut axes: Vec<Axis> = Vec::new();
+    for mut row in top.rows("axes", "[[axes]]", MOST) {
+        if let Some(axis) = read_row(&mut row, names) {
+            if axes.iter().any(|other| other.name == axis.name) {
+                row.error("name", format!("there is already an axis with the name \"{}\"", axis.name));
+            }
+            if !data.iter().any(|row| row.enable && row.id == axis.data) {
+                let id = ident::data_facts(axis.data).map_or("", |facts| facts.name);
+                let text = format!("no word can move axis {}: no row of [[data]] has {id}", axis.name);
+                names.check.warning(row.place(), text);
+            }
+            axes.push(axis);
+        }
+        row.finish();
+    }
+    axes
+}
+
+fn read_row(row: &mut Section<'_>, names: &Names<'_>) -> Option<Axis> {
+    row.require("name", "a name that no other axis of the machine has (X, X2, C1)");
+    let name = row.name("name", 16);
+    let bare = name.map(|name| name.trim_end_matches(|c: char| c.is_ascii_digit()));
+    let letter = row.name("letter", 8).or(bare.filter(|bare| !bare.is_empty()).or(name));
+    let data = axis_data(row, letter, names);
+    let role = role(row).or(data.map(defaults::role)).unwrap_or(AxisRole::Linear);
+    let diameter = row.flag("diameter").unwrap_or(false);
+    if diameter && role.is_rotary() {
+        row.error("diameter", "a rotary axis has no diameter");
+    }
+    row.require("rapid", "the rapid rate per minute");
+    let rapid = row.above_zero("rapid").unwrap_or(1.0);
+    let acceleration = row.above_zero("acceleration");
+    let home = row.number("home").unwrap_or(0.0);
+    let references = references(row);
+    let limits = limits(row, home);
+    let (vector, center) = super::kinematics::read_axis(row, data, role);
+    let turns = [("position", Turn::Position), ("shortest", Turn::Shortest), ("sign", Turn::Sign)];
+    let turn = row.choice("turn", &turns).unwrap_or(Turn::Position);
+    if turn != Turn::Position && !role.is_rotary() {
+        row.error("turn", "only a rotary axis takes the shortest way or the direction of a sign");
+    }
+    Some(Axis {
+        name: name?.to_owned(),
+        letter: letter?.to_owned(),
+        data: data?,
+        role,
+        diameter,
+        rapid,
+        acceleration,
+        home,
+        references,
+        limits,
+        vector,
+        center,
+        turn,
+    })
+}
+
+fn axis_data(row: &mut Section<'_>, letter: Option<&str>, names: &Names<'_>) -> Option<DataId> {
+    let Some(name) = row.text("data") else {
+        let data = letter.and_then(defaults::axis_data);
+        if letter.is_some() && data.is_none() {
+            row.error("name", "[[axes]] needs `data` (REG_AXIS_…): the name alone does not say which axis it is");
+        }
+        return data;
+    };
+    let id = names.data(name, row.place_of("data"))?;
+    if !ident::data_facts(id).is_some_and(|facts| facts.name.starts_with("REG_AXIS_")) {
+        row.error("data", format!("`data` must be an axis identifier (REG_AXIS_…), not {name}"));
+        return None;
+    }
+    Some(id)
+}
+
+fn role(row: &mut Section<'_>) -> Option<AxisRole> {
+    let words = [
+        ("X", AxisRole::X),
+        ("Y", AxisRole::Y),
+        ("Z", AxisRole::Z),
+        ("linear", AxisRole::Linear),
+        ("rotary", AxisRole::Rotary),
+    ];
+    row.choice("role", &words)
+}
+
+fn references(row: &mut Section<'_>) -> [Option<f64>; 3] {
+    let points = row.numbers("references", 0..=3).unwrap_or_default();
+    let mut points = points.into_iter();
+    [points.next(), points.next(), points.next()]
+}
+
+fn limits(row: &mut Section<'_>, home: f64) -> Option<(f64, f64)> {
+    let limits = row.numbers("limits", 2..=2)?;
+    let [low, high] = limits.as_slice() else { return None };
+    if low >= high {
+        row.error("limits", format!("`limits` must be the smaller and the larger one, not {low} and {high}"));
+        return None;
+    }
+    if !(*low..=*high).contains(&home) {
+        row.error("limits", format!("`home` {home} is outside the limits {low} to {high}"));
+    }
+    Some((*low, *high))
+}

@@ -1,0 +1,111 @@
+//! The merged file to the machine: sections in the order in which they need each other.
+//!
+//! Invariant: every key of the top level is asked for exactly here.
+
+use super::chain::Merged;
+use super::names::Names;
+use super::{
+    axes, calls, channels, codes, compensation, cycles, data, diagnostics, dialogs, format, habits, head, idle,
+    initial, kinematics, macros, output, overlap, paths, pump, refusals, registers,
+};
+use super::{spindles, storage, subprograms, sync, tape, time, tool, variables};
+use crate::model::Machine;
+use crate::tables::Tables;
+use crate::toml::check::Check;
+use crate::toml::section::Section;
+use counterpoint_ports::files::Files;
+
+/// Builds the machine; whether it is any good is for the findings to say.
+pub(super) fn machine(merged: &Merged, files: &dyn Files, check: &Check) -> Machine {
+    let mut top = Section::new(&merged.table, merged.start.clone(), "the machine file", check);
+    top.text("extends");
+    if top.flag("abstract") == Some(true) {
+        let name = &merged.folder;
+        top.error("abstract", format!("{name} is a family (abstract = true): extend it, it is no machine by itself"));
+        check.set_incomplete();
+    }
+    let head = head::read(&mut top);
+    let format = format::read(&mut top, check, head.preprocessor);
+    let registers = registers::read(&mut top, check);
+    let mut names = Names { check, registers, custom_codes: Vec::new(), custom_data: Vec::new() };
+    let data = data::read(&mut top, &mut names, head.unit);
+    let axes = axes::read(&mut top, &names, &data);
+    let spindles = spindles::read(&mut top, check);
+    let channels = channels::read(&mut top, &axes, &spindles, check);
+    let mut codes = codes::read(&mut top, &mut names);
+    let time = time::read(&mut top, &names, &mut codes);
+    let cycles = cycles::read(&mut top, head.unit);
+    let arcs = paths::arcs(&mut top, head.unit);
+    let threads = paths::threads(&mut top);
+    let pump = pump::read(&mut top);
+    let habits = habits::read(&mut top, head.preprocessor);
+    let output = output::read(&mut top);
+    let tool_direction = kinematics::read(&mut top, &axes, &channels, &codes, check);
+    let compensation = compensation::read(&mut top);
+    overlap::check_codes(&codes, &names.registers, check);
+    let initial = initial::read(&mut top, &names, &codes);
+    let sync = sync::read(&mut top, &channels, &codes, check);
+    let variables = variables::read(&mut top, check);
+    let around = calls::Around {
+        registers: &names.registers,
+        codes: &codes,
+        variables: &variables,
+        preprocessor: head.preprocessor,
+    };
+    let subprograms = subprograms::read(&mut top, &around);
+    let tool = tool::read(&mut top, &axes, check);
+    let work_offsets = tool::read_work(&mut top, &axes, check);
+    let storage = storage::read(&mut top, files);
+    let mut shown = Vec::new();
+    let macros = macros::read(&mut top, &names, (&codes, &data), files, &storage, &mut shown);
+    idle::check(&mut top, &codes, head.preprocessor, channels.len(), check);
+    overlap::check_custom(&codes, &names.custom_codes, macros.as_deref(), check);
+    let tape_editor = tape::read(&mut top);
+    let dialogs = dialogs::read(&mut top, files, macros.as_deref(), &shown, check);
+    let mut diagnostics = diagnostics::read(&mut top, files);
+    diagnostics.refusals = refusals::read(&mut top, &names, &codes);
+    top.finish();
+    let tables = Tables::new(&names.registers, &codes, &data, names.custom_data.len());
+    Machine {
+        name: head.name,
+        number: head.number,
+        revision: head.revision,
+        created: head.created,
+        file: merged.start.file.to_string(),
+        author: head.author,
+        description: head.description,
+        unit: head.unit,
+        kind: head.kind,
+        preprocessor: head.preprocessor,
+        format,
+        registers: names.registers,
+        codes,
+        data,
+        custom_codes: names.custom_codes,
+        custom_data: names.custom_data,
+        axes,
+        channels,
+        spindles,
+        initial,
+        subprograms,
+        sync,
+        time,
+        cycles,
+        arcs,
+        threads,
+        tool_direction,
+        pump,
+        habits,
+        output,
+        compensation,
+        variables,
+        tool,
+        work_offsets,
+        macros,
+        tape_editor,
+        dialogs,
+        diagnostics,
+        storage,
+        tables,
+    }
+}

@@ -1,0 +1,142 @@
+//! The chain of `extends`: a machine, its family, the family's family.
+//!
+//! Invariant: identity (name, description, being a family) is never inherited.
+
+use std::sync::Arc;
+
+use crate::toml::check::Check;
+use crate::toml::merge::merge;
+use crate::toml::node::{Place, Table, Value};
+use crate::toml::parse::parse;
+use crate::toml::suggest::did_you_mean;
+use counterpoint_ports::files::{Error, Files};
+
+/// Name of the file in a machine's folder.
+const FILE: &str = "machine.toml";
+
+/// A machine's own file over all its families.
+pub(super) struct Merged {
+    /// Everything.
+    pub(super) table: Table,
+    /// The machine's own file.
+    pub(super) start: Place,
+    /// The folder it was loaded from.
+    pub(super) folder: String,
+}
+
+/// Reads and merges the chain; `None` when the machine's own file is not there.
+pub(super) fn read(files: &dyn Files, folder: &str, check: &Check) -> Option<Merged> {
+    let start = place_of(folder);
+    let own = read_file(files, folder, &start, None, check)?;
+    let mut tables = vec![own];
+    let mut folders = vec![folder.to_owned()];
+    while let Some((parent, place)) = tables.last().and_then(extends) {
+        let next = parent_table(files, &folders, &parent, &place, check);
+        let Some(table) = next else { break };
+        folders.push(parent);
+        tables.push(table);
+    }
+    if tables.last().is_some_and(|table| table.get("extends").is_some()) {
+        check.set_incomplete();
+    }
+    let table = tables.into_iter().rev().reduce(|parent, child| merge(heritage(parent), child, row_name))?;
+    Some(Merged { table, start, folder: folder.to_owned() })
+}
+
+fn parent_table(files: &dyn Files, seen: &[String], parent: &str, place: &Place, check: &Check) -> Option<Table> {
+    if seen.iter().any(|folder| folder == parent) {
+        let circle = seen.iter().map(String::as_str).chain([parent]).collect::<Vec<_>>().join(" -> ");
+        check.error(place, format!("`extends` runs in a circle: {circle}"));
+        return None;
+    }
+    read_file(files, parent, place, Some(parent), check)
+}
+
+fn extends(table: &Table) -> Option<(String, Place)> {
+    let node = table.get("extends")?;
+    match &node.value {
+        Value::Text(name) => Some((name.clone(), node.place.clone())),
+        _ => None,
+    }
+}
+
+fn read_file(files: &dyn Files, folder: &str, place: &Place, parent: Option<&str>, check: &Check) -> Option<Table> {
+    let plain = !folder.is_empty() && !folder.contains(['/', '\\']) && !folder.starts_with('.');
+    let path = format!("{folder}/{FILE}");
+    let content = if plain { files.read(&path) } else { Err(Error::Missing(path)) };
+    match content {
+        Ok(bytes) => Some(parse(&place_of(folder).file, &bytes, check)),
+        Err(Error::Missing(_)) => {
+            let what = if parent.is_some() { "no machine to extend" } else { "no machine" };
+            check.error(place, format!("{what} of the name \"{}\"{}", folder.escape_debug(), known(files, folder)));
+            None
+        }
+        Err(Error::Unreadable { reason, .. }) => {
+            check.error(place, format!("cannot read {folder}/{FILE}: {reason}"));
+            None
+        }
+    }
+}
+
+/// The machines there are, and the nearest.
+fn known(files: &dyn Files, wanted: &str) -> String {
+    let paths = files.list();
+    let names: Vec<&str> = paths
+        .iter()
+        .filter_map(|path| path.strip_suffix(FILE)?.strip_suffix('/'))
+        .filter(|name| !name.contains('/'))
+        .collect();
+    if names.is_empty() {
+        return "; there are none".to_owned();
+    }
+    format!("{}; there are: {}", did_you_mean(wanted, names.iter().copied()), names.join(", "))
+}
+
+fn place_of(folder: &str) -> Place {
+    Place { file: Arc::from(format!("{folder}/{FILE}")), line: 0, column: 0 }
+}
+
+/// What a child inherits.
+fn heritage(mut parent: Table) -> Table {
+    parent.remove("abstract");
+    parent.remove("extends");
+    if let Some(ce) = parent.table_mut("ce") {
+        ce.remove("name");
+        ce.remove("description");
+        ce.remove("created");
+    }
+    parent
+}
+
+/// By what a child's row finds the parent's row it replaces.
+pub(super) fn row_name(path: &str, row: &Table) -> Option<String> {
+    match path {
+        "registers" | "axes" | "dialogs" | "macros.code" | "macros.data" | "tool.names" => {
+            row.text("name").map(str::to_owned)
+        }
+        "codes" => {
+            let form = row.text("word").map(|word| format!("word {word}"));
+            let form = form.or_else(|| row.text("text").map(|text| format!("text {text}")));
+            Some(format!("{} {}", identifier(row)?, form.unwrap_or_default()))
+        }
+        "subprograms.calls" => row.text("word").map(str::to_owned),
+        "refusals" => row.text("name").or_else(|| row.text("alarm")).map(str::to_owned),
+        "data" => Some(format!("{} {}", identifier(row)?, row.text("register").unwrap_or_default())),
+        "channels" | "spindles" | "diagnostics" | "work_offsets" | "tool.offsets" | "tool.data" => {
+            match &row.get("number")?.value {
+                Value::Integer(number) => Some(number.to_string()),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Identifier of a row in one spelling.
+fn identifier(row: &Table) -> Option<String> {
+    use crate::ident;
+    let name = row.text("id")?;
+    let code = ident::code(name).and_then(ident::code_facts).map(|facts| facts.name);
+    let data = ident::data(name).and_then(ident::data_facts).map(|facts| facts.name);
+    Some(code.or(data).map_or_else(|| name.to_ascii_uppercase(), str::to_owned))
+}

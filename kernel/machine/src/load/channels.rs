@@ -1,0 +1,133 @@
+//! `[[channels]]`: the paths of the control and the axes each one moves.
+//!
+//! Invariant: an axis belongs to one channel, and no two axes of a channel answer to the same word.
+
+use crate::model::{Axis, Channel, Spindle};
+use crate::toml::check::Check;
+use crate::toml::node::{Node, Value};
+use crate::toml::section::Section;
+use crate::toml::suggest::did_you_mean;
+use counterpoint_event::MAX_AXES;
+
+/// Most channels of a machine.
+const MOST: usize = 99;
+
+/// Reads the rows and sorts them by number.
+pub(super) fn read(top: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Vec<Channel> {
+    top.require("channels", "at least one channel");
+    let mut channels: Vec<Channel> = Vec::new();
+    for mut row in top.rows("channels", "[[channels]]", MOST) {
+        if let Some(channel) = read_row(&mut row, axes, spindles, check) {
+            check_twins(&row, &channel, &channels, axes);
+            channels.push(channel);
+        }
+        row.finish();
+    }
+    if channels.is_empty() && top.node("channels").is_some() {
+        check.missing(top.place_of("channels"), "a machine needs at least one channel");
+    }
+    check_idle(top, &channels, axes, check);
+    channels.sort_by_key(|channel| channel.number);
+    channels
+}
+
+fn read_row(row: &mut Section<'_>, axes: &[Axis], spindles: &[Spindle], check: &Check) -> Option<Channel> {
+    row.require("number", "a whole number from 1 to 99");
+    let number = row.integer("number", 1..=99).map(|number| number as u16);
+    let name = row.name("name", 32).map(str::to_owned);
+    row.require("axes", "names of the channel's axes, in the order in which they are shown");
+    let own = channel_axes(row, axes, check);
+    let only = if let [spindle] = spindles { Some(spindle.number) } else { None };
+    let [spindle, rear, milling] = ["spindle", "rear", "milling"].map(|key| {
+        let number = row.integer(key, 1..=99).map(|number| number as u16);
+        if let Some(number) = number.filter(|number| !spindles.iter().any(|known| known.number == *number)) {
+            check.missing(row.place_of(key), format!("there is no spindle {number}"));
+        }
+        number
+    });
+    let polar = polar_axes(row, axes, &own, check);
+    let lower = row.choice("side", &[("upper", false), ("lower", true)]).unwrap_or(false);
+    let number = number?;
+    let name = name.unwrap_or_else(|| format!("CHANNEL{number}"));
+    Some(Channel { number, name, axes: own, spindle: spindle.or(only), rear, milling, polar, lower })
+}
+
+/// `polar = ["X1", "C1"]`: a linear and a rotary axis of the channel.
+fn polar_axes(row: &mut Section<'_>, axes: &[Axis], own: &[usize], check: &Check) -> Option<[usize; 2]> {
+    let names = row.texts("polar")?;
+    let found: Vec<usize> = names
+        .iter()
+        .filter_map(|(name, place)| {
+            let index = own.iter().copied().find(|index| axes.get(*index).is_some_and(|axis| axis.name == *name));
+            if index.is_none() {
+                check.missing(place, format!("the channel has no axis \"{}\"", name.escape_debug()));
+            }
+            index
+        })
+        .collect();
+    let rotary = |index: usize| axes.get(index).is_some_and(|axis| axis.role.is_rotary());
+    match found.as_slice() {
+        [linear, turning] if !rotary(*linear) && rotary(*turning) => Some([*linear, *turning]),
+        _ if found.len() < names.len() => None,
+        _ => {
+            row.error("polar", "`polar` must be a linear and a rotary axis of the channel");
+            None
+        }
+    }
+}
+
+fn channel_axes(row: &mut Section<'_>, axes: &[Axis], check: &Check) -> Vec<usize> {
+    let names = row.texts("axes").unwrap_or_default();
+    if names.len() > MAX_AXES {
+        row.error("axes", format!("a channel has at most {MAX_AXES} axes, not {}", names.len()));
+    }
+    let mut own: Vec<usize> = Vec::new();
+    for (name, place) in names {
+        let Some(index) = axes.iter().position(|axis| axis.name == name) else {
+            let near = did_you_mean(name, axes.iter().map(|axis| axis.name.as_str()));
+            check.missing(place, format!("no axis has the name \"{}\"{near}", name.escape_debug()));
+            continue;
+        };
+        let word = |index: usize| axes.get(index).map(|axis| axis.data);
+        if own.contains(&index) {
+            check.error(place, format!("axis {name} is listed twice"));
+        } else if let Some(twin) = own.iter().find(|other| word(**other) == word(index)).and_then(|i| axes.get(*i)) {
+            check.error(place, format!("axes {} and {name} of one channel have the same `data`", twin.name));
+        } else {
+            own.push(index);
+        }
+    }
+    own
+}
+
+/// Warns about axes that no channel has, unless a mistake may be the reason; those of a family cannot be taken away.
+fn check_idle(top: &mut Section<'_>, channels: &[Channel], axes: &[Axis], check: &Check) {
+    if check.has_errors() {
+        return;
+    }
+    let Some(Value::Array(rows)) = top.node("axes").map(|node| &node.value) else { return };
+    for (index, axis) in axes.iter().enumerate() {
+        if channels.is_empty() || channels.iter().any(|channel| channel.axes.contains(&index)) {
+            continue;
+        }
+        let of_axis = |row: &&Node| matches!(&row.value, Value::Table(row) if row.text("name") == Some(&axis.name));
+        if let Some(row) = rows.iter().find(of_axis).filter(|row| row.place.file == top.place().file) {
+            let text = format!("no channel has the axis {}, so nothing can move it; `axes` of [[channels]]", axis.name);
+            check.idle(&row.place, text);
+        }
+    }
+}
+
+fn check_twins(row: &Section<'_>, channel: &Channel, others: &[Channel], axes: &[Axis]) {
+    for other in others {
+        if other.number == channel.number {
+            row.error("number", format!("there is already a channel {}", channel.number));
+        } else if other.name == channel.name {
+            row.error("name", format!("there is already a channel with the name \"{}\"", channel.name));
+        }
+        for axis in channel.axes.iter().filter(|axis| other.axes.contains(axis)) {
+            let name = axes.get(*axis).map_or("?", |axis| axis.name.as_str());
+            row.error("axes", format!("axis {name} already belongs to channel {}", other.number));
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! `[[codes]]`: which word or text fires which code.
+//!
+//! Invariant: a row has exactly one form, an order of 1 to 999 and a group of 0 to 999. Facts: reference
+//! control-emulator.md 1.2.
+
+use super::defaults;
+use super::digits;
+use super::names::Names;
+use super::word::{self, Wrong};
+use crate::ident;
+use crate::model::{CodeForm, CodeRow, Modality};
+use crate::toml::section::Section;
+
+/// Most rows of the code table.
+const MOST: usize = 4000;
+
+/// Order of a custom code.
+const CUSTOM_ORDER: u16 = 300;
+
+/// Reads the rows in file order.
+pub(super) fn read(top: &mut Section<'_>, names: &mut Names<'_>) -> Vec<CodeRow> {
+    top.require("codes", "the words that fire codes");
+    let mut rows: Vec<CodeRow> = Vec::new();
+    for mut section in top.rows("codes", "[[codes]]", MOST) {
+        let Some(row) = read_row(&mut section, names) else {
+            section.finish();
+            continue;
+        };
+        if let Some(twin) = rows.iter().find(|other| other.id == row.id && other.form == row.form) {
+            let name = section.text("id").unwrap_or_default();
+            section.error("id", format!("{name} is already written like this at {}:{}", twin.file, twin.line));
+        }
+        if section.flag("alias") == Some(true) && !rows.iter().any(|other| other.id == row.id) {
+            let text = "`alias` is for a second form, but no row before this one has the identifier";
+            names.check.warning(section.place_of("alias"), text);
+        }
+        section.finish();
+        rows.push(row);
+    }
+    rows
+}
+
+fn read_row(section: &mut Section<'_>, names: &mut Names<'_>) -> Option<CodeRow> {
+    let id = names.code_of_row(section);
+    let form = read_form(section, names);
+    let enable = section.flag("enable").unwrap_or(true);
+    let process = section.flag("process").unwrap_or(true);
+    let order = section.integer("order", 1..=999).map(|order| order as u16);
+    let group = section.integer("group", 0..=999).map(|group| group as u16);
+    let modality = modality(section);
+    let mul = super::values::factor(section);
+    let add = section.number("add").unwrap_or(0.0);
+    let with = registers(section, "with", names);
+    let without = registers(section, "without", names);
+    let ignores = registers(section, "ignores", names);
+    if with.iter().any(|register| without.contains(register)) {
+        section.error("without", "a register cannot be both in `with` and in `without`");
+    }
+    if let Some(CodeForm::Register { register, .. } | CodeForm::RegisterAsData { register, .. }) = &form {
+        if without.contains(register) {
+            section.error("without", "the row's own register is on every block that it could match: it never does");
+        }
+        if with.contains(register) {
+            let text = "the row's own register is on every block that it could match: this says nothing";
+            names.check.warning(section.place_of("with"), text);
+        }
+    }
+    let seconds = section.at_least_zero("seconds").unwrap_or(0.0);
+    let axis = section.choice("axis", &[("X", 0), ("Y", 1), ("Z", 2)]);
+    section.node("alias");
+    let (id, swallow) = id?;
+    let facts = ident::code_facts(id);
+    let group = group.unwrap_or_else(|| facts.map_or(0, |facts| facts.group));
+    if group == 0 && matches!(modality, Some(Modality::Modal | Modality::Persistent)) {
+        section.error("modality", "a modal code needs a group of 1 to 999");
+    }
+    Some(CodeRow {
+        id,
+        form: form?,
+        enable,
+        process: process && !swallow,
+        order: order.unwrap_or_else(|| facts.map_or(CUSTOM_ORDER, |facts| facts.order)),
+        group,
+        modality: modality.unwrap_or_else(|| defaults::modality(id, group)),
+        mul,
+        add,
+        with,
+        without,
+        ignores,
+        seconds,
+        axis,
+        line: section.place().line,
+        file: section.place().file.to_string(),
+    })
+}
+
+fn modality(section: &mut Section<'_>) -> Option<Modality> {
+    let words = [("non-modal", Modality::NonModal), ("modal", Modality::Modal), ("persistent", Modality::Persistent)];
+    section.choice("modality", &words)
+}
+
+/// Exactly one of `word`, `text`, `none = true`.
+fn read_form(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
+    let has_word = section.node("word").is_some();
+    let has_text = section.node("text").is_some();
+    let none = section.flag("none") == Some(true);
+    let has_data = section.node("as_data").is_some();
+    match (has_word, has_text, none) {
+        (true, false, false) => read_word(section, names),
+        (false, true, false) => {
+            if has_data {
+                section.error("as_data", "`as_data` needs a `word`: a text has no value");
+            }
+            section.name("text", 64).map(|text| CodeForm::Text(text.to_owned()))
+        }
+        (false, false, true) => Some(CodeForm::NotApplicable),
+        (false, false, false) => {
+            let forms = "`word` (\"G1\", \"G54-G59\"), `text` or `none = true`";
+            names.check.error(section.place(), format!("[[codes]] needs a form: {forms}"));
+            None
+        }
+        _ => {
+            names.check.error(section.place(), "[[codes]] takes only one of `word`, `text` and `none`");
+            None
+        }
+    }
+}
+
+fn read_word(section: &mut Section<'_>, names: &Names<'_>) -> Option<CodeForm> {
+    let data = section.text("as_data").map(|name| names.data(name, section.place_of("as_data")));
+    let written = section.text("word")?;
+    let word = match word::parse(written, &names.registers) {
+        Ok(word) => word,
+        Err(Wrong::Register(letters)) => {
+            names.unknown_register(&letters, section.place_of("word"));
+            return None;
+        }
+        Err(Wrong::Form(text)) => {
+            section.error("word", text);
+            return None;
+        }
+    };
+    let (register, min, max) = (word.register, word.min, word.max);
+    let known = names.registers.get(usize::from(register));
+    if let Some(text) = digits::complaint(written, min, known) {
+        section.warning("word", text);
+    }
+    match data {
+        None => Some(CodeForm::Register { register, min, max }),
+        Some(data) => Some(CodeForm::RegisterAsData { register, min, max, data: data? }),
+    }
+}
+
+fn registers(section: &mut Section<'_>, key: &'static str, names: &Names<'_>) -> Vec<u8> {
+    let texts = section.texts(key).unwrap_or_default();
+    texts.into_iter().filter_map(|(name, place)| names.register(name, place)).collect()
+}

@@ -1,0 +1,37 @@
+//! `[cycles]`: what canned cycles do on this machine.
+//!
+//! Invariant: distances are zero or more. Facts: reference control-emulator.md 1.5, 6.4.
+
+use crate::model::{Approach, Cycles, Heights};
+use crate::toml::section::Section;
+use counterpoint_event::Unit;
+
+/// Reads the section.
+pub(super) fn read(top: &mut Section<'_>, unit: Unit) -> Cycles {
+    let mut cycles = Cycles {
+        approach: Approach::Direct,
+        clearance: Heights::Mode,
+        clearance_required: true,
+        depth: Heights::Mode,
+        step_required: true,
+        step_back: if unit == Unit::Inch { 0.04 } else { 1.0 },
+        min_step: 0.0,
+        cancel_required: false,
+        motion_cancels: false,
+    };
+    let Some(mut section) = top.table("cycles", "[cycles]") else { return cycles };
+    let approaches = [("direct", Approach::Direct), ("position-first", Approach::PositionFirst)];
+    cycles.approach = section.choice("approach", &approaches).unwrap_or(cycles.approach);
+    let heights = [("mode", Heights::Mode), ("absolute", Heights::Absolute), ("incremental", Heights::Incremental)];
+    cycles.clearance = section.choice("clearance", &heights).unwrap_or(cycles.clearance);
+    cycles.depth = section.choice("depth", &heights).unwrap_or(cycles.depth);
+    let needed = [("required", true), ("optional", false)];
+    cycles.clearance_required = section.choice("clearance_word", &needed).unwrap_or(cycles.clearance_required);
+    cycles.step_required = section.choice("step", &needed).unwrap_or(cycles.step_required);
+    cycles.step_back = section.at_least_zero("step_back").unwrap_or(cycles.step_back);
+    cycles.min_step = section.at_least_zero("min_step").unwrap_or(cycles.min_step);
+    cycles.cancel_required = section.choice("cancel", &needed).unwrap_or(cycles.cancel_required);
+    cycles.motion_cancels = section.flag("motion_cancels").unwrap_or(cycles.motion_cancels);
+    section.finish();
+    cycles
+}

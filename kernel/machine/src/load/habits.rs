@@ -1,0 +1,61 @@
+//! `[control]`: answers that are neither words nor formats.
+//!
+//! Invariant: answers of the machine's own are as many as their variables have room for. Facts: reference
+//! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
+
+use crate::habits::{Habits, Home, Rotations};
+use crate::model::Preprocessor;
+use crate::toml::section::Section;
+
+/// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
+const ROOM: [usize; 3] = [10, 100, 50];
+
+/// Reads `[control]` of a control with this pre-processor.
+pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits {
+    let mut habits = Habits { frame_increments: preprocessor == Preprocessor::Siemens, ..Habits::default() };
+    let Some(mut section) = top.table("control", "[control]") else { return habits };
+    habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
+    let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];
+    habits.home = section.choice("home", &homes).unwrap_or(habits.home);
+    let orders = Rotations::ALL.map(|order| (order.name, order));
+    habits.rotations = section.choice("rotations", &orders).unwrap_or(habits.rotations);
+    habits.least_feed = section.above_zero("least_feed");
+    let increments = [("stay", false), ("travel", true)];
+    habits.frame_increments = section.choice("frame_increments", &increments).unwrap_or(habits.frame_increments);
+    let files = [("numbers", false), ("heads", true)];
+    habits.heads_in_file = section.choice("programs", &files).unwrap_or(habits.heads_in_file);
+    let groups = [("all", false), ("last", true)];
+    habits.last_of_group = section.choice("same_group", &groups).unwrap_or(habits.last_of_group);
+    let values = [("exact", false), ("rounded", true)];
+    habits.rounded = section.choice("expressions", &values).unwrap_or(habits.rounded);
+    habits.brackets = section.integer("brackets", 1..=32).map(|levels| levels as u8);
+    let homes = [("nothing", false), ("all", true)];
+    habits.bare_home = section.choice("home_without_axes", &homes).unwrap_or(habits.bare_home);
+    let dwells = [("as-written", false), ("seconds", true)];
+    habits.dwell.pointed = section.choice("dwell_with_point", &dwells).unwrap_or(habits.dwell.pointed);
+    let dwells = [("missing", false), ("exact-stop", true)];
+    habits.dwell.bare = section.choice("dwell_without_time", &dwells).unwrap_or(habits.dwell.bare);
+    let unknown = [("warn", false), ("alarm", true)];
+    habits.unknown_alarms = section.choice("unknown_code", &unknown).unwrap_or(habits.unknown_alarms);
+    habits.stops = section.flag("stops").unwrap_or(habits.stops);
+    if let Some(mut answers) = section.table("answers", "[control.answers]") {
+        read_answers(&mut answers, &mut habits);
+        answers.finish();
+    }
+    section.finish();
+    habits
+}
+
+fn read_answers(section: &mut Section<'_>, habits: &mut Habits) {
+    let [texts, integers, numbers] = ROOM;
+    let given = section.texts("texts").unwrap_or_default();
+    if given.len() > texts {
+        section.error("texts", format!("`texts` has room for {texts} answers, not for {}", given.len()));
+    }
+    habits.texts = given.into_iter().map(|(text, _)| text.to_owned()).collect();
+    habits.integers = section.numbers("integers", 0..=integers).unwrap_or_default();
+    if let Some(odd) = habits.integers.iter().find(|number| number.fract() != 0.0) {
+        section.error("integers", format!("`integers` must be a list of whole numbers, not of {odd}"));
+    }
+    habits.numbers = section.numbers("numbers", 0..=numbers).unwrap_or_default();
+}

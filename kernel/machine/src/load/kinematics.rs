@@ -1,0 +1,106 @@
+//! Rotary axes in space: `vector` and `center` of `[[axes]]`, and `[kinematics]`.
+//!
+//! Invariant: a direction is not zero. Facts: reference control-emulator.md 6.8.
+
+use crate::ident::{DataId, code_facts, data_facts};
+use crate::model::{Axis, AxisRole, Channel, CodeRow};
+use crate::toml::check::Check;
+use crate::toml::section::Section;
+use counterpoint_motion::frame::kinematics::unit;
+
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Direction of an axis by its data: A, B and C turn about X, Y and Z.
+fn usual(data: Option<DataId>) -> [f64; 3] {
+    let name = data.and_then(data_facts).map_or("", |facts| facts.name);
+    match name.strip_prefix("REG_AXIS_").and_then(|name| name.chars().next()) {
+        Some('A') => X,
+        Some('B') => Y,
+        _ => Z,
+    }
+}
+
+fn three(section: &mut Section<'_>, key: &'static str) -> Option<[f64; 3]> {
+    section.numbers(key, 3..=3).and_then(|numbers| numbers.try_into().ok())
+}
+
+fn direction(section: &mut Section<'_>, key: &'static str) -> Option<[f64; 3]> {
+    let given = three(section, key)?;
+    if unit(given).is_none() {
+        section.error(key, format!("`{key}` must be a direction, not [0, 0, 0]"));
+        return None;
+    }
+    Some(given)
+}
+
+/// Direction and centre of an axis.
+pub(super) fn read_axis(row: &mut Section<'_>, data: Option<DataId>, role: AxisRole) -> ([f64; 3], [f64; 3]) {
+    let (vector, center) = (direction(row, "vector"), three(row, "center"));
+    for (key, given) in [("vector", vector), ("center", center)] {
+        if given.is_some() && !role.is_rotary() {
+            row.error(key, format!("only a rotary axis has a `{key}`"));
+        }
+    }
+    (vector.unwrap_or_else(|| usual(data)), center.unwrap_or_default())
+}
+
+/// Reads `[kinematics]`, and checks that tool tip control is possible where a code can switch it on.
+pub(super) fn read(
+    top: &mut Section<'_>,
+    axes: &[Axis],
+    channels: &[Channel],
+    codes: &[CodeRow],
+    check: &Check,
+) -> [f64; 3] {
+    let mut tool = Z;
+    let mut asked = false;
+    let place = top.place_of("channels").clone();
+    if let Some(mut section) = top.table("kinematics", "[kinematics]") {
+        tool = direction(&mut section, "tool").unwrap_or(Z);
+        asked = true;
+        section.finish();
+    }
+    let named = |row: &CodeRow| code_facts(row.id).is_some_and(|facts| facts.name.starts_with("CODE_RTCP"));
+    if !asked && !codes.iter().any(|row| row.enable && named(row)) {
+        return tool;
+    }
+    // A machine that says nothing about its axes in space has no use for tool tip control.
+    let described = |axis: &&Axis| axis.vector != usual(Some(axis.data)) || axis.center != [0.0; 3];
+    for channel in channels {
+        let own = channel.axes.iter().filter_map(|axis| axes.get(*axis));
+        let rotary: Vec<&Axis> = own.filter(|axis| axis.role.is_rotary()).take(2).collect();
+        if !asked && !rotary.iter().any(described) {
+            continue;
+        }
+        if let [first, second] = rotary.as_slice()
+            && parallel(first.vector, second.vector)
+        {
+            let text = format!(
+                "rotary axes {} and {} of channel {} turn about the same direction, tool tip control is impossible",
+                first.name, second.name, channel.number
+            );
+            check.warning(&place, text);
+        }
+        let orients = |row: &CodeRow| {
+            code_facts(row.id).is_some_and(|facts| facts.name.starts_with("CODE_RTCP_ORIENT_") && row.enable)
+        };
+        if let [only] = rotary.as_slice()
+            && codes.iter().any(orients)
+            && parallel(only.vector, tool)
+        {
+            let text = format!(
+                "the only rotary axis {} of channel {} turns about the tool, which never tilts",
+                only.name, channel.number
+            );
+            check.warning(&place, text);
+        }
+    }
+    tool
+}
+
+fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {
+    let along: f64 = unit(a).zip(unit(b)).map_or(1.0, |(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum());
+    1.0 - along.abs() < 1e-9
+}

@@ -1,0 +1,216 @@
+//! What a macro uses and its place does not have: arguments, values of EXEC, dialogs.
+//!
+//! Invariant: only what the text itself shows is a finding; what depends on a value is left to the run. Facts: reference
+//! control-emulator.md 4, macro-language.md 7.
+
+use counterpoint_lang::ast::{Expr, ExprKind, Macro, StatementKind, Variable, When};
+use counterpoint_lang::parse::parse;
+use counterpoint_lang::source::{Source, Span};
+
+use crate::macros::model::Hook;
+use crate::toml::check::Check;
+use crate::toml::node::Place;
+
+/// What a place gives to its macro.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given {
+    /// The place, for people.
+    pub(super) title: &'static str,
+    /// Arguments `$P1` to this one.
+    pub(super) arguments: u8,
+    /// One that a macro may read and never sets.
+    pub(super) read_only: Option<u8>,
+}
+
+impl Given {
+    /// A code macro.
+    pub(super) const CODE: Self = Self { title: "code macro", arguments: 2, read_only: None };
+    /// A data macro.
+    pub(super) const DATA: Self = Self { title: "data macro", arguments: 5, read_only: None };
+    /// A file of functions.
+    pub(super) const FUNCTIONS: Self = Self { title: "function", arguments: 0, read_only: None };
+
+    /// The macro of a hook.
+    pub(super) const fn of(hook: Hook) -> Self {
+        let arguments = match hook {
+            Hook::Declaration
+            | Hook::MachineStartup
+            | Hook::MachineShutdown
+            | Hook::ProgramStartup
+            | Hook::ProgramShutdown => 0,
+            Hook::SubprogramStartup | Hook::SubprogramShutdown => 10,
+            Hook::PreprocessorStartup
+            | Hook::PreprocessorShutdown
+            | Hook::BlockStartup
+            | Hook::BlockShutdown
+            | Hook::Tool
+            | Hook::Identification => 3,
+            Hook::Motion => 8,
+            Hook::Cycle => 6,
+            Hook::Diagnostic => 5,
+        };
+        let read_only = if matches!(hook, Hook::Diagnostic) { Some(4) } else { None };
+        Self { title: hook.title(), arguments, read_only }
+    }
+}
+
+/// Looks through a file that compiles; the dialogs that it shows by name are added to `dialogs`.
+pub(super) fn check(source: &Source, given: Given, check: &Check, dialogs: &mut Vec<(String, Place)>) {
+    let (macros, _) = parse(source);
+    for found in &macros {
+        let mut uses = Uses { source, given, check, dialogs, set: 0, told: 0 };
+        uses.set = assigned(found);
+        found.statements.iter().for_each(|statement| uses.statement(&statement.kind));
+    }
+}
+
+/// Arguments that a macro assigns, bit by number: one that its place does not have is then a variable like any other.
+fn assigned(found: &Macro) -> u128 {
+    let mut set = 0;
+    for statement in &found.statements {
+        let targets = match &statement.kind {
+            StatementKind::Assign { target, .. } => std::slice::from_ref(target),
+            StatementKind::Do { variable, .. } => std::slice::from_ref(variable),
+            StatementKind::Read { targets, .. } => targets,
+            _ => &[],
+        };
+        targets.iter().filter_map(argument).for_each(|number| set |= 1_u128.wrapping_shl(u32::from(number)));
+    }
+    set
+}
+
+/// The argument that an expression is, or an element of.
+fn argument(expression: &Expr) -> Option<u8> {
+    match &expression.kind {
+        ExprKind::Variable(Variable::Param(number))
+        | ExprKind::Element(Variable::Param(number), _)
+        | ExprKind::Range(Variable::Param(number), ..) => Some(*number),
+        _ => None,
+    }
+}
+
+struct Uses<'a> {
+    source: &'a Source,
+    given: Given,
+    check: &'a Check,
+    dialogs: &'a mut Vec<(String, Place)>,
+    set: u128,
+    told: u128,
+}
+
+impl Uses<'_> {
+    fn place(&self, span: Span) -> Place {
+        let (line, column) = self.source.place(span.start);
+        Place { file: self.source.name.as_str().into(), line, column }
+    }
+
+    fn statement(&mut self, statement: &StatementKind) {
+        match statement {
+            StatementKind::Assign { target, value, .. } => {
+                if let Some(number) = argument(target).filter(|number| self.given.read_only == Some(*number)) {
+                    let text = format!("$P{number} of the {} is read-only, this changes nothing", self.given.title);
+                    self.check.warning(&self.place(target.span), text);
+                }
+                self.expression(target);
+                self.expression(value);
+            }
+            StatementKind::Declare { names, .. } => {
+                for name in names {
+                    name.sizes.iter().chain(&name.value).for_each(|part| self.expression(part));
+                }
+            }
+            StatementKind::If(value)
+            | StatementKind::ElseIf(value)
+            | StatementKind::Case(value)
+            | StatementKind::While(value)
+            | StatementKind::Until(value)
+            | StatementKind::Search(value)
+            | StatementKind::Skip(value)
+            | StatementKind::Close(value)
+            | StatementKind::System(value) => self.expression(value),
+            StatementKind::When(list) => {
+                for one in list {
+                    match one {
+                        When::One(value) => self.expression(value),
+                        When::Thru(from, to) => [from, to].into_iter().for_each(|value| self.expression(value)),
+                    }
+                }
+            }
+            StatementKind::Do { variable, start, end, step } => {
+                [variable, start, end].into_iter().chain(step).for_each(|part| self.expression(part));
+            }
+            StatementKind::Exec(_, items) => {
+                self.items(items);
+                items.iter().for_each(|item| self.expression(item));
+            }
+            StatementKind::Print(list)
+            | StatementKind::Open(list)
+            | StatementKind::Write(list)
+            | StatementKind::Error(list) => list.iter().for_each(|part| self.expression(part)),
+            StatementKind::Read { source, format, targets, .. } => {
+                [source, format].into_iter().chain(targets).for_each(|part| self.expression(part));
+            }
+            _ => {}
+        }
+    }
+
+    /// Data in EXEC need their value behind them.
+    fn items(&self, items: &[Expr]) {
+        let mut rest = items.iter().peekable();
+        while let Some(item) = rest.next() {
+            match &item.kind {
+                ExprKind::Code(_) => {}
+                ExprKind::Register(name) => match rest.peek().map(|next| &next.kind) {
+                    None | Some(ExprKind::Code(_) | ExprKind::Register(_)) => {
+                        let text = format!("EXEC needs a value behind {name}: {name},value");
+                        self.check.error(&self.place(item.span), text);
+                    }
+                    Some(_) => {
+                        rest.next();
+                    }
+                },
+                // What a variable holds is known only in the run.
+                _ => return,
+            }
+        }
+    }
+
+    fn expression(&mut self, expression: &Expr) {
+        if let Some(number) = argument(expression) {
+            self.uses(number, expression.span);
+        }
+        match &expression.kind {
+            ExprKind::Element(_, parts) | ExprKind::Sequence(parts) => {
+                parts.iter().for_each(|part| self.expression(part));
+            }
+            ExprKind::Call(name, parts) => {
+                if let ("$FDIALOG", Some(ExprKind::Text(dialog))) =
+                    (name.as_str(), parts.first().map(|part| &part.kind))
+                    && parts.len() == 1
+                {
+                    let place = self.place(expression.span);
+                    self.dialogs.push((dialog.clone(), place));
+                }
+                parts.iter().for_each(|part| self.expression(part));
+            }
+            ExprKind::Range(_, from, to) => from.iter().chain(to).for_each(|part| self.expression(part)),
+            ExprKind::Unary(_, operand) => self.expression(operand),
+            ExprKind::Binary(_, left, right) => [left, right].into_iter().for_each(|part| self.expression(part)),
+            _ => {}
+        }
+    }
+
+    fn uses(&mut self, number: u8, span: Span) {
+        let bit = 1_u128.wrapping_shl(u32::from(number));
+        if (1..=self.given.arguments).contains(&number) || (self.set | self.told) & bit != 0 {
+            return;
+        }
+        self.told |= bit;
+        let Given { title, arguments, .. } = self.given;
+        let has = match arguments {
+            0 => "no arguments".to_owned(),
+            last => format!("$P1 to $P{last}"),
+        };
+        self.check.warning(&self.place(span), format!("$P{number} has no value here: a {title} has {has}"));
+    }
+}

@@ -1,0 +1,305 @@
+//! `[macros]`: the macros of a machine, compiled with everything they name.
+//!
+//! Invariant: every mistake of every file is a finding at its own file, line and column; the declaration comes first,
+//! then the files of functions, then the rest in the order of the form. Facts: reference control-emulator.md 4, 7.2, 7.3.
+
+use std::sync::Arc;
+
+use counterpoint_lang::compile::{self, Options, Place as Kind, Program, Strong};
+use counterpoint_lang::source::Source;
+
+use super::macro_uses::{self, Given};
+use super::names::Names;
+use crate::ident;
+use crate::macros::condition::{self, Condition, Item, Step};
+use crate::macros::environment::{MachineEnvironment, beside};
+use crate::macros::model::{FIRST_HOOK_ID, Hook, Macros, Named};
+use crate::model::{CodeRow, DataRow, StoredFile};
+use crate::toml::node::Place;
+use crate::toml::section::Section;
+use counterpoint_ports::files::Files;
+
+/// Most code macros, and most data macros.
+const MOST: usize = 1000;
+
+/// Reads the section; none if the machine has no macros. Dialogs that macros show by name are added to `shown`.
+pub(super) fn read(
+    top: &mut Section<'_>,
+    names: &Names<'_>,
+    (codes, data): (&[CodeRow], &[DataRow]),
+    files: &dyn Files,
+    stored: &[StoredFile],
+    shown: &mut Vec<(String, Place)>,
+) -> Option<Arc<Macros>> {
+    let mut section = top.table("macros", "[macros]")?;
+    let words = [("off", Strong::Off), ("partial", Strong::Partial), ("full", Strong::Full)];
+    let strong = section.choice("strong", &words).unwrap_or_default();
+    let uninitialised = section.flag("warn_unassigned").unwrap_or(false);
+    let mut macros = Macros { strong, ..Macros::default() };
+    let mut program = Program::new();
+    let program_of = &mut program;
+    let mut compiler =
+        Compiler { names, codes, data, files, stored, program: program_of, strong, uninitialised, shown };
+    compiler.hook(&mut section, Hook::Declaration, &mut macros.hooks);
+    for (file, place) in section.texts("functions").unwrap_or_default() {
+        compiler.add(file, place, Kind::Library, Given::FUNCTIONS);
+    }
+    for hook in Hook::ALL.into_iter().filter(|hook| *hook != Hook::Declaration) {
+        compiler.hook(&mut section, hook, &mut macros.hooks);
+    }
+    let mut ids = Vec::new();
+    macros.codes = compiler.rows(&mut section, true, &mut macros.of_code, &mut ids);
+    macros.data = compiler.rows(&mut section, false, &mut macros.of_data, &mut ids);
+    section.finish();
+    macros.program = Arc::new(program);
+    Some(Arc::new(macros))
+}
+
+struct Compiler<'a, 'n> {
+    names: &'a Names<'n>,
+    codes: &'a [CodeRow],
+    data: &'a [DataRow],
+    files: &'a dyn Files,
+    stored: &'a [StoredFile],
+    program: &'a mut Program,
+    strong: Strong,
+    /// Variables that are read and never assigned are findings.
+    uninitialised: bool,
+    /// Dialogs that macros show by name.
+    shown: &'a mut Vec<(String, Place)>,
+}
+
+/// Kind of the macro of a hook, which decides what it may contain.
+fn kind(hook: Hook) -> Kind {
+    match hook {
+        Hook::Declaration => Kind::Declaration,
+        Hook::Motion | Hook::Cycle | Hook::Tool | Hook::Diagnostic => Kind::Any,
+        _ => Kind::Startup,
+    }
+}
+
+impl Compiler<'_, '_> {
+    fn hook(&mut self, section: &mut Section<'_>, hook: Hook, hooks: &mut [Option<u16>]) {
+        let Some(file) = section.text(hook.key()) else { return };
+        let found = self.one(file, section.place_of(hook.key()), kind(hook), Given::of(hook));
+        if let Some(slot) = hooks.get_mut(hook as usize) {
+            *slot = found;
+        }
+    }
+
+    /// Compiles a file; gives its macros without a header.
+    fn add(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<Vec<u16>> {
+        let check = self.names.check;
+        let Some(path) = beside(&place.file, file) else {
+            let text = format!("\"{}\" must be a file below the folder of this machine file", file.escape_debug());
+            check.error(place, text);
+            return None;
+        };
+        let bytes = match self.files.read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                check.error(place, format!("the file of this macro cannot be had: {error}"));
+                return None;
+            }
+        };
+        let mut surroundings = MachineEnvironment {
+            codes: &self.names.custom_codes,
+            data: &self.names.custom_data,
+            files: Some(self.files),
+            stored: self.stored,
+        };
+        let options =
+            Options { strong: self.strong, place: kind, uninitialised: self.uninitialised, ..Options::default() };
+        let source = Source::from_bytes(path, &bytes);
+        let added = compile::add(self.program, &mut surroundings, source.clone(), options);
+        if !added.has_errors() {
+            macro_uses::check(&source, given, check, self.shown);
+        }
+        for diagnostic in &added.diagnostics {
+            let help = diagnostic.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
+            let text = format!("{} {}{help}", diagnostic.number, diagnostic.message);
+            let place =
+                Place { file: diagnostic.file.as_str().into(), line: diagnostic.line, column: diagnostic.column };
+            if diagnostic.is_error() {
+                check.error(&place, text);
+            } else {
+                check.warning(&place, text);
+            }
+        }
+        Some(added.macros)
+    }
+
+    /// Compiles a file that holds one macro.
+    fn one(&mut self, file: &str, place: &Place, kind: Kind, given: Given) -> Option<u16> {
+        let found = self.add(file, place, kind, given)?;
+        match found.as_slice() {
+            [one] => Some(*one),
+            // Functions are declared by being there.
+            [] if kind == Kind::Declaration => None,
+            [] => {
+                self.names.check.error(place, format!("{} holds no macro", file.escape_debug()));
+                None
+            }
+            more => {
+                let text = format!("{} holds {} macros; a file holds one", file.escape_debug(), more.len());
+                self.names.check.error(place, text);
+                None
+            }
+        }
+    }
+
+    fn rows(
+        &mut self,
+        section: &mut Section<'_>,
+        of_codes: bool,
+        by: &mut Vec<Vec<u16>>,
+        ids: &mut Vec<u32>,
+    ) -> Vec<Named> {
+        let (key, title) = if of_codes { ("code", "[[macros.code]]") } else { ("data", "[[macros.data]]") };
+        let (built_in, custom) = if of_codes {
+            (ident::codes::TABLE.len(), self.names.custom_codes.len())
+        } else {
+            (ident::data::TABLE.len(), self.names.custom_data.len())
+        };
+        by.resize(built_in + custom, Vec::new());
+        let mut rows = Vec::new();
+        for mut row in section.rows(key, title, MOST) {
+            let place = u16::try_from(rows.len()).unwrap_or(u16::MAX);
+            if let Some((named, firing)) = self.row(&mut row, of_codes, ids) {
+                if row.node("name").is_some() && rows.iter().any(|other: &Named| other.name == named.name) {
+                    let text =
+                        format!("another macro of {title} has the name \"{}\"; names tell them apart", named.name);
+                    row.error("name", text);
+                }
+                for at in firing {
+                    if let Some(list) = by.get_mut(usize::from(at))
+                        && list.last() != Some(&place)
+                    {
+                        list.push(place);
+                    }
+                }
+                rows.push(named);
+            }
+            row.finish();
+        }
+        rows
+    }
+
+    fn row(&mut self, row: &mut Section<'_>, of_codes: bool, ids: &mut Vec<u32>) -> Option<(Named, Vec<u16>)> {
+        let id = row.integer("id", 1..=i64::from(FIRST_HOOK_ID) - 1).map(|id| id as u32);
+        let id = id.unwrap_or_else(|| ids.iter().max().map_or(1, |most| most + 1));
+        if ids.contains(&id) {
+            row.error("id", format!("another macro has the id {id}"));
+        }
+        ids.push(id);
+        let name = row.name("name", 80).map(str::to_owned);
+        let enabled = row.flag("enabled").unwrap_or(true);
+        row.require("file", "the file of the macro");
+        let (condition, firing) = self.condition(row, of_codes);
+        let default = firing.iter().map(|item| self.item_name(*item)).collect::<Vec<_>>().join(", ");
+        let (kind, given) = if of_codes { (Kind::Any, Given::CODE) } else { (Kind::Data, Given::DATA) };
+        let file = row.text("file")?;
+        let code = self.one(file, row.place_of("file"), kind, given)?;
+        let matches = firing.clone();
+        let firing = firing.into_iter().map(|item| match item {
+            Item::Code(id) => id.0,
+            Item::Data(id) => id.0,
+        });
+        Some((Named { id, name: name.unwrap_or(default), enabled, code, matches, condition }, firing.collect()))
+    }
+
+    fn item_name(&self, item: Item) -> String {
+        let own = |names: &[String], at: u16, built_in: usize| {
+            let own = usize::from(at).checked_sub(built_in).and_then(|at| names.get(at).cloned());
+            own.unwrap_or_default()
+        };
+        match item {
+            Item::Code(id) => match ident::code_facts(id) {
+                Some(facts) => facts.name.to_owned(),
+                None => own(&self.names.custom_codes, id.0, ident::codes::TABLE.len()),
+            },
+            Item::Data(id) => match ident::data_facts(id) {
+                Some(facts) => facts.name.to_owned(),
+                None => own(&self.names.custom_data, id.0, ident::data::TABLE.len()),
+            },
+        }
+    }
+
+    /// What a macro matches: its condition, and the identifiers that fire it.
+    fn condition(&self, row: &mut Section<'_>, of_codes: bool) -> (Condition, Vec<Item>) {
+        let list = |row: &mut Section<'_>, key: &'static str| -> Vec<Item> {
+            let texts = row.texts(key).unwrap_or_default();
+            texts.into_iter().filter_map(|(name, place)| self.item(name, place)).collect()
+        };
+        let present = list(row, "present");
+        let absent = list(row, "absent");
+        for item in present.iter().filter(|item| absent.contains(item)) {
+            row.error("absent", format!("{} cannot both be and not be present", self.item_name(*item)));
+        }
+        let matched = list(row, "match");
+        if !matched.is_empty() && matched.iter().all(|item| absent.contains(item)) {
+            row.error("absent", "what fires the macro counts as present: it never runs");
+        }
+        let wanted = |item: &Item| matches!(item, Item::Code(_)) == of_codes;
+        let kind = if of_codes { "CODE_" } else { "REG_" };
+        if let Some(other) = matched.iter().find(|item| !wanted(item)) {
+            let text = format!("{} cannot fire here: `match` lists {kind}…", self.item_name(*other));
+            row.error("match", text);
+        }
+        let Some(text) = row.text("condition") else {
+            if matched.is_empty() {
+                row.require("match", &format!("the identifiers that fire the macro, {kind}…"));
+            }
+            return (Condition { present, absent, steps: Vec::new() }, matched.into_iter().filter(wanted).collect());
+        };
+        if !(matched.is_empty() && present.is_empty() && absent.is_empty()) {
+            row.error("condition", "`condition` stands instead of `match`, `present` and `absent`");
+        }
+        let place = row.place_of("condition").clone();
+        let steps = condition::parse(text, |name| self.item(name, &place));
+        let steps = steps.unwrap_or_else(|error| {
+            row.error("condition", format!("the condition cannot be read: {error}"));
+            Vec::new()
+        });
+        let mut firing: Vec<Item> = Vec::new();
+        for step in &steps {
+            if let Step::Present(item) = step
+                && wanted(item)
+                && !firing.contains(item)
+            {
+                firing.push(*item);
+            }
+        }
+        if firing.is_empty() && !steps.is_empty() {
+            row.error("condition", format!("the condition names no {kind}… that could fire the macro"));
+        }
+        (Condition { steps, ..Condition::default() }, firing)
+    }
+
+    /// An identifier, known to the machine in some row.
+    fn item(&self, name: &str, place: &Place) -> Option<Item> {
+        let upper = name.to_ascii_uppercase();
+        if upper.starts_with("REG_") || upper.starts_with("DATA_") {
+            let id = self.names.data(name, place)?;
+            if !self.data.iter().any(|row| row.id == id && row.enable) {
+                let text = format!("no row of this machine's data table has {upper}, so it is never on a block");
+                self.names.check.warning(place, text);
+            } else if !self.data.iter().any(|row| row.id == id && row.enable && row.process) {
+                let text = format!("the rows of {upper} say `process = false`: it is dropped and no macro sees it");
+                self.names.check.warning(place, text);
+            }
+            return Some(Item::Data(id));
+        }
+        let id = self.names.code(name, place)?;
+        let remark = id == ident::codes::COMMENT || id == ident::codes::DISPLY;
+        if !remark && !self.codes.iter().any(|row| row.id == id && row.enable) {
+            let text = format!("no row of this machine's code table has {upper}, so it never fires");
+            self.names.check.warning(place, text);
+        } else if !remark && !self.codes.iter().any(|row| row.id == id && row.enable && row.process) {
+            let text =
+                format!("the rows of {upper} say `process = false`: it is taken off the block and fires nothing");
+            self.names.check.warning(place, text);
+        }
+        Some(Item::Code(id))
+    }
+}

@@ -1,0 +1,145 @@
+//! Names that rows refer to: identifiers of codes and data, built in or custom, and registers.
+//!
+//! Invariant: a custom identifier exists only because a row says `custom = true` (or it is one of the two names that
+//! mean "swallow"), so that a misspelt built-in name is always found. Facts: reference control-emulator.md 1.2, 1.3.
+
+use crate::ident::{self, CodeId, DataId};
+use crate::model::Register;
+use crate::toml::check::Check;
+use crate::toml::node::Place;
+use crate::toml::section::Section;
+use crate::toml::suggest::did_you_mean;
+
+/// The code that swallows its word.
+const CODE_IGNORE: &str = "CODE_IGNORE";
+
+/// The data that swallows its word.
+const REG_IGNORE: &str = "REG_IGNORE";
+
+/// The names known so far.
+pub(super) struct Names<'a> {
+    pub(super) check: &'a Check,
+    pub(super) registers: Vec<Register>,
+    pub(super) custom_codes: Vec<String>,
+    pub(super) custom_data: Vec<String>,
+}
+
+impl Names<'_> {
+    /// Identifier of a code row (`id`, `custom`), and whether it means "swallow".
+    pub(super) fn code_of_row(&mut self, row: &mut Section<'_>) -> Option<(CodeId, bool)> {
+        let custom = row.flag("custom").unwrap_or(false);
+        row.require("id", "an identifier, CODE_…");
+        let name = row.text("id")?;
+        if let Some(id) = ident::code(name) {
+            if custom {
+                row.error("custom", format!("{} is built in; `custom` is for names of your own", name.escape_debug()));
+            }
+            return Some((id, false));
+        }
+        let name = name.to_ascii_uppercase();
+        if custom || name == CODE_IGNORE {
+            let index = self.custom(row, &name, "CODE_", true)?;
+            return Some((CodeId(index), name == CODE_IGNORE));
+        }
+        let near = did_you_mean(&name, ident::codes::TABLE.iter().map(|facts| facts.name));
+        let hint = "a name of your own needs `custom = true`";
+        row.error("id", format!("unknown code identifier \"{}\"{near} ({hint})", name.escape_debug()));
+        None
+    }
+
+    /// Identifier of a data row, likewise.
+    pub(super) fn data_of_row(&mut self, row: &mut Section<'_>) -> Option<(DataId, bool)> {
+        let custom = row.flag("custom").unwrap_or(false);
+        row.require("id", "an identifier, REG_…");
+        let name = row.text("id")?;
+        if let Some(id) = ident::data(name) {
+            if custom {
+                row.error("custom", format!("{} is built in; `custom` is for names of your own", name.escape_debug()));
+            }
+            return Some((id, false));
+        }
+        let name = name.to_ascii_uppercase();
+        if custom || name == REG_IGNORE {
+            let index = self.custom(row, &name, "REG_", false)?;
+            return Some((DataId(index), name == REG_IGNORE));
+        }
+        let near = did_you_mean(&name, ident::data::TABLE.iter().map(|facts| facts.name));
+        let hint = "a name of your own needs `custom = true`";
+        row.error("id", format!("unknown data identifier \"{}\"{near} ({hint})", name.escape_debug()));
+        None
+    }
+
+    /// A code named elsewhere than in its row.
+    pub(super) fn code(&self, name: &str, place: &Place) -> Option<CodeId> {
+        let upper = name.to_ascii_uppercase();
+        let own = self.custom_codes.iter().position(|custom| *custom == upper);
+        let id = ident::code(name).or_else(|| offset(own?, ident::codes::TABLE.len()).map(CodeId));
+        if id.is_none() {
+            let names = ident::codes::TABLE.iter().map(|facts| facts.name);
+            let near = did_you_mean(name, names.chain(self.custom_codes.iter().map(String::as_str)));
+            self.check.error(place, format!("unknown code identifier \"{}\"{near}", name.escape_debug()));
+        }
+        id
+    }
+
+    /// A data identifier named elsewhere than in its row.
+    pub(super) fn data(&self, name: &str, place: &Place) -> Option<DataId> {
+        let upper = name.to_ascii_uppercase();
+        let own = self.custom_data.iter().position(|custom| *custom == upper);
+        let id = ident::data(name).or_else(|| offset(own?, ident::data::TABLE.len()).map(DataId));
+        if id.is_none() {
+            let names = ident::data::TABLE.iter().map(|facts| facts.name);
+            let near = did_you_mean(name, names.chain(self.custom_data.iter().map(String::as_str)));
+            self.check.error(place, format!("unknown data identifier \"{}\"{near}", name.escape_debug()));
+        }
+        id
+    }
+
+    /// A register by its first name.
+    pub(super) fn register(&self, name: &str, place: &Place) -> Option<u8> {
+        let index = self.registers.iter().position(|register| register.name == name);
+        if index.is_none() {
+            self.unknown_register(name, place);
+        }
+        index.and_then(|index| u8::try_from(index).ok())
+    }
+
+    /// Says that there is no such register.
+    pub(super) fn unknown_register(&self, name: &str, place: &Place) {
+        let name = name.escape_debug().to_string();
+        let second = self.registers.iter().find(|register| register.second.as_deref() == Some(&name));
+        let text = match second {
+            Some(register) => format!("\"{name}\" is the second name of register {}; say \"{0}\"", register.name),
+            None => {
+                let near = did_you_mean(&name, self.registers.iter().map(|register| register.name.as_str()));
+                format!("no register has the name \"{name}\"{near}")
+            }
+        };
+        self.check.missing(place, text);
+    }
+
+    /// Index of a custom name, new or known.
+    fn custom(&mut self, row: &Section<'_>, name: &str, prefix: &str, code: bool) -> Option<u16> {
+        let rest = name.strip_prefix(prefix).unwrap_or_default();
+        let plain = rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        if rest.is_empty() || !plain || name.len() > 64 {
+            let expected = format!("{prefix} and up to {} letters, digits or _", 64 - prefix.len());
+            row.error("id", format!("a custom name must be {expected}, not \"{}\"", name.escape_debug()));
+            return None;
+        }
+        let (names, built_in) = if code {
+            (&mut self.custom_codes, ident::codes::TABLE.len())
+        } else {
+            (&mut self.custom_data, ident::data::TABLE.len())
+        };
+        let index = names.iter().position(|known| known == name).unwrap_or_else(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        });
+        offset(index, built_in)
+    }
+}
+
+fn offset(index: usize, built_in: usize) -> Option<u16> {
+    u16::try_from(built_in + index).ok()
+}

@@ -1,0 +1,76 @@
+//! `[arcs]` and `[threads]`: circles and threading cycles.
+//!
+//! Invariant: what the section does not say has a default that fits the unit. Facts: reference control-emulator.md 1.5.
+
+use crate::model::Heights;
+use crate::paths::{Arcs, Helix, Threads, Turns};
+use crate::toml::section::Section;
+use counterpoint_event::Unit;
+
+/// Nose angles go up to here, degrees.
+const WIDEST: f64 = 170.0;
+
+/// Reads `[arcs]`.
+pub(super) fn arcs(top: &mut Section<'_>, unit: Unit) -> Arcs {
+    let mut arcs = Arcs {
+        center: Heights::Incremental,
+        tolerance: if unit == Unit::Inch { 0.01 / 25.4 } else { 0.01 },
+        max_radius: f64::INFINITY,
+        helix: Helix::Any,
+        turns: Turns::Always,
+        stands: false,
+    };
+    let Some(mut section) = top.table("arcs", "[arcs]") else { return arcs };
+    let centers = [("offset", Heights::Incremental), ("absolute", Heights::Absolute), ("mode", Heights::Mode)];
+    arcs.center = section.choice("center", &centers).unwrap_or(arcs.center);
+    arcs.tolerance = section.at_least_zero("tolerance").unwrap_or(arcs.tolerance);
+    arcs.max_radius = section.above_zero("max_radius").unwrap_or(arcs.max_radius);
+    let helices = [("any", Helix::Any), ("codes", Helix::Codes), ("off", Helix::Off)];
+    arcs.helix = section.choice("helix", &helices).unwrap_or(arcs.helix);
+    let turns = [("always", Turns::Always), ("helical", Turns::Helical), ("never", Turns::Never)];
+    arcs.turns = section.choice("turns", &turns).unwrap_or(arcs.turns);
+    let starts = [("error", false), ("stand", true)];
+    arcs.stands = section.choice("to_start", &starts).unwrap_or(arcs.stands);
+    section.finish();
+    arcs
+}
+
+/// Reads `[threads]`.
+pub(super) fn threads(top: &mut Section<'_>) -> Threads {
+    let mut threads = Threads {
+        two_lines: false,
+        changes: false,
+        infeed: 0,
+        min_step: 0.0,
+        finish_cuts: 0,
+        finish: 0.0,
+        nose: 60.0,
+        chamfer: false,
+        chamfer_length: 0.0,
+        chamfer_angle: 45.0,
+    };
+    let Some(mut section) = top.table("threads", "[threads]") else { return threads };
+    let forms = [("one-line", false), ("two-line", true)];
+    threads.two_lines = section.choice("form", &forms).unwrap_or(threads.two_lines);
+    let leads = [("codes", false), ("words", true)];
+    threads.changes = section.choice("lead_change", &leads).unwrap_or(threads.changes);
+    threads.infeed = section.integer("infeed", 0..=4).map_or(threads.infeed, |mode| mode as u8);
+    threads.min_step = section.at_least_zero("min_step").unwrap_or(threads.min_step);
+    threads.finish_cuts = section.integer("finish_cuts", 0..=99).map_or(threads.finish_cuts, |cuts| cuts as u16);
+    threads.finish = section.at_least_zero("finish").unwrap_or(threads.finish);
+    threads.nose = angle(&mut section, "nose", 0.0, WIDEST).unwrap_or(threads.nose);
+    threads.chamfer = section.flag("chamfer").unwrap_or(threads.chamfer);
+    threads.chamfer_length = section.at_least_zero("chamfer_length").unwrap_or(threads.chamfer_length);
+    threads.chamfer_angle = angle(&mut section, "chamfer_angle", 10.0, 80.0).unwrap_or(threads.chamfer_angle);
+    section.finish();
+    threads
+}
+
+fn angle(section: &mut Section<'_>, key: &'static str, least: f64, most: f64) -> Option<f64> {
+    let angle = section.number(key)?;
+    if (least..=most).contains(&angle) {
+        return Some(angle);
+    }
+    section.error(key, format!("`{key}` is an angle of {least} to {most} degrees"));
+    None
+}

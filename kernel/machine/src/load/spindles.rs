@@ -1,0 +1,45 @@
+//! `[[spindles]]`.
+//!
+//! Invariant: numbers and names are unique, and the smallest speed is below the largest.
+
+use crate::model::Spindle;
+use crate::toml::check::Check;
+use crate::toml::section::Section;
+
+/// Most spindles of a machine.
+const MOST: usize = 99;
+
+/// Reads the rows in file order.
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Vec<Spindle> {
+    let mut spindles: Vec<Spindle> = Vec::new();
+    for mut row in top.rows("spindles", "[[spindles]]", MOST) {
+        if let Some(spindle) = read_row(&mut row) {
+            if spindles.iter().any(|other| other.number == spindle.number) {
+                check.error(row.place_of("number"), format!("there is already a spindle {}", spindle.number));
+            } else if spindles.iter().any(|other| other.name == spindle.name) {
+                let text = format!("there is already a spindle with the name \"{}\"", spindle.name);
+                check.error(row.place_of("name"), text);
+            }
+            spindles.push(spindle);
+        }
+        row.finish();
+    }
+    spindles
+}
+
+fn read_row(row: &mut Section<'_>) -> Option<Spindle> {
+    row.require("number", "a whole number from 1 to 99");
+    let number = row.integer("number", 1..=99).map(|number| number as u16);
+    let name = row.name("name", 32).map(str::to_owned);
+    row.require("max", "the largest speed in rev/min");
+    let max = row.above_zero("max");
+    let min = row.at_least_zero("min").unwrap_or(0.0);
+    if let Some(max) = max
+        && min > max
+    {
+        row.error("min", format!("`min` {min} is more than `max` {max}"));
+    }
+    let run_up = row.at_least_zero("run_up").unwrap_or(0.0);
+    let number = number?;
+    Some(Spindle { number, name: name.unwrap_or_else(|| format!("S{number}")), max: max.unwrap_or(1.0), min, run_up })
+}

@@ -1,0 +1,65 @@
+//! `files`: the folder beside the machine file whose content programs and macros reach as `//ICAMFS/…`.
+//!
+//! Invariant: paths are unique whatever their letter case, sorted, and use `/`. Facts: reference control-emulator.md 7.1.
+
+use crate::model::StoredFile;
+use crate::toml::section::Section;
+use counterpoint_ports::files::{Bytes, Files};
+
+/// Most files.
+const MOST: usize = 1000;
+
+/// Most bytes of all files together.
+const BYTES: usize = 64 << 20;
+
+/// Reads the folder that `files` names, in the folder of the file that says so.
+pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> {
+    let Some(name) = top.name("files", 64) else { return Vec::new() };
+    let name = name.trim_end_matches('/');
+    if name.starts_with(['/', '.']) || name.contains(['\\', ':']) || name.split('/').any(|part| part.is_empty()) {
+        top.error(
+            "files",
+            format!("`files` must be a folder beside the machine file, not \"{}\"", name.escape_debug()),
+        );
+        return Vec::new();
+    }
+    let file = top.place_of("files").file.clone();
+    let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let prefix = format!("{folder}/{name}/");
+    let mut stored: Vec<StoredFile> = Vec::new();
+    let mut size = 0;
+    for path in files.list() {
+        let Some(inside) = path.strip_prefix(&prefix).filter(|inside| !inside.is_empty()) else { continue };
+        if stored.iter().any(|other| other.path.eq_ignore_ascii_case(inside)) {
+            top.error("files", format!("{inside} is there twice, but for letter case"));
+            continue;
+        }
+        match files.read(&path) {
+            Ok(content) => {
+                size += content.len();
+                stored.push(StoredFile { path: inside.to_owned(), content });
+            }
+            Err(error) => top.error("files", error.to_string()),
+        }
+    }
+    if stored.is_empty() {
+        top.error("files", format!("the folder {prefix} has no files"));
+    } else if stored.len() > MOST || size > BYTES {
+        top.error("files", format!("at most {MOST} files with {} MiB together are stored", BYTES >> 20));
+    }
+    stored.sort_by(|a, b| a.path.cmp(&b.path));
+    stored
+}
+
+impl StoredFile {
+    /// Beginning of the paths of stored files.
+    pub const ROOT: &str = "//ICAMFS/";
+
+    /// The stored file of a path `//ICAMFS/…` or of a path inside; letter case does not matter.
+    #[must_use]
+    pub fn find<'f>(files: &'f [Self], path: &str) -> Option<&'f Bytes> {
+        let root = path.get(..Self::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(Self::ROOT));
+        let inside = if root { path.get(Self::ROOT.len()..)? } else { path };
+        files.iter().find(|file| file.path.eq_ignore_ascii_case(inside)).map(|file| &file.content)
+    }
+}

@@ -1,0 +1,82 @@
+//! `[sync]`: how channels meet.
+//!
+//! Invariant: the form of the channel list can name every channel of the machine. Facts: reference
+//! channel-synchronisation.md 1.3.
+
+use crate::ident::codes;
+use crate::model::{AlarmScope, Channel, CodeRow, PathsForm, Sync, SyncDialect};
+use crate::toml::check::Check;
+use crate::toml::section::Section;
+
+/// Longest delay in seconds.
+const LONGEST: f64 = 86_400.0;
+
+/// Tick of a polling loop, ns, when the file does not say.
+const POLL_NS: i64 = 1_000_000;
+
+/// Reads the section.
+pub(super) fn read(top: &mut Section<'_>, channels: &[Channel], rows: &[CodeRow], check: &Check) -> Sync {
+    let mut sync = Sync {
+        dialect: SyncDialect::None,
+        paths: PathsForm::List,
+        alarm_scope: AlarmScope::Own,
+        release_ns: 0,
+        poll_ns: POLL_NS,
+    };
+    let Some(mut section) = top.table("sync", "[sync]") else { return sync };
+    let dialects = [("none", SyncDialect::None), ("fanuc", SyncDialect::Fanuc)];
+    sync.dialect = section.choice("dialect", &dialects).unwrap_or(SyncDialect::None);
+    let forms = [("list", PathsForm::List), ("bits", PathsForm::Bits), ("either", PathsForm::Either)];
+    sync.paths = section.choice("paths", &forms).unwrap_or(PathsForm::List);
+    let scopes = [("own", AlarmScope::Own), ("all", AlarmScope::All)];
+    sync.alarm_scope = section.choice("alarm_scope", &scopes).unwrap_or(AlarmScope::Own);
+    sync.release_ns = nanoseconds(&mut section, "release").unwrap_or(0);
+    sync.poll_ns = nanoseconds(&mut section, "poll").unwrap_or(POLL_NS);
+    if sync.poll_ns < 1 {
+        section.error("poll", "`poll` must be at least 1e-9 s: a polling loop must take time");
+    }
+    check_form(&section, sync.paths, channels);
+    check_words(&section, sync.dialect, channels, rows, check);
+    section.finish();
+    sync
+}
+
+fn nanoseconds(section: &mut Section<'_>, key: &'static str) -> Option<i64> {
+    let seconds = section.at_least_zero(key)?;
+    if seconds > LONGEST {
+        section.error(key, format!("`{key}` must be at most {LONGEST} s, not {seconds}"));
+        return None;
+    }
+    Some((seconds * 1e9).round() as i64)
+}
+
+fn check_form(section: &Section<'_>, form: PathsForm, channels: &[Channel]) {
+    let largest = channels.iter().map(|channel| channel.number).max().unwrap_or(0);
+    match form {
+        PathsForm::Either if largest > 2 => {
+            let text = "`paths = \"either\"` is unambiguous with channels 1 and 2 only; say \"list\" or \"bits\"";
+            section.error("paths", text);
+        }
+        PathsForm::List if largest > 10 => {
+            section.error("paths", format!("a list of digits cannot name channel {largest}, only 1 to 10"));
+        }
+        PathsForm::Bits if largest > 26 => {
+            section.error("paths", format!("a sum of eight digits cannot name channel {largest}, only 1 to 26"));
+        }
+        _ => {}
+    }
+}
+
+fn check_words(section: &Section<'_>, dialect: SyncDialect, channels: &[Channel], rows: &[CodeRow], check: &Check) {
+    let marks =
+        [codes::SYNC_REG, codes::SYNC_REG_MAIN, codes::SYNC_REG_SIDE, codes::SYNC_REG_START, codes::SYNC_REG_STOP];
+    let words = rows.iter().any(|row| marks.contains(&row.id) && row.enable);
+    if dialect == SyncDialect::Fanuc && !words && channels.len() > 1 {
+        let text = "the channels of this machine cannot meet: no row of [[codes]] has CODE_SYNC_REG";
+        check.warning(section.place_of("dialect"), text);
+    }
+    if dialect == SyncDialect::None && words {
+        let text = "CODE_SYNC_REG has a word, but `dialect` is \"none\": the word will do nothing";
+        check.warning(section.place_of("dialect"), text);
+    }
+}

@@ -1,0 +1,116 @@
+//! `[time]`: what takes how long.
+//!
+//! Invariant: an M number with a time has a code row of its own that carries it.
+
+use super::digits;
+use super::names::Names;
+use crate::ident::{self, codes, data};
+use crate::model::{CodeForm, CodeRow, Modality, RapidPath, Time};
+use crate::tables::form_range;
+use crate::toml::node::Entry;
+use crate::toml::section::{Section, number};
+
+/// Largest M number.
+const LARGEST: u32 = 99_999_999;
+
+/// Reads the section; times of M codes go to the code rows.
+pub(super) fn read(top: &mut Section<'_>, names: &Names<'_>, rows: &mut Vec<CodeRow>) -> Time {
+    let mut time =
+        Time { tool_change: 0.0, tool_step: 0.0, stations: 0, rapid: RapidPath::SlowestAxis, spindle_speed: 0.0 };
+    let Some(mut section) = top.table("time", "[time]") else { return time };
+    time.tool_change = section.at_least_zero("tool_change").unwrap_or(0.0);
+    time.tool_step = section.at_least_zero("tool_step").unwrap_or(0.0);
+    time.stations = section.integer("stations", 0..=999).unwrap_or(0) as u32;
+    let paths = [("slowest-axis", RapidPath::SlowestAxis), ("linear", RapidPath::Linear)];
+    time.rapid = section.choice("rapid", &paths).unwrap_or(RapidPath::SlowestAxis);
+    time.spindle_speed = section.at_least_zero("spindle_speed").unwrap_or(0.0);
+    if let Some(table) = section.free_table("m_codes") {
+        let register = names.registers.iter().position(|register| register.name == "M");
+        let register = register.and_then(|index| u8::try_from(index).ok());
+        if register.is_none() {
+            names.check.missing(section.place_of("m_codes"), "`m_codes` needs a register M");
+        }
+        let mut seen: Vec<(u32, &Entry)> = Vec::new();
+        for entry in &table.entries {
+            let (Some((number, seconds)), Some(register)) = (read_entry(entry, names), register) else { continue };
+            if let Some((_, other)) = seen.iter().find(|(known, _)| *known == number) {
+                let Entry { key, place, .. } = other;
+                let text = format!(
+                    "M{number} already has its seconds at {}:{} as \"{key}\"; one key for each M number is expected",
+                    place.file, place.line
+                );
+                names.check.error(&entry.place, text);
+                continue;
+            }
+            seen.push((number, entry));
+            let written = format!("M{number}");
+            let known = names.registers.get(usize::from(register));
+            if let Some(text) = digits::complaint(&written, f64::from(number), known) {
+                names.check.warning(&entry.place, text);
+            }
+            give(entry, register, number, seconds, names, rows);
+        }
+    }
+    section.finish();
+    time
+}
+
+fn read_entry(entry: &Entry, names: &Names<'_>) -> Option<(u32, f64)> {
+    let seconds = number(&entry.node, &entry.key, names.check);
+    let m = entry.key.parse::<u32>().ok().filter(|m| *m <= LARGEST && !entry.key.starts_with('+'));
+    if m.is_none() {
+        let key = entry.key.escape_debug();
+        names.check.error(&entry.place, format!("`m_codes` takes M numbers as keys (\"3\" = 1.5), not \"{key}\""));
+    }
+    if let Some(seconds) = seconds
+        && seconds < 0.0
+    {
+        names.check.error(&entry.node.place, format!("seconds of M{} must be zero or more", entry.key));
+        return None;
+    }
+    Some((m?, seconds?))
+}
+
+/// Adds the seconds to the rows of the M number, or makes a row for it.
+fn give(entry: &Entry, register: u8, m: u32, seconds: f64, names: &Names<'_>, rows: &mut Vec<CodeRow>) {
+    let value = f64::from(m);
+    let mut found = false;
+    for row in rows.iter_mut().filter(|row| row.enable && row.process) {
+        match form_range(&row.form) {
+            Some((of, min, max)) if of == register && min == value && max == value => {
+                row.seconds += seconds;
+                found = true;
+            }
+            Some((of, min, max)) if of == register && (min..=max).contains(&value) => {
+                let text = "is one of a range of codes; give that row `seconds`, or the number a row of its own";
+                names.check.error(&entry.place, format!("M{m} {text}"));
+                found = true;
+            }
+            _ => {}
+        }
+    }
+    if !found {
+        rows.push(function_row(entry, register, value, seconds));
+    }
+}
+
+fn function_row(entry: &Entry, register: u8, value: f64, seconds: f64) -> CodeRow {
+    CodeRow {
+        id: codes::FUNCTION,
+        form: CodeForm::RegisterAsData { register, min: value, max: value, data: data::FUNCTION },
+        enable: true,
+        process: true,
+        order: ident::code_facts(codes::FUNCTION).map_or(300, |facts| facts.order),
+        group: 0,
+        modality: Modality::NonModal,
+        mul: 1.0,
+        add: 0.0,
+        with: Vec::new(),
+        without: Vec::new(),
+        ignores: Vec::new(),
+        seconds,
+        axis: None,
+        line: entry.place.line,
+        file: entry.place.file.to_string(),
+    }
+}

@@ -1,0 +1,51 @@
+//! `[variables]`: which common variables the channels share.
+//!
+//! Invariant: ranges run upwards, start at 100 and do not overlap. Facts: reference channel-synchronisation.md 1.3.
+
+use crate::model::Variables;
+use crate::toml::check::Check;
+use crate::toml::node::{Node, Value};
+use crate::toml::section::Section;
+
+/// First common variable; those below are local to a program.
+const FIRST: i64 = 100;
+
+/// Last common variable.
+const LAST: i64 = 99_999;
+
+/// Reads the section.
+pub(super) fn read(top: &mut Section<'_>, check: &Check) -> Variables {
+    let mut variables = Variables { shared: Vec::new(), channel: Vec::new(), own_common: false };
+    let Some(mut section) = top.table("variables", "[variables]") else { return variables };
+    let mut taken: Vec<(u32, u32)> = Vec::new();
+    variables.shared = ranges(&mut section, "shared", &mut taken, check);
+    variables.channel = ranges(&mut section, "channel", &mut taken, check);
+    variables.own_common = section.flag("own_common").unwrap_or(false);
+    section.finish();
+    variables
+}
+
+fn ranges(section: &mut Section<'_>, key: &'static str, taken: &mut Vec<(u32, u32)>, check: &Check) -> Vec<(u32, u32)> {
+    let mut ranges = Vec::new();
+    for item in section.list(key).unwrap_or_default() {
+        let Some((first, last)) = range(item) else {
+            let expected = format!("[first, last] from {FIRST} to {LAST}, the smaller number first");
+            check.error(&item.place, format!("`{key}` must be a list of {expected}"));
+            continue;
+        };
+        if let Some((from, to)) = taken.iter().find(|(from, to)| *from <= last && first <= *to) {
+            check.error(&item.place, format!("#{first}-#{last} overlaps #{from}-#{to}"));
+        }
+        taken.push((first, last));
+        ranges.push((first, last));
+    }
+    ranges
+}
+
+fn range(item: &Node) -> Option<(u32, u32)> {
+    let Value::Array(ends) = &item.value else { return None };
+    let [first, last] = ends.as_slice() else { return None };
+    let (Value::Integer(first), Value::Integer(last)) = (&first.value, &last.value) else { return None };
+    let valid = FIRST <= *first && first <= last && *last <= LAST;
+    if valid { Some((u32::try_from(*first).ok()?, u32::try_from(*last).ok()?)) } else { None }
+}

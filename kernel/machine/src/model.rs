@@ -1,0 +1,346 @@
+//! The checked machine definition as the kernel uses it.
+
+mod behaviour;
+mod rows;
+
+pub use behaviour::*;
+pub use rows::*;
+
+use super::ident::{CodeId, DataId};
+use super::tables::Tables;
+use counterpoint_event::Unit;
+use counterpoint_event::{MAX_AXES, Position};
+
+/// A machine with its control.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    /// Name, 1–32 characters.
+    pub name: String,
+    /// Number 1–999999.
+    pub number: u32,
+    /// Revision.
+    pub revision: u32,
+    /// When it was made, as the file says; empty when it does not.
+    pub created: String,
+    /// File it was loaded from: folder and name.
+    pub file: String,
+    /// Author, free text.
+    pub author: String,
+    /// One line on what the machine is.
+    pub description: String,
+    /// Primary unit of length; positions in events are in this unit.
+    pub unit: Unit,
+    /// Kind of machine.
+    pub kind: MachineKind,
+    /// What evaluates variables, branches and macro calls in the program.
+    pub preprocessor: Preprocessor,
+    /// Shape of program text.
+    pub format: Format,
+    /// Registers in list order; `Word::register` of the kernel is an index into this list.
+    pub registers: Vec<Register>,
+    /// Code rows in file order.
+    pub codes: Vec<CodeRow>,
+    /// Data rows in file order.
+    pub data: Vec<DataRow>,
+    /// Names of custom code identifiers; `CodeId(codes::TABLE.len() + i)` is the i-th.
+    pub custom_codes: Vec<String>,
+    /// Names of custom data identifiers, likewise.
+    pub custom_data: Vec<String>,
+    /// All axes of the machine.
+    pub axes: Vec<Axis>,
+    /// Channels in ascending number.
+    pub channels: Vec<Channel>,
+    /// Spindles.
+    pub spindles: Vec<Spindle>,
+    /// Codes active at program start.
+    pub initial: Vec<CodeId>,
+    /// Subprogram calls.
+    pub subprograms: Subprograms,
+    /// Channel synchronisation.
+    pub sync: Sync,
+    /// Times.
+    pub time: Time,
+    /// Canned cycles.
+    pub cycles: Cycles,
+    /// Circles.
+    pub arcs: super::paths::Arcs,
+    /// Threading cycles.
+    pub threads: super::paths::Threads,
+    /// Direction of the tool, from its tip to the spindle, with all rotary axes at zero.
+    pub tool_direction: [f64; 3],
+    /// Pump of the coolant.
+    pub pump: Pump,
+    /// What its words leave open.
+    pub habits: super::habits::Habits,
+    /// The file of printing statements.
+    pub output: Output,
+    /// Cutter and nose radius compensation.
+    pub compensation: Compensation,
+    /// Program variables of the pre-processor.
+    pub variables: Variables,
+    /// Tool word and tool offsets.
+    pub tool: Tool,
+    /// Work offsets 1 (G54) to n: per machine axis (index into `axes`), axis units.
+    pub work_offsets: Vec<Vec<f64>>,
+    /// Macros, none if the machine has none.
+    pub macros: Option<std::sync::Arc<crate::macros::model::Macros>>,
+    /// Rules that change the text of every block before anything else, in order.
+    pub tape_editor: Vec<TapeRule>,
+    /// Dialogs, by name.
+    pub dialogs: Vec<counterpoint_ports::dialog::Dialog>,
+    /// What the machine changes about diagnostics.
+    pub diagnostics: Diagnostics,
+    /// Files stored with the machine, `//ICAMFS/…`, sorted by path.
+    pub storage: Vec<StoredFile>,
+    /// Dense lookups compiled from the rows.
+    pub tables: Tables,
+}
+
+/// What a machine changes about diagnostics.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Diagnostics {
+    /// Rules, ascending by number.
+    pub rules: Vec<DiagnosticRule>,
+    /// Diagnostics below this severity are not logged.
+    pub min_severity: u8,
+    /// Blocks that the control refuses with an alarm.
+    pub refusals: Vec<super::refusals::Refusal>,
+}
+
+/// What a machine changes about one number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DiagnosticRule {
+    /// The number; one of the kernel, or one of the machine's own.
+    pub number: u32,
+    /// Severity 0–99 instead of the built-in one.
+    pub severity: Option<u8>,
+    /// Text instead of the built-in one; `!(*)` in it is the built-in text.
+    pub text: Option<String>,
+    /// `false` = never shown.
+    pub enable: bool,
+    /// How often a channel shows it.
+    pub repeat: Option<u32>,
+    /// It stops the channel, or does not; `None` = as `[control] stops` says of alarms.
+    pub stops: Option<bool>,
+    /// It is an alarm of this control, also where it is none of the kernel.
+    pub alarm: bool,
+}
+
+/// A file stored with the machine; it is never written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredFile {
+    /// Path below `//ICAMFS/`.
+    pub path: String,
+    /// Content.
+    pub content: counterpoint_ports::files::Bytes,
+}
+
+/// A rule of the tape editor.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TapeRule {
+    /// Expression in the dialect of `ed`; it is correct.
+    pub find: String,
+    /// What takes the place of its first match, `\1` to `\9` are groups.
+    pub replace: String,
+    /// Switched on at program start.
+    pub on: bool,
+    /// Line in `file`.
+    pub line: u32,
+    /// File where it is defined.
+    pub file: String,
+}
+
+/// Kind of machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MachineKind {
+    /// Milling machine.
+    Mill,
+    /// Lathe with one or more independent turrets.
+    Lathe,
+    /// Upper and lower turret under one definition.
+    MergingLathe,
+    /// Composite of components.
+    Composite,
+}
+
+/// Program pre-processor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preprocessor {
+    /// None: plain words only.
+    None,
+    /// Fanuc custom macro B.
+    Fanuc,
+    /// Okuma user task.
+    Okuma,
+    /// Siemens 840D.
+    Siemens,
+    /// Heidenhain, conversational and ISO.
+    Heidenhain,
+}
+
+/// Shape of program text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Format {
+    /// Rewind-stop text alone on a line, empty = none.
+    pub rws: String,
+    /// Where it is expected.
+    pub rws_at: RewindStop,
+    /// Comment start and end; an empty end = to the end of the block.
+    pub comment: Option<(String, String)>,
+    /// Operator message start and end.
+    pub message: Option<(String, String)>,
+    /// Optional-skip mark.
+    pub opskip_mark: Option<char>,
+    /// Level of a mark without digit.
+    pub opskip_default: u8,
+    /// Extra end-of-block character.
+    pub eob: Option<char>,
+}
+
+/// Expected place of the rewind-stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RewindStop {
+    /// No rewind-stop is expected.
+    None,
+    /// Before the first block: everything up to it is skipped.
+    Start,
+    /// May stand before the first block; its absence is not worth a message.
+    Optional,
+}
+
+/// An axis of the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Name, unique in the machine (`X`, `X2`, `C1`).
+    pub name: String,
+    /// Name shown in a channel (`X` for both `X1` and `X2`).
+    pub letter: String,
+    /// Which axis data identifier moves it (`REG_AXIS_X`, …).
+    pub data: DataId,
+    /// Geometry role.
+    pub role: AxisRole,
+    /// Programmed and shown as diameter.
+    pub diameter: bool,
+    /// Rapid rate, axis units per minute (radius on a diameter axis).
+    pub rapid: f64,
+    /// Acceleration, axis units per second squared; `None` = speed changes take no time.
+    pub acceleration: Option<f64>,
+    /// Start position and first reference point in the machine frame (as programmed: diameter on a diameter axis).
+    pub home: f64,
+    /// Second to fourth reference points.
+    pub references: [Option<f64>; 3],
+    /// Travel limits in the machine frame, as programmed.
+    pub limits: Option<(f64, f64)>,
+    /// Direction about which the tool turns right-handed relative to the workpiece, on a rotary axis.
+    pub vector: [f64; 3],
+    /// A point on a rotary axis, machine frame with all axes at zero, geometry units.
+    pub center: [f64; 3],
+    /// How absolute words turn a rotary axis.
+    pub turn: Turn,
+}
+
+/// How an absolute word turns a rotary axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// It is the position, whole turns counted.
+    Position,
+    /// It is the angle, reached the shorter way.
+    Shortest,
+    /// It is the angle, its sign the direction.
+    Sign,
+}
+
+/// Geometry role of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisRole {
+    /// First linear axis.
+    X,
+    /// Second linear axis.
+    Y,
+    /// Third linear axis.
+    Z,
+    /// Linear, outside the three.
+    Linear,
+    /// Rotary, degrees.
+    Rotary,
+}
+
+impl AxisRole {
+    /// Degrees instead of length.
+    #[must_use]
+    pub fn is_rotary(self) -> bool {
+        matches!(self, Self::Rotary)
+    }
+}
+
+/// A channel (path, turret).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Channel {
+    /// Number from 1.
+    pub number: u16,
+    /// Name (`UPPER`).
+    pub name: String,
+    /// Axes (index into `Machine::axes`) in display order, at most [`MAX_AXES`].
+    pub axes: Vec<usize>,
+    /// Spindle number its feed per revolution and S word mean.
+    pub spindle: Option<u16>,
+    /// Sub-spindle, for `CODE_SPINDLE_REAR`.
+    pub rear: Option<u16>,
+    /// Spindle of the milling mode.
+    pub milling: Option<u16>,
+    /// Linear and rotary axis of polar interpolation (index into `Machine::axes`).
+    pub polar: Option<[usize; 2]>,
+    /// Its tools work from below the turning axis: toolpath pictures show it there.
+    pub lower: bool,
+}
+
+/// A spindle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spindle {
+    /// Number.
+    pub number: u16,
+    /// Name.
+    pub name: String,
+    /// Largest speed, rev/min.
+    pub max: f64,
+    /// Smallest speed under constant surface speed and feed per revolution, rev/min.
+    pub min: f64,
+    /// Seconds from standing to largest speed; 0 = at once.
+    pub run_up: f64,
+}
+
+impl Machine {
+    /// Start position of a channel: home of its axes.
+    #[must_use]
+    pub fn home(&self, channel: &Channel) -> Position {
+        let mut position = [0.0; MAX_AXES];
+        for (slot, &axis) in position.iter_mut().zip(&channel.axes) {
+            *slot = self.axes.get(axis).map_or(0.0, |a| a.home);
+        }
+        position
+    }
+
+    /// Full name of a code identifier, custom ones included.
+    #[must_use]
+    pub fn code_name(&self, id: CodeId) -> &str {
+        match super::ident::code_facts(id) {
+            Some(facts) => facts.name,
+            None => self
+                .custom_codes
+                .get(usize::from(id.0) - super::ident::codes::TABLE.len())
+                .map_or("CODE_?", String::as_str),
+        }
+    }
+
+    /// Full name of a data identifier, custom ones included.
+    #[must_use]
+    pub fn data_name(&self, id: DataId) -> &str {
+        match super::ident::data_facts(id) {
+            Some(facts) => facts.name,
+            None => self
+                .custom_data
+                .get(usize::from(id.0) - super::ident::data::TABLE.len())
+                .map_or("REG_?", String::as_str),
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Registers, and the rows of the code and data tables.
+//!
+//! Facts: reference control-emulator.md 1.2 to 1.4.
+
+use crate::ident::{CodeId, DataId};
+
+/// A register: a letter (or text) with a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Register {
+    /// Index of the definition, 1–99.
+    pub index: u8,
+    /// Name: one capital letter for a regular register.
+    pub name: String,
+    /// Second name: incremental form.
+    pub second: Option<String>,
+    /// Text before the number; the name itself for a regular register.
+    pub before: String,
+    /// Text after the number, empty for a regular register.
+    pub after: String,
+    /// Number format in primary units.
+    pub format: NumberFormat,
+    /// Number format in secondary units.
+    pub secondary: NumberFormat,
+    /// Least increment of values of expressions; none: one in the last digit of the format.
+    pub increment: Option<f64>,
+    /// Values may be negative.
+    pub signed: bool,
+    /// Numbers may have a decimal point.
+    pub pointed: bool,
+    /// The text between `before` and `after` may be a tool's name.
+    pub names: bool,
+}
+
+impl Register {
+    /// One capital letter and nothing after the number; everything else is a special register.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        self.after.is_empty() && matches!(self.before.as_bytes(), [letter] if letter.is_ascii_uppercase())
+    }
+}
+
+/// Format of a register's number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberFormat {
+    /// Digits before the point.
+    pub whole: u8,
+    /// Digits after the point.
+    pub frac: u8,
+    /// Decimal point.
+    pub point: Point,
+    /// Leading zeros.
+    pub lead: Zeros,
+    /// Trailing zeros.
+    pub trail: Zeros,
+    /// Plus sign is shown.
+    pub plus: bool,
+}
+
+/// Decimal point of a register.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Point {
+    /// Always written if fractional digits exist.
+    Keep,
+    /// Written only if needed.
+    Fractional,
+    /// Implied: never written.
+    Omit,
+}
+
+/// Zeros of a register.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Zeros {
+    /// All are written.
+    Keep,
+    /// One is written.
+    One,
+    /// None is written.
+    Omit,
+}
+
+/// A row of the code table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CodeRow {
+    /// What fires.
+    pub id: CodeId,
+    /// How it is written.
+    pub form: CodeForm,
+    /// `false` = the row does not exist for the scanner.
+    pub enable: bool,
+    /// `false` = recognised and swallowed.
+    pub process: bool,
+    /// 1–999, small first.
+    pub order: u16,
+    /// 0–999, 0 = none.
+    pub group: u16,
+    /// Modality.
+    pub modality: Modality,
+    /// value' = value · mul + add.
+    pub mul: f64,
+    /// See `mul`.
+    pub add: f64,
+    /// Row matches only if one of these registers (index into `registers`) is on the block; empty = always.
+    pub with: Vec<u8>,
+    /// Row matches only if none of these registers is on the block.
+    pub without: Vec<u8>,
+    /// Registers whose words the control ignores on a block of this code.
+    pub ignores: Vec<u8>,
+    /// Seconds this code takes (machine's time table), 0 = none.
+    pub seconds: f64,
+    /// Axis role that a canned cycle works along (0 X, 1 Y, 2 Z), none = the one that the plane leaves.
+    pub axis: Option<u8>,
+    /// Line in `file` where the row is defined.
+    pub line: u32,
+    /// File where the row is defined (relative to the machines folder).
+    pub file: String,
+}
+
+/// Written form of a code.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CodeForm {
+    /// No form in the program; only macros fire it.
+    NotApplicable,
+    /// Literal text.
+    Text(String),
+    /// Register (index into `registers`) with a value range, inclusive.
+    Register {
+        /// Index into `Machine::registers`.
+        register: u8,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// The same, and the value is handed over as data.
+    RegisterAsData {
+        /// Index into `Machine::registers`.
+        register: u8,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+        /// Data identifier that receives value · mul + add.
+        data: DataId,
+    },
+}
+
+/// Modality of a code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Modality {
+    /// Acts on its block.
+    NonModal,
+    /// Active until another code of its group.
+    Modal,
+    /// Modal, and fires again on every block.
+    Persistent,
+}
+
+/// A row of the data table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataRow {
+    /// What it supplies.
+    pub id: DataId,
+    /// Register (index into `registers`), `None` = not in the program text.
+    pub register: Option<u8>,
+    /// `false` = the word is not recognised through this row.
+    pub enable: bool,
+    /// `false` = recognised and dropped.
+    pub process: bool,
+    /// The last value is remembered.
+    pub modal: bool,
+    /// Smallest value accepted, before `mul` and `add`.
+    pub min: Option<f64>,
+    /// Largest value accepted.
+    pub max: Option<f64>,
+    /// value' = value · mul + add.
+    pub mul: f64,
+    /// See `mul`.
+    pub add: f64,
+    /// Dimension, for the change of units.
+    pub dimension: Dimension,
+    /// Line where the row is defined.
+    pub line: u32,
+    /// File where the row is defined.
+    pub file: String,
+}
+
+/// Dimension of a value: decides what a switch between mm and inch scales.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// A number.
+    None,
+    /// Length.
+    Length,
+    /// Length in least increments: 0.001 mm or 0.0001 inch, which the factor of the row brings in.
+    Increments,
+    /// Degrees.
+    Angle,
+    /// Length per minute or per revolution.
+    Feed,
+    /// m/min or ft/min.
+    SurfaceSpeed,
+    /// Seconds.
+    Time,
+}
+
+impl Dimension {
+    /// Dimension of a value that is given without the factor of its row.
+    pub fn plain(self) -> Self {
+        if self == Self::Increments { Self::Length } else { self }
+    }
+}

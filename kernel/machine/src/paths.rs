@@ -1,0 +1,70 @@
+//! What a machine says about circles and threads.
+//!
+//! Facts: reference control-emulator.md 1.5 (questions on circles and threads), 6.1, 6.5. Invariant: distances are zero
+//! or more, in the unit of the machine.
+
+use crate::model::Heights;
+
+/// Circles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arcs {
+    /// Centre words are offsets from the start, positions, or follow the mode.
+    pub center: Heights,
+    /// How far an end may be off its circle.
+    pub tolerance: f64,
+    /// Largest radius; infinite without a limit.
+    pub max_radius: f64,
+    /// Which codes may move a further axis along.
+    pub helix: Helix,
+    /// Which circles take a number of turns.
+    pub turns: Turns,
+    /// A circle by its radius to its own start is no motion; otherwise it is reported.
+    pub stands: bool,
+}
+
+/// Codes that may make helices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Helix {
+    /// All codes of circles.
+    Any,
+    /// Those of helices only.
+    Codes,
+    /// None.
+    Off,
+}
+
+/// Circles of several turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turns {
+    /// Every circle.
+    Always,
+    /// Helices only.
+    Helical,
+    /// None.
+    Never,
+}
+
+/// Threading cycles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Threads {
+    /// A block of a cycle of several passes without a position only tells its settings.
+    pub two_lines: bool,
+    /// The code of threads with one lead takes a change of the lead too.
+    pub changes: bool,
+    /// In-feed, `$THMODE` 0 to 4.
+    pub infeed: u8,
+    /// Smallest step.
+    pub min_step: f64,
+    /// Finishing passes.
+    pub finish_cuts: u16,
+    /// What they leave to do.
+    pub finish: f64,
+    /// Angle of the nose, degrees.
+    pub nose: f64,
+    /// Threads end in a chamfer.
+    pub chamfer: bool,
+    /// Its length along the thread, 0 = by the lead.
+    pub chamfer_length: f64,
+    /// Its angle to the thread, degrees.
+    pub chamfer_angle: f64,
+}

@@ -1,0 +1,318 @@
+//! JSON form.
+//!
+//! Invariant: names instead of indexes, the units of the machine file; rows carry the file and line that define them.
+
+use serde_json::{Value, json};
+
+use super::{Show, axis, register, sorted_codes, word, written};
+use crate::model::{Axis, Channel, CodeForm, CodeRow, DataRow, Heights, Machine, NumberFormat, Register};
+
+/// The whole machine.
+#[must_use]
+pub fn json(machine: &Machine) -> Value {
+    json!({
+        "name": machine.name,
+        "number": machine.number,
+        "revision": machine.revision,
+        "author": machine.author,
+        "description": machine.description,
+        "units": word(machine.unit),
+        "type": word(machine.kind),
+        "preprocessor": word(machine.preprocessor),
+        "format": format(machine),
+        "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
+        "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),
+        "groups": super::groups::json(machine),
+        "macros": super::macros::json(machine),
+    "refusals": super::refusals::json(machine),
+        "data": machine.data.iter().map(|row| data(machine, row)).collect::<Vec<_>>(),
+        "axes": machine.axes.iter().map(|axis| axis_json(machine, axis)).collect::<Vec<_>>(),
+        "channels": machine.channels.iter().map(|row| channel(machine, row)).collect::<Vec<_>>(),
+        "spindles": spindles(machine),
+        "initial": machine.initial.iter().map(|id| machine.code_name(*id)).collect::<Vec<_>>(),
+        "subprograms": subprograms(machine),
+        "sync": sync(machine),
+        "time": time(machine),
+        "cycles": cycles(machine),
+        "arcs": arcs(machine),
+        "threads": threads(machine),
+        "compensation": {
+            "rapid": machine.compensation.rapid,
+            "arcs": machine.compensation.arcs,
+            "corner": word(machine.compensation.corner),
+            "corner_angle": machine.compensation.corner_angle,
+        },
+        "output": {
+            "file": machine.output.file,
+            "leading_zeros": if machine.output.padded { "spaces" } else { "none" },
+            "sign": if machine.output.sign_column { "column" } else { "minus" },
+            "line_end": match machine.output.line_end { "\n" => "lf", "\r" => "cr", _ => "cr-lf" },
+            "open": if machine.output.opened { "needed" } else { "not-needed" },
+        },
+        "variables": { "shared": machine.variables.shared, "channel": machine.variables.channel,
+            "own_common": machine.variables.own_common },
+        "tool": { "offset_digits": machine.tool.offset_digits, "offsets": tool_offsets(machine), "data": tool_data(machine) },
+        "work_offsets": machine.work_offsets.iter().map(|values| by_axis(machine, values)).collect::<Vec<_>>(),
+    })
+}
+
+/// One part of the machine, under its key.
+#[must_use]
+pub fn part(machine: &Machine, what: Show) -> Value {
+    let keys: &[&str] = match what {
+        Show::All => return json(machine),
+        Show::Summary => &["name", "number", "revision", "description", "units", "type", "format", "sync", "time"],
+        Show::Registers => &["registers"],
+        Show::Codes => &["codes"],
+        Show::Data => &["data"],
+        Show::Axes => &["axes"],
+        Show::Channels => &["channels", "spindles"],
+        Show::Groups => &["groups"],
+        Show::Macros => &["macros"],
+        Show::Refusals => &["refusals"],
+    };
+    let mut value = json(machine);
+    if let Some(object) = value.as_object_mut() {
+        object.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    value
+}
+
+fn format(machine: &Machine) -> Value {
+    let format = &machine.format;
+    json!({
+        "rws": format.rws,
+        "rws_at": word(format.rws_at),
+        "comment": format.comment,
+        "message": format.message,
+        "opskip": { "mark": format.opskip_mark, "default": format.opskip_default },
+        "eob": format.eob,
+    })
+}
+
+fn number_format(format: &NumberFormat) -> Value {
+    json!({
+        "whole": format.whole,
+        "frac": format.frac,
+        "point": word(format.point),
+        "lead": word(format.lead),
+        "trail": word(format.trail),
+        "plus": format.plus,
+    })
+}
+
+fn register_json(register: &Register) -> Value {
+    json!({
+        "index": register.index,
+        "name": register.name,
+        "second": register.second,
+        "before": register.before,
+        "after": register.after,
+        "format": number_format(&register.format),
+        "secondary": number_format(&register.secondary),
+        "increment": register.increment,
+        "signed": register.signed,
+    })
+}
+
+fn code(machine: &Machine, row: &CodeRow) -> Value {
+    let names = |list: &[u8]| list.iter().map(|index| register(machine, *index)).collect::<Vec<_>>();
+    let as_data = match &row.form {
+        CodeForm::RegisterAsData { data, .. } => Some(machine.data_name(*data)),
+        _ => None,
+    };
+    json!({
+        "id": machine.code_name(row.id),
+        "word": written(machine, &row.form),
+        "as_data": as_data,
+        "enable": row.enable,
+        "process": row.process,
+        "order": row.order,
+        "group": row.group,
+        "modality": word(row.modality),
+        "mul": row.mul,
+        "add": row.add,
+        "with": names(&row.with),
+        "without": names(&row.without),
+        "ignores": names(&row.ignores),
+        "seconds": row.seconds,
+        "axis": row.axis.map(|axis| ["X", "Y", "Z"].get(usize::from(axis))),
+        "file": row.file,
+        "line": row.line,
+    })
+}
+
+fn data(machine: &Machine, row: &DataRow) -> Value {
+    json!({
+        "id": machine.data_name(row.id),
+        "register": row.register.map(|index| register(machine, index)),
+        "enable": row.enable,
+        "process": row.process,
+        "modal": row.modal,
+        "min": row.min,
+        "max": row.max,
+        "mul": row.mul,
+        "add": row.add,
+        "dimension": word(row.dimension),
+        "file": row.file,
+        "line": row.line,
+    })
+}
+
+fn axis_json(machine: &Machine, axis: &Axis) -> Value {
+    json!({
+        "name": axis.name,
+        "letter": axis.letter,
+        "data": machine.data_name(axis.data),
+        "role": word(axis.role),
+        "diameter": axis.diameter,
+        "rapid": axis.rapid,
+        "acceleration": axis.acceleration,
+        "home": axis.home,
+        "references": axis.references,
+        "limits": axis.limits,
+    })
+}
+
+fn channel(machine: &Machine, channel: &Channel) -> Value {
+    json!({
+        "number": channel.number,
+        "name": channel.name,
+        "axes": channel.axes.iter().map(|index| axis(machine, *index)).collect::<Vec<_>>(),
+        "spindle": channel.spindle,
+        "rear": channel.rear,
+        "milling": channel.milling,
+        "side": if channel.lower { "lower" } else { "upper" },
+    })
+}
+
+fn spindles(machine: &Machine) -> Vec<Value> {
+    let spindle = |spindle: &crate::model::Spindle| {
+        json!({
+            "number": spindle.number,
+            "name": spindle.name,
+            "max": spindle.max,
+            "min": spindle.min,
+            "run_up": spindle.run_up,
+        })
+    };
+    machine.spindles.iter().map(spindle).collect()
+}
+
+fn subprograms(machine: &Machine) -> Value {
+    let subprograms = &machine.subprograms;
+    json!({
+        "placement": word(subprograms.placement),
+        "extension": subprograms.extension,
+        "call": word(subprograms.call),
+        "repeat_is_executions": subprograms.repeat_is_executions,
+        "main_return": word(subprograms.main_return),
+        "nested_calls": word(subprograms.nested),
+        "levels": {
+            "subprograms": subprograms.levels.subprograms,
+            "macros": subprograms.levels.macros,
+            "all": subprograms.levels.all,
+        },
+        "macro_words": if subprograms.strict { "behind" } else { "anywhere" },
+        "calls": subprograms.calls.iter().map(|call| super::text::word_call(machine, call)).collect::<Vec<_>>(),
+    })
+}
+
+fn sync(machine: &Machine) -> Value {
+    let sync = &machine.sync;
+    json!({
+        "dialect": word(sync.dialect),
+        "paths": word(sync.paths),
+        "alarm_scope": word(sync.alarm_scope),
+        "release_ns": sync.release_ns,
+        "poll_ns": sync.poll_ns,
+    })
+}
+
+fn time(machine: &Machine) -> Value {
+    let time = &machine.time;
+    json!({
+        "tool_change": time.tool_change,
+        "tool_step": time.tool_step,
+        "stations": time.stations,
+        "rapid": word(time.rapid),
+        "spindle_speed": time.spindle_speed,
+    })
+}
+
+fn cycles(machine: &Machine) -> Value {
+    let cycles = &machine.cycles;
+    json!({
+        "approach": word(cycles.approach),
+        "clearance": word(cycles.clearance),
+        "depth": word(cycles.depth),
+        "clearance_word": if cycles.clearance_required { "required" } else { "optional" },
+        "step": if cycles.step_required { "required" } else { "optional" },
+        "step_back": cycles.step_back,
+        "min_step": cycles.min_step,
+        "cancel": if cycles.cancel_required { "required" } else { "optional" },
+        "motion_cancels": cycles.motion_cancels,
+    })
+}
+
+fn arcs(machine: &Machine) -> Value {
+    let arcs = &machine.arcs;
+    json!({
+        "center": match arcs.center {
+            Heights::Incremental => "offset".to_owned(),
+            other => word(other),
+        },
+        "tolerance": arcs.tolerance,
+        "max_radius": arcs.max_radius.is_finite().then_some(arcs.max_radius),
+        "helix": word(arcs.helix),
+        "turns": word(arcs.turns),
+        "to_start": if arcs.stands { "stand" } else { "error" },
+    })
+}
+
+fn threads(machine: &Machine) -> Value {
+    let threads = &machine.threads;
+    json!({
+        "form": if threads.two_lines { "two-line" } else { "one-line" },
+        "infeed": threads.infeed,
+        "min_step": threads.min_step,
+        "finish_cuts": threads.finish_cuts,
+        "finish": threads.finish,
+        "nose": threads.nose,
+        "chamfer": threads.chamfer,
+        "chamfer_length": threads.chamfer_length,
+        "chamfer_angle": threads.chamfer_angle,
+    })
+}
+
+fn tool_offsets(machine: &Machine) -> Vec<Value> {
+    let offset = |offset: &crate::model::ToolOffset| {
+        json!({
+            "number": offset.number,
+            "radius": offset.radius,
+            "tip": offset.tip,
+            "values": by_axis(machine, &offset.values),
+        })
+    };
+    machine.tool.offsets.iter().map(offset).collect()
+}
+
+fn tool_data(machine: &Machine) -> Vec<Value> {
+    let facts = |facts: &crate::model::ToolFacts| {
+        json!({
+            "number": facts.number,
+            "name": facts.name,
+            "diameter": facts.diameter,
+            "radius": facts.radius,
+            "length": facts.length,
+            "offset": facts.offset,
+        })
+    };
+    machine.tool.data.iter().map(facts).collect()
+}
+
+/// Values with the names of their axes.
+fn by_axis(machine: &Machine, values: &[f64]) -> Value {
+    let named = machine.axes.iter().zip(values).map(|(axis, value)| (axis.name.clone(), json!(value)));
+    Value::Object(named.collect())
+}

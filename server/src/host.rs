@@ -1,0 +1,29 @@
+//! What the server needs of the machine that it runs on.
+//!
+//! Invariant: [`Host`] is about this machine alone; what other machines must know is in ledger, queue, logs and blobs.
+
+use std::fmt::Debug;
+use std::io;
+use std::path::PathBuf;
+
+/// The machine.
+pub(crate) trait Host: Send + Sync + Debug {
+    /// Free bytes for what the server stores; `None` where the system does not say.
+    fn free(&self) -> Option<u64>;
+
+    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
+    /// that died, not for one after a power loss, which no job has caused.
+    fn mark(&self, id: &str, attempt: u32) -> io::Result<()>;
+
+    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    fn unmark(&self, id: &str);
+
+    /// Jobs that were running when the server before this one died, with the numbers of their runs.
+    fn marks(&self) -> io::Result<Vec<(String, u32)>>;
+
+    /// Folder for files that nobody needs after a restart.
+    fn scratch(&self) -> PathBuf;
+
+    /// Lets another server have everything.
+    fn release(&self);
+}

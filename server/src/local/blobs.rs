@@ -1,0 +1,321 @@
+//! Blobs in files of the data folder; a server that keeps nothing (an ephemeral one) holds them in memory.
+//!
+//! Invariant: a file gets the name of a blob only when it is complete, durable and has that digest.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use bytes::Bytes;
+use dashmap::DashMap;
+use sha2::{Digest, Sha256};
+
+use super::disk::Temporary;
+use super::store::Store;
+use crate::blobs::{self, Blobs, hex, is_digest};
+use crate::reason::Refusal;
+
+/// Most bytes that are set aside for an announced size before they come.
+const RESERVE: usize = 64 << 20;
+
+/// A blob offered again within this time keeps its time.
+const FRESH: Duration = Duration::from_secs(1);
+/// Most blobs that are looked at in one step of a collection.
+const GROUP: usize = 64;
+
+/// The blobs of a server.
+#[derive(Debug, Clone)]
+pub(crate) struct LocalBlobs {
+    place: Place,
+    max: u64,
+}
+
+/// Where blobs are.
+#[derive(Debug, Clone)]
+enum Place {
+    Files(Store),
+    Memory(Arc<DashMap<String, Bytes>>),
+}
+
+impl LocalBlobs {
+    pub(crate) fn new(store: Store, max: u64) -> Self {
+        Self { place: Place::Files(store), max }
+    }
+
+    /// Blobs that go with the server.
+    pub(crate) fn in_memory(max: u64) -> Self {
+        Self { place: Place::Memory(Arc::default()), max }
+    }
+
+    /// Whether the content of a blob is what its name says; nothing is done if not.
+    pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
+        let Place::Files(store) = &self.place else { return Ok(true) };
+        let mut hash = Sha256::new();
+        io::copy(&mut store.disk().open(&store.blob(digest))?, &mut hash)?;
+        Ok(hex(&hash.finalize()) == digest)
+    }
+
+    /// Time since a blob was uploaded or offered; `None` if there is none, or if the clock has been set back since.
+    fn age(&self, digest: &str) -> Option<Duration> {
+        match &self.place {
+            Place::Files(store) if is_digest(digest) => {
+                fs::metadata(store.blob(digest)).ok()?.modified().ok()?.elapsed().ok()
+            }
+            _ => None,
+        }
+    }
+
+    /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
+    fn damaged(&self, digest: &str) -> io::Error {
+        if let Place::Files(store) = &self.place {
+            let path = store.blob(digest);
+            let moved = fs::rename(&path, path.with_extension("damaged"));
+            tracing::error!(digest, ?moved, "the content of a blob has changed on the disk");
+        }
+        let text =
+            format!("the stored content of blob {digest} has changed; upload it again, then submit the job again");
+        io::Error::new(io::ErrorKind::InvalidData, text)
+    }
+}
+
+impl Blobs for LocalBlobs {
+    fn has(&self, digest: &str) -> bool {
+        match &self.place {
+            Place::Files(store) => is_digest(digest) && store.blob(digest).is_file(),
+            Place::Memory(blobs) => blobs.contains_key(digest),
+        }
+    }
+
+    fn offers(&self, digest: &str) -> bool {
+        if let Place::Files(store) = &self.place
+            && self.age(digest).is_some_and(|age| age > FRESH)
+        {
+            // Not being able to is fine: then the blob may be collected, and the client is asked for it again.
+            let file = fs::File::options().append(true).open(store.blob(digest));
+            let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
+        }
+        self.has(digest)
+    }
+
+    fn older_than(&self, grace: Duration) -> Box<dyn Iterator<Item = Vec<String>> + '_> {
+        Box::new((0..=255u8).flat_map(move |first| {
+            let names = match &self.place {
+                Place::Files(store) => store.blobs(&hex(&[first])).unwrap_or_default(),
+                Place::Memory(_) => Vec::new(),
+            };
+            let old: Vec<_> = names.into_iter().filter(|name| self.age(name).is_some_and(|age| age >= grace)).collect();
+            old.chunks(GROUP).map(<[String]>::to_vec).collect::<Vec<_>>()
+        }))
+    }
+
+    fn remove_older(&self, digest: &str, grace: Duration) -> bool {
+        let Place::Files(store) = &self.place else { return false };
+        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(digest)).is_ok()
+    }
+
+    fn read(&self, digest: &str) -> io::Result<Bytes> {
+        match &self.place {
+            Place::Files(store) => match store.disk().read(&store.blob(digest)) {
+                Ok(content) if blobs::digest(&content) == digest => Ok(content.into()),
+                Ok(_) => Err(self.damaged(digest)),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone(digest)),
+                other => other.map(Bytes::from),
+            },
+            Place::Memory(blobs) => {
+                blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
+            }
+        }
+    }
+
+    fn size(&self, digest: &str) -> u64 {
+        match &self.place {
+            Place::Files(store) => fs::metadata(store.blob(digest)).map_or(0, |meta| meta.len()),
+            Place::Memory(blobs) => blobs.get(digest).map_or(0, |blob| blob.len() as u64),
+        }
+    }
+
+    fn open(&self, digest: &str) -> Result<Box<dyn Read + Send>, Refusal> {
+        if !self.has(digest) {
+            return Err(Refusal::UnknownBlob(digest.to_owned()));
+        }
+        Ok(match &self.place {
+            Place::Files(store) => {
+                let file = store.disk().open(&store.blob(digest))?;
+                Box::new(Checked { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
+            }
+            Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
+        })
+    }
+
+    fn receive(&self, digest: &str, size: Option<u64>) -> Result<Box<dyn blobs::Receiver>, Refusal> {
+        if !is_digest(digest) {
+            return Err(Refusal::field("digest", "must be 64 lower-case hexadecimal digits"));
+        }
+        if size.is_some_and(|size| size > self.max) {
+            return Err(Refusal::BlobTooLarge(self.max));
+        }
+        let room = usize::try_from(size.unwrap_or(0)).unwrap_or(0).min(RESERVE);
+        let content = match &self.place {
+            Place::Files(store) => Content::File(store.temporary()?),
+            Place::Memory(_) => Content::Memory(Vec::with_capacity(room)),
+        };
+        Ok(Box::new(Receiver {
+            blobs: self.clone(),
+            announced: digest.to_owned(),
+            content,
+            hash: Sha256::new(),
+            size: 0,
+        }))
+    }
+}
+
+fn gone(digest: &str) -> io::Error {
+    let text = format!("the stored content of blob {digest} is gone; upload it again, then submit the job again");
+    io::Error::new(io::ErrorKind::InvalidData, text)
+}
+
+/// A blob on its way out.
+struct Checked {
+    blobs: LocalBlobs,
+    name: String,
+    file: fs::File,
+    hash: Sha256,
+}
+
+impl Read for Checked {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let got = self.file.read(out)?;
+        self.hash.update(out.get(..got).unwrap_or_default());
+        if got == 0 && !out.is_empty() && hex(&self.hash.clone().finalize()) != self.name {
+            return Err(self.blobs.damaged(&self.name));
+        }
+        Ok(got)
+    }
+}
+
+/// A blob on its way in.
+struct Receiver {
+    blobs: LocalBlobs,
+    announced: String,
+    content: Content,
+    hash: Sha256,
+    size: u64,
+}
+
+/// What has come in so far.
+enum Content {
+    File(Temporary),
+    Memory(Vec<u8>),
+}
+
+impl blobs::Receiver for Receiver {
+    fn in_memory(&self) -> bool {
+        matches!(self.content, Content::Memory(_))
+    }
+
+    fn chunk(&mut self, data: &[u8]) -> Result<(), Refusal> {
+        self.size += data.len() as u64;
+        if self.size > self.blobs.max {
+            return Err(Refusal::BlobTooLarge(self.blobs.max));
+        }
+        self.hash.update(data);
+        match &mut self.content {
+            Content::File(file) => file.write_all(data)?,
+            Content::Memory(content) => content.extend_from_slice(data),
+        }
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<u64, Refusal> {
+        let actual = hex(&self.hash.finalize());
+        if actual != self.announced {
+            return Err(Refusal::DigestMismatch { announced: self.announced, actual });
+        }
+        match (self.content, &self.blobs.place) {
+            (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
+                store.keep(file, &store.blob(&actual))?
+            }
+            (Content::Memory(content), Place::Memory(blobs)) => drop(blobs.insert(actual, content.into())),
+            _ => {}
+        }
+        Ok(self.size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blobs::digest;
+    use crate::local::disk::Disk;
+
+    fn blobs(max: u64) -> (tempfile::TempDir, LocalBlobs) {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().to_owned(), false, Disk::default()).unwrap();
+        (folder, LocalBlobs::new(store, max))
+    }
+
+    #[test]
+    fn what_comes_in_goes_out() {
+        let (_folder, blobs) = blobs(100);
+        let name = digest(b"G0X1\nM30\n");
+        assert!(!blobs.has(&name));
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"G0X1\n").unwrap();
+        receiver.chunk(b"M30\n").unwrap();
+        assert_eq!(receiver.finish().unwrap(), 9);
+        assert_eq!(&*blobs.read(&name).unwrap(), b"G0X1\nM30\n");
+    }
+
+    #[test]
+    fn a_blob_that_is_offered_is_as_young_as_one_that_was_uploaded() {
+        let (folder, blobs) = blobs(100);
+        let name = digest(b"x");
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"x").unwrap();
+        receiver.finish().unwrap();
+        let grace = Duration::from_secs(3600);
+        let age = || {
+            let file = fs::File::options().append(true).open(folder.path().join("blobs").join(&name[..2]).join(&name));
+            file.unwrap().set_modified(SystemTime::now() - 2 * grace).unwrap();
+        };
+        age();
+        assert_eq!(blobs.older_than(grace).collect::<Vec<_>>(), [[name.clone()]]);
+        assert!(blobs.offers(&name) && blobs.older_than(grace).next().is_none() && !blobs.remove_older(&name, grace));
+        age();
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"x").unwrap();
+        receiver.finish().unwrap();
+        assert!(blobs.older_than(grace).next().is_none(), "uploaded again");
+        age();
+        assert!(blobs.remove_older(&name, grace) && !blobs.has(&name));
+    }
+
+    #[test]
+    fn memory_holds_them_too() {
+        let blobs = LocalBlobs::in_memory(100);
+        let name = digest(b"G0X1\n");
+        let mut receiver = blobs.receive(&name, None).unwrap();
+        receiver.chunk(b"G0X1\n").unwrap();
+        assert!(!blobs.has(&name));
+        receiver.finish().unwrap();
+        let mut text = String::new();
+        blobs.open(&name).unwrap().read_to_string(&mut text).unwrap();
+        assert_eq!((text.as_str(), blobs.has(&name)), ("G0X1\n", true));
+        assert_eq!(blobs.read(&digest(b"other")).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+
+    #[test]
+    fn a_wrong_digest_or_too_much_is_refused_and_leaves_nothing() {
+        let (folder, blobs) = blobs(4);
+        let mut receiver = blobs.receive(&digest(b"x"), None).unwrap();
+        receiver.chunk(b"y").unwrap();
+        assert!(matches!(receiver.finish(), Err(Refusal::DigestMismatch { .. })));
+        let mut receiver = blobs.receive(&digest(b"12345"), Some(4)).unwrap();
+        assert_eq!(receiver.chunk(b"12345"), Err(Refusal::BlobTooLarge(4)));
+        drop(receiver);
+        assert!(matches!(blobs.receive(&digest(b"12345"), Some(5)), Err(Refusal::BlobTooLarge(4))));
+        assert!(matches!(blobs.receive("../../x", None), Err(Refusal::InvalidField { .. })));
+        assert_eq!(fs::read_dir(folder.path().join("tmp")).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,194 @@
+//! The ledger without a server: what of it cannot be read or does not agree, and its repair.
+//!
+//! Invariant: a ledger that is only examined is not written; changes that opening it needs stay in memory.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use bytes::Bytes;
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
+
+use super::writer::Place;
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, parse, retention, schema, storage};
+use crate::ledger::record::Record;
+use crate::local::store::Store;
+use crate::machines::Definition;
+use crate::reason::Refusal;
+
+/// A ledger that no server has open.
+#[derive(Debug)]
+pub(crate) struct Checkup {
+    database: Database,
+    /// All pages had their checksums.
+    pub(crate) whole: bool,
+}
+
+/// A row that cannot be read.
+#[derive(Debug, Clone)]
+pub(crate) struct Unreadable {
+    /// It is that of a machine, otherwise of a job.
+    pub(crate) machine: bool,
+    pub(crate) key: String,
+}
+
+/// What the ledger holds.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    pub(crate) jobs: Vec<Record>,
+    pub(crate) machines: Vec<Definition>,
+    pub(crate) unreadable: Vec<Unreadable>,
+    /// Request ids whose job is not there.
+    pub(crate) requests: Vec<String>,
+    /// Logs whose job is not there.
+    pub(crate) logs: Vec<String>,
+    /// The counts of blobs, or the list of ended jobs, do not agree with the rows.
+    pub(crate) wrong_counts: bool,
+}
+
+impl Checkup {
+    /// Opens the ledger of a folder, to be written only for a repair.
+    pub(crate) fn open(store: &Store, repair: bool) -> Result<Self, Refusal> {
+        let place = Place::File(store.ledger(), store.disk().clone());
+        let opened = if repair { place.open() } else { place.try_frozen() };
+        let mut database = opened.map_err(storage)?;
+        let txn = database.begin_write().map_err(storage)?;
+        schema::migrate(&txn, store)?;
+        txn.commit().map_err(storage)?;
+        let whole = database.check_integrity().map_err(storage)?;
+        Ok(Self { database, whole })
+    }
+
+    /// Reads all rows.
+    pub(crate) fn rows(&self) -> Result<Rows, Refusal> {
+        let txn = self.database.begin_read().map_err(storage)?;
+        let mut rows = Rows::default();
+        let mut known = BTreeSet::new();
+        for row in txn.open_table(JOB).map_err(storage)?.iter().map_err(storage)? {
+            let (id, row) = row.map_err(storage)?;
+            known.insert(id.value().to_owned());
+            match parse(id.value(), row.value()) {
+                Ok(record) => rows.jobs.push(record),
+                Err(_) => rows.unreadable.push(Unreadable { machine: false, key: id.value().to_owned() }),
+            }
+        }
+        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+        let mut count = |digests: BTreeSet<&str>| {
+            digests.into_iter().for_each(|digest| *counts.entry(digest.to_owned()).or_default() += 1);
+        };
+        rows.jobs.iter().for_each(|record| count(blob_refs::of_job(record)));
+        for row in txn.open_table(MACHINE).map_err(storage)?.iter().map_err(storage)? {
+            let (name, row) = row.map_err(storage)?;
+            match parse::<Definition>(name.value(), row.value()) {
+                Ok(definition) if name.value().contains('@') => {
+                    count(blob_refs::of_machine(&definition));
+                    rows.machines.push(definition);
+                }
+                Ok(_) => {}
+                Err(_) => rows.unreadable.push(Unreadable { machine: true, key: name.value().to_owned() }),
+            }
+        }
+        for row in txn.open_table(REQUEST).map_err(storage)?.iter().map_err(storage)? {
+            let (request, id) = row.map_err(storage)?;
+            if !known.contains(id.value()) {
+                rows.requests.push(request.value().to_owned());
+            }
+        }
+        for row in txn.open_table(LOG).map_err(storage)?.iter().map_err(storage)? {
+            let (id, _) = row.map_err(storage)?;
+            if !known.contains(id.value()) {
+                rows.logs.push(id.value().to_owned());
+            }
+        }
+        let mut stored = BTreeMap::new();
+        for row in txn.open_table(blob_refs::BLOB).map_err(storage)?.iter().map_err(storage)? {
+            let (digest, count) = row.map_err(storage)?;
+            stored.insert(digest.value().to_owned(), count.value());
+        }
+        let ended = rows.jobs.iter().filter(|record| record.state.ended());
+        let ended: BTreeSet<_> = ended.map(|record| (record.ended_ms, record.id.clone())).collect();
+        rows.wrong_counts = stored != counts || retention::listed(&txn)? != ended;
+        Ok(rows)
+    }
+
+    /// The log of a job, if it is a row.
+    pub(crate) fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
+        let table = self.database.begin_read().map_err(storage)?.open_table(LOG).map_err(storage)?;
+        let row = table.get(id).map_err(storage)?;
+        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
+    }
+
+    /// Removes ended jobs.
+    pub(crate) fn remove(&self, jobs: &[&Record]) -> Result<(), Refusal> {
+        let txn = self.database.begin_write().map_err(storage)?;
+        jobs.iter().try_for_each(|job| super::take_out(&txn, &job.id, job.ended_ms))?;
+        txn.commit().map_err(storage)
+    }
+
+    /// Removes rows that cannot be read or belong to nothing, and counts again.
+    pub(crate) fn repair(&self, rows: &Rows, store: &Store) -> Result<(), Refusal> {
+        let txn = self.database.begin_write().map_err(storage)?;
+        for row in &rows.unreadable {
+            let table = if row.machine { MACHINE } else { JOB };
+            txn.open_table(table).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
+            txn.open_table(LOG).map_err(storage)?.remove(row.key.as_str()).map_err(storage)?;
+        }
+        let gone = |id: &str| rows.unreadable.iter().any(|row| !row.machine && row.key == id);
+        txn.open_table(REQUEST)
+            .map_err(storage)?
+            .retain(|request, id| !gone(id) && !rows.requests.iter().any(|stray| stray == request))
+            .map_err(storage)?;
+        for id in &rows.logs {
+            txn.open_table(LOG).map_err(storage)?.remove(id.as_str()).map_err(storage)?;
+        }
+        blob_refs::count_all(&txn)?;
+        retention::list_all(&txn, store)?;
+        txn.commit().map_err(storage)
+    }
+}
+
+impl Rows {
+    /// Digests that jobs and machines need.
+    pub(crate) fn blobs(&self) -> BTreeSet<&str> {
+        let jobs = self.jobs.iter().flat_map(blob_refs::of_job);
+        jobs.chain(self.machines.iter().flat_map(blob_refs::of_machine)).collect()
+    }
+}
+
+/// Copies the ledger of a folder that no server uses; none if there is none.
+pub(crate) fn copy_ledger(store: &Store, to: &Path) -> Result<(), Refusal> {
+    super::not_lost(store)?;
+    let place = Place::File(store.ledger(), store.disk().clone());
+    copy(&place.try_frozen().map_err(storage)?.begin_read().map_err(storage)?, to, store)
+}
+
+/// Copies the state that a reader sees into a new file.
+pub(super) fn copy(from: &ReadTransaction, to: &Path, store: &Store) -> Result<(), Refusal> {
+    let database = Place::File(to.to_owned(), store.disk().clone()).open().map_err(storage)?;
+    let txn = database.begin_write().map_err(storage)?;
+    copy_table(from, &txn, schema::META)?;
+    copy_table(from, &txn, JOB)?;
+    copy_table(from, &txn, REQUEST)?;
+    copy_table(from, &txn, MACHINE)?;
+    // A ledger of an early schema does not have these.
+    copy_table(from, &txn, LOG)?;
+    copy_table(from, &txn, blob_refs::BLOB)?;
+    copy_table(from, &txn, retention::ENDED)?;
+    txn.commit().map_err(storage)
+}
+
+fn copy_table<K: redb::Key + 'static, V: redb::Value + 'static>(
+    from: &ReadTransaction,
+    to: &WriteTransaction,
+    table: TableDefinition<'_, K, V>,
+) -> Result<(), Refusal> {
+    let rows = match from.open_table(table) {
+        Err(redb::TableError::TableDoesNotExist(_)) => return Ok(()),
+        other => other.map_err(storage)?,
+    };
+    let mut copied = to.open_table(table).map_err(storage)?;
+    for row in rows.iter().map_err(storage)? {
+        let (key, value) = row.map_err(storage)?;
+        copied.insert(key.value(), value.value()).map_err(storage)?;
+    }
+    Ok(())
+}

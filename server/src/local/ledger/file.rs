@@ -1,0 +1,205 @@
+//! The ledger's file as its database sees it: the file itself, or, while the file cannot be written, its last durable
+//! state with changes kept in memory.
+//!
+//! Invariant: [`Frozen`] never writes the file.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use redb::StorageBackend;
+use redb::backends::FileBackend;
+
+use crate::local::disk::{Disk, Step};
+
+const PAGE: u64 = 4096;
+
+/// The file, written through the seam.
+#[derive(Debug)]
+pub(crate) struct LedgerFile {
+    inner: FileBackend,
+    disk: Disk,
+    path: PathBuf,
+}
+
+impl LedgerFile {
+    /// Opens the file or creates an empty one.
+    pub(crate) fn open(disk: &Disk, path: &Path) -> io::Result<Self> {
+        disk.step(Step::Create, path)?;
+        let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
+        let inner = FileBackend::new(file).map_err(io::Error::other)?;
+        Ok(Self { inner, disk: disk.clone(), path: path.to_owned() })
+    }
+}
+
+impl StorageBackend for LedgerFile {
+    fn len(&self) -> io::Result<u64> {
+        self.inner.len()
+    }
+
+    fn read(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        self.inner.read(offset, out)
+    }
+
+    fn set_len(&self, len: u64) -> io::Result<()> {
+        self.disk.step(Step::Resize(len), &self.path)?;
+        self.inner.set_len(len)
+    }
+
+    fn sync_data(&self) -> io::Result<()> {
+        self.disk.step(Step::Sync, &self.path)?;
+        self.inner.sync_data()
+    }
+
+    fn write(&self, offset: u64, data: &[u8]) -> io::Result<()> {
+        let most = self.disk.step(Step::Write(data.len()), &self.path)?;
+        match data.get(..most) {
+            Some(part) if part.len() < data.len() => {
+                self.inner.write(offset, part)?;
+                Err(io::ErrorKind::StorageFull.into())
+            }
+            _ => self.inner.write(offset, data),
+        }
+    }
+
+    fn close(&self) -> io::Result<()> {
+        self.inner.close()
+    }
+}
+
+/// The file as it is, with changes in memory only: what the database repairs when it opens stays there.
+#[derive(Debug)]
+pub(crate) struct Frozen(Mutex<Pages>);
+
+#[derive(Debug)]
+struct Pages {
+    file: File,
+    /// Bytes of the file that are still valid.
+    kept: u64,
+    length: u64,
+    changed: BTreeMap<u64, Vec<u8>>,
+}
+
+impl Frozen {
+    pub(crate) fn open(path: &Path) -> io::Result<Self> {
+        let file = File::open(path)?;
+        let length = file.metadata()?.len();
+        Ok(Self(Mutex::new(Pages { file, kept: length, length, changed: BTreeMap::new() })))
+    }
+
+    fn pages(&self) -> std::sync::MutexGuard<'_, Pages> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Pages {
+    /// A page as it is now.
+    fn page(&mut self, number: u64) -> io::Result<Vec<u8>> {
+        if let Some(page) = self.changed.get(&number) {
+            return Ok(page.clone());
+        }
+        let mut page = vec![0; PAGE as usize];
+        let start = number * PAGE;
+        let known = self.kept.saturating_sub(start).min(PAGE) as usize;
+        if let (Some(part), true) = (page.get_mut(..known), known > 0) {
+            self.file.seek(SeekFrom::Start(start))?;
+            self.file.read_exact(part)?;
+        }
+        Ok(page)
+    }
+}
+
+/// Pages that a range touches: number, offset in the page, offset in the range, bytes.
+fn touched(offset: u64, length: usize) -> impl Iterator<Item = (u64, usize, usize, usize)> {
+    let mut done = 0;
+    std::iter::from_fn(move || {
+        let at = offset + done as u64;
+        let inside = (at % PAGE) as usize;
+        let count = (PAGE as usize - inside).min(length - done);
+        let item = (at / PAGE, inside, done, count);
+        done += count;
+        (count > 0).then_some(item)
+    })
+}
+
+impl StorageBackend for Frozen {
+    fn len(&self) -> io::Result<u64> {
+        Ok(self.pages().length)
+    }
+
+    fn read(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        let mut pages = self.pages();
+        if offset + out.len() as u64 > pages.length {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        for (number, inside, at, count) in touched(offset, out.len()) {
+            let page = pages.page(number)?;
+            if let (Some(to), Some(from)) = (out.get_mut(at..at + count), page.get(inside..inside + count)) {
+                to.copy_from_slice(from);
+            }
+        }
+        Ok(())
+    }
+
+    fn set_len(&self, len: u64) -> io::Result<()> {
+        let mut pages = self.pages();
+        pages.kept = pages.kept.min(len);
+        if len < pages.length {
+            if !len.is_multiple_of(PAGE) {
+                let mut page = pages.page(len / PAGE)?;
+                page.iter_mut().skip((len % PAGE) as usize).for_each(|byte| *byte = 0);
+                pages.changed.insert(len / PAGE, page);
+            }
+            let _ = pages.changed.split_off(&len.div_ceil(PAGE));
+        }
+        pages.length = len;
+        Ok(())
+    }
+
+    fn sync_data(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn write(&self, offset: u64, data: &[u8]) -> io::Result<()> {
+        let mut pages = self.pages();
+        for (number, inside, at, count) in touched(offset, data.len()) {
+            let mut page = pages.page(number)?;
+            if let (Some(to), Some(from)) = (page.get_mut(inside..inside + count), data.get(at..at + count)) {
+                to.copy_from_slice(from);
+            }
+            pages.changed.insert(number, page);
+        }
+        pages.length = pages.length.max(offset + data.len() as u64);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frozen_file_reads_as_if_written_and_stays_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let content: Vec<u8> = (0..10_000u32).map(|n| (n % 251) as u8).collect();
+        std::fs::write(&path, &content).unwrap();
+        let frozen = Frozen::open(&path).unwrap();
+        let mut twin = content.clone();
+        frozen.write(4000, &[1; 5000]).unwrap();
+        twin[4000..9000].fill(1);
+        frozen.set_len(6000).unwrap();
+        twin.truncate(6000);
+        frozen.set_len(12_000).unwrap();
+        twin.resize(12_000, 0);
+        frozen.write(11_990, &[7; 10]).unwrap();
+        twin[11_990..].fill(7);
+        let mut back = vec![0; 12_000];
+        frozen.read(0, &mut back).unwrap();
+        assert!(back == twin && frozen.len().unwrap() == 12_000);
+        assert!(frozen.read(11_999, &mut [0; 2]).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), content);
+    }
+}

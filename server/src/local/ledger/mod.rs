@@ -1,0 +1,423 @@
+//! The ledger in one transactional file of the data folder.
+//!
+//! One writer thread ([`writer`]) takes operations from a bounded queue and commits them in groups. Readers use
+//! snapshots. Invariant: the ledger is written by that thread only.
+
+mod blob_refs;
+pub(crate) mod checkup;
+mod file;
+pub(crate) mod retention;
+mod schema;
+mod writer;
+
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::thread::JoinHandle;
+
+use bytes::Bytes;
+use counterpoint_kernel::dialog::answers::Answer;
+use redb::{ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, WriteTransaction};
+use tokio::sync::{mpsc, oneshot, watch};
+use uuid::Uuid;
+
+use super::store::Store;
+use crate::ledger::record::Record;
+use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted};
+use crate::machines::Definition;
+use crate::reason::Refusal;
+use writer::{Operation, Place, Shared};
+
+const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
+const REQUEST: TableDefinition<'_, &str, &str> = TableDefinition::new("request_id");
+const MACHINE: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("machine");
+const LOG: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("log");
+
+/// Handle on the ledger.
+#[derive(Debug)]
+pub(crate) struct LocalLedger {
+    store: Store,
+    shared: Arc<Shared>,
+    operations: RwLock<Option<mpsc::Sender<Operation>>>,
+    writer: Mutex<Option<JoinHandle<()>>>,
+}
+
+fn storage(error: impl std::fmt::Display) -> Refusal {
+    Refusal::Storage(error.to_string())
+}
+
+fn closed() -> Refusal {
+    storage("the ledger cannot be written at the moment")
+}
+
+fn parse<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Result<T, Refusal> {
+    serde_json::from_slice(bytes).map_err(|error| {
+        Refusal::DataLoss(format!("the row '{row}' of the ledger cannot be read ({error}); submit its job again"))
+    })
+}
+
+/// Same, without a row that cannot be read.
+fn readable<T: serde::de::DeserializeOwned>(row: &str, bytes: &[u8]) -> Option<T> {
+    parse(row, bytes).inspect_err(|error| tracing::error!(%error, "a row of the ledger is left out")).ok()
+}
+
+/// The next identity: ascending in the order of acceptance, also when the clock is set back.
+fn next_id(txn: &WriteTransaction) -> Result<String, Refusal> {
+    let table = txn.open_table(JOB).map_err(storage)?;
+    let last = table.last().map_err(storage)?.and_then(|(id, _)| Uuid::parse_str(id.value()).ok());
+    Ok(after(last, Uuid::now_v7()).to_string())
+}
+
+/// `new`, or the smallest identity after `last` if `new` is not after it.
+fn after(last: Option<Uuid>, new: Uuid) -> Uuid {
+    match last {
+        Some(last) if new <= last => Uuid::from_u128(last.as_u128().wrapping_add(1)),
+        _ => new,
+    }
+}
+
+fn put(txn: &WriteTransaction, record: &Record) -> Result<(), Refusal> {
+    let bytes = serde_json::to_vec(record).map_err(storage)?;
+    txn.open_table(JOB).map_err(storage)?.insert(record.id.as_str(), bytes.as_slice()).map_err(storage)?;
+    if record.state.ended() { retention::list(txn, record) } else { Ok(()) }
+}
+
+/// Removes an ended job with all that belongs to it; it may be gone already.
+fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refusal> {
+    retention::unlist(txn, id, ended_ms)?;
+    let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
+    txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
+    let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
+    txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
+    blob_refs::subtract(txn, &blob_refs::of_job(&record))
+}
+
+fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
+    let table = txn.open_table(JOB).map_err(storage)?;
+    let row = table.get(id).map_err(storage)?;
+    row.map(|row| parse(id, row.value())).transpose()
+}
+
+impl LocalLedger {
+    /// Opens or creates the ledger.
+    pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
+        let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
+        not_lost(store)?;
+        let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
+        let txn = database.begin_write().map_err(storage)?;
+        let before = schema::migrate(&txn, store).map_err(|refusal| match refusal {
+            Refusal::DataLoss(text) => Refusal::DataLoss(format!("{} {text}", store.ledger().display())),
+            other => other,
+        })?;
+        txn.commit().map_err(storage)?;
+        if let Some(before) = before.filter(|before| *before < schema::SCHEMA) {
+            tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
+        }
+        let database = RwLock::new(Some(Arc::new(database)));
+        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
+        let (operations, queue) = mpsc::channel(1024);
+        let own = shared.clone();
+        let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
+        Ok(Self {
+            store: store.clone(),
+            shared,
+            operations: RwLock::new(Some(operations)),
+            writer: Mutex::new(Some(writer)),
+        })
+    }
+
+    fn operations(&self) -> Result<mpsc::Sender<Operation>, Refusal> {
+        self.operations.read().unwrap_or_else(PoisonError::into_inner).clone().ok_or_else(closed)
+    }
+
+    fn snapshot(&self) -> Result<ReadTransaction, Refusal> {
+        let database = self.shared.database.read().unwrap_or_else(PoisonError::into_inner);
+        database.as_ref().ok_or_else(closed)?.begin_read().map_err(storage)
+    }
+
+    fn operation<R: Send + 'static>(
+        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+        then: impl FnOnce(&R) + Send + 'static,
+    ) -> (Operation, oneshot::Receiver<Result<R, Refusal>>) {
+        let (answer, answered) = oneshot::channel();
+        let operation: Operation = Box::new(move |txn| {
+            let result = work(txn);
+            Box::new(move |committed| {
+                let result = committed.and(result);
+                if let Ok(done) = &result {
+                    then(done);
+                }
+                drop(answer.send(result));
+            })
+        });
+        (operation, answered)
+    }
+
+    /// Does `work` in a transaction; answers after the commit. `work` must decide before it writes.
+    async fn write<R: Send + 'static>(
+        &self,
+        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+    ) -> Result<R, Refusal> {
+        let (operation, answered) = Self::operation(work, |_| ());
+        self.operations()?.send(operation).await.map_err(|_| closed())?;
+        answered.await.map_err(|_| closed())?
+    }
+
+    /// Same as [`write`](Self::write) from a thread that may block.
+    fn write_blocking<R: Send + 'static>(
+        &self,
+        work: impl FnOnce(&WriteTransaction) -> Result<R, Refusal> + Send + 'static,
+    ) -> Result<R, Refusal> {
+        let (operation, answered) = Self::operation(work, |_| ());
+        self.operations()?.blocking_send(operation).map_err(|_| closed())?;
+        answered.blocking_recv().map_err(|_| closed())?
+    }
+}
+
+#[tonic::async_trait]
+impl Ledger for LocalLedger {
+    fn close(&self) {
+        drop(self.operations.write().unwrap_or_else(PoisonError::into_inner).take());
+        let writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // The writer itself may drop the last handle.
+        if let Some(writer) = writer.filter(|writer| writer.thread().id() != std::thread::current().id()) {
+            let _ = writer.join();
+        }
+        self.shared.writable.send_replace(false);
+        *self.shared.database.write().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn writable(&self) -> watch::Receiver<bool> {
+        self.shared.writable.subscribe()
+    }
+
+    async fn submit(&self, mut record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal> {
+        let work = move |txn: &WriteTransaction| {
+            let mut requests = txn.open_table(REQUEST).map_err(storage)?;
+            let known = requests.get(record.request_id.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
+            if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
+                return same(known, &record);
+            }
+            check(&record)?;
+            record.id = next_id(txn)?;
+            put(txn, &record)?;
+            blob_refs::add(txn, &blob_refs::of_job(&record))?;
+            requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
+            Ok(Submitted::New(Box::new(record)))
+        };
+        let (operation, answered) = Self::operation(work, |submitted| {
+            if let Submitted::New(record) = submitted {
+                accepted(record);
+            }
+        });
+        self.operations()?.send(operation).await.map_err(|_| closed())?;
+        answered.await.map_err(|_| closed())?
+    }
+
+    async fn update(&self, record: Record) -> Result<(), Refusal> {
+        self.write(move |txn| put(txn, &record)).await
+    }
+
+    async fn flag_cancel(&self, id: String) -> Result<(), Refusal> {
+        self.write(move |txn| match get(txn, &id)? {
+            Some(record) if !record.state.ended() => put(txn, &Record { cancel: true, ..record }),
+            _ => Ok(()),
+        })
+        .await
+    }
+
+    async fn answered(&self, id: String, channel: u16, answer: Option<Answer>) -> Result<(), Refusal> {
+        self.write(move |txn| match get(txn, &id)? {
+            Some(mut record) if !record.state.ended() => {
+                record.answers.push((channel, answer));
+                put(txn, &record)
+            }
+            _ => Ok(()),
+        })
+        .await
+    }
+
+    fn update_blocking(&self, record: Record) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| put(txn, &record))
+    }
+
+    fn end_blocking(&self, record: Record, log: Option<Bytes>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| {
+            if let Some(log) = log {
+                txn.open_table(LOG).map_err(storage)?.insert(record.id.as_str(), &*log).map_err(storage)?;
+            }
+            put(txn, &record)
+        })
+    }
+
+    fn log(&self, id: &str) -> Result<Option<Bytes>, Refusal> {
+        let table = self.snapshot()?.open_table(LOG).map_err(storage)?;
+        let row = table.get(id).map_err(storage)?;
+        Ok(row.map(|row| Bytes::copy_from_slice(row.value())))
+    }
+
+    async fn remove(&self, record: Record) -> Result<(), Refusal> {
+        self.write(move |txn| take_out(txn, &record.id, record.ended_ms)).await
+    }
+
+    fn expired(&self, keep: &Keep, now_ms: i64, most: usize) -> Result<Vec<Ended>, Refusal> {
+        retention::expired(&self.snapshot()?, keep, now_ms, most)
+    }
+
+    fn remove_blocking(&self, jobs: Vec<Ended>) -> Result<(), Refusal> {
+        self.write_blocking(move |txn| jobs.iter().try_for_each(|job| take_out(txn, &job.id, job.ended_ms)))
+    }
+
+    fn job(&self, id: &str) -> Result<Option<Record>, Refusal> {
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
+        let row = table.get(id).map_err(storage)?;
+        row.map(|row| parse(id, row.value())).transpose()
+    }
+
+    fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal> {
+        let table = self.snapshot()?.open_table(REQUEST).map_err(storage)?;
+        let id = table.get(request_id).map_err(storage)?.map(|id| id.value().to_owned());
+        id.map_or(Ok(None), |id| self.job(&id))
+    }
+
+    fn jobs(&self, after: &str, count: usize, wanted: &dyn Fn(&Record) -> bool) -> Result<Vec<Record>, Refusal> {
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
+        let mut found = Vec::new();
+        for row in
+            table.range::<&str>((std::ops::Bound::Excluded(after), std::ops::Bound::Unbounded)).map_err(storage)?
+        {
+            if found.len() >= count {
+                break;
+            }
+            let (id, row) = row.map_err(storage)?;
+            let Some(record) = readable::<Record>(id.value(), row.value()) else { continue };
+            if wanted(&record) {
+                found.push(record);
+            }
+        }
+        Ok(found)
+    }
+
+    async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal> {
+        self.write(move |txn| {
+            check(&definition)?;
+            let bytes = serde_json::to_vec(&definition).map_err(storage)?;
+            let pinned = format!("{}@{}", definition.name, definition.revision());
+            let mut table = txn.open_table(MACHINE).map_err(storage)?;
+            table.insert(definition.name.as_str(), bytes.as_slice()).map_err(storage)?;
+            let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
+            drop(table);
+            if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
+        })
+        .await
+    }
+
+    fn collect_blocking(
+        &self,
+        digests: Vec<String>,
+        remove: Box<dyn Fn(&str) -> bool + Send>,
+    ) -> Result<usize, Refusal> {
+        let shared = self.shared.clone();
+        self.write_blocking(move |txn| {
+            // A row that goes in this very transaction is still there when the transaction fails.
+            let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
+            let durable = durable.open_table(blob_refs::BLOB).map_err(storage)?;
+            let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
+            let mut removed = 0;
+            for digest in &digests {
+                let needed = durable.get(digest.as_str()).map_err(storage)?.is_some()
+                    || table.get(digest.as_str()).map_err(storage)?.is_some();
+                removed += usize::from(!needed && remove(digest));
+            }
+            Ok(removed)
+        })
+    }
+
+    fn knows(&self, id: &str) -> Result<bool, Refusal> {
+        let table = self.snapshot()?.open_table(JOB).map_err(storage)?;
+        Ok(table.get(id).map_err(storage)?.is_some())
+    }
+
+    fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal> {
+        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
+        let row = table.get(name).map_err(storage)?;
+        row.map(|row| parse(name, row.value())).transpose()
+    }
+
+    fn machines(&self) -> Result<Vec<Definition>, Refusal> {
+        let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
+        let mut found = Vec::new();
+        for row in table.iter().map_err(storage)? {
+            let (name, bytes) = row.map_err(storage)?;
+            if !name.value().contains('@') {
+                found.extend(readable::<Definition>(name.value(), bytes.value()));
+            }
+        }
+        Ok(found)
+    }
+
+    fn serve_backups(&self) {
+        for request in self.store.backups().unwrap_or_default() {
+            let copy = request.with_extension("copy");
+            let copied = self.snapshot().and_then(|from| checkup::copy(&from, &copy, &self.store)).and_then(|()| {
+                std::fs::remove_file(&request)?;
+                Ok(std::fs::rename(&copy, request.with_extension("ready"))?)
+            });
+            match copied {
+                Ok(()) => tracing::info!("the ledger has been copied for a backup"),
+                Err(error) => {
+                    tracing::warn!(%error, "the ledger cannot be copied for a backup");
+                    let _ = std::fs::remove_file(copy);
+                }
+            }
+        }
+    }
+}
+
+impl Drop for LocalLedger {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// Refuses a missing or empty ledger beside jobs or blobs.
+pub(crate) fn not_lost(store: &Store) -> Result<(), Refusal> {
+    let length = std::fs::metadata(store.ledger()).map(|meta| meta.len()).ok();
+    if store.durable() && length.unwrap_or(0) == 0 && store.in_use() {
+        let what = if length.is_some() { "is empty" } else { "is missing" };
+        return Err(lost(store, &format!("{what} although there are jobs or blobs")));
+    }
+    Ok(())
+}
+
+/// A ledger that cannot be used, with the way out.
+pub(crate) fn lost(store: &Store, what: &str) -> Refusal {
+    let root = store.root().display();
+    Refusal::DataLoss(format!(
+        "{} {what}: restore it from a backup, or set the folder aside and start with an empty one: mv '{root}' '{root}.lost'",
+        store.ledger().display()
+    ))
+}
+
+fn same(known: Record, asked: &Record) -> Result<Submitted, Refusal> {
+    if known.content == asked.content {
+        Ok(Submitted::Known(Box::new(known)))
+    } else {
+        Err(Refusal::RequestIdReused(asked.request_id.clone()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identities_ascend_when_the_clock_is_set_back() {
+        let first = Uuid::from_u128(0x0190_0000_0000_7000_8000_0000_0000_0007);
+        let earlier = Uuid::from_u128(0x0180_0000_0000_7000_8000_0000_0000_0000);
+        let later = Uuid::from_u128(0x0190_0000_0001_7000_8000_0000_0000_0000);
+        assert_eq!(after(None, earlier), earlier);
+        assert_eq!(after(Some(first), later), later);
+        let second = after(Some(first), earlier);
+        assert!(second > first && after(Some(second), first) > second);
+        assert!(second.to_string() > first.to_string(), "texts are ordered as identities are");
+    }
+}

@@ -1,0 +1,56 @@
+//! The form of the ledger: its number, and the way to it from every earlier one.
+//!
+//! A ledger of an earlier form is brought to this one when it is opened, in one transaction. Invariant: the file holds
+//! the old form or the new one, never a mixture; a ledger of a later form is not touched.
+
+use redb::{ReadableTable, TableDefinition, WriteTransaction};
+
+use super::{JOB, LOG, MACHINE, REQUEST, blob_refs, retention, storage};
+use crate::local::store::Store;
+use crate::reason::Refusal;
+
+pub(super) const META: TableDefinition<'_, &str, u64> = TableDefinition::new("meta");
+
+/// A step from one form to the next.
+type Step = fn(&WriteTransaction, &Store) -> Result<(), Refusal>;
+
+/// The steps: the first leads from form 1 to form 2, and so on.
+const STEPS: &[Step] = &[small_logs, blob_counts, ended_jobs];
+
+/// The form that this server writes.
+pub(super) const SCHEMA: u64 = 1 + STEPS.len() as u64;
+
+/// Brings a ledger to the form of this server, or creates its tables. Gives the form that it had, if it had one.
+pub(super) fn migrate(txn: &WriteTransaction, store: &Store) -> Result<Option<u64>, Refusal> {
+    let before = txn.open_table(META).map_err(storage)?.get("schema").map_err(storage)?.map(|row| row.value());
+    if let Some(later) = before.filter(|before| *before > SCHEMA) {
+        return Err(Refusal::DataLoss(format!(
+            "has schema {later}, written by a later version; this version reads schema 1 to {SCHEMA}: start the later \
+             version, or restore a backup made before the ledger was opened by it"
+        )));
+    }
+    txn.open_table(JOB).map_err(storage)?;
+    txn.open_table(REQUEST).map_err(storage)?;
+    txn.open_table(MACHINE).map_err(storage)?;
+    let done = before.unwrap_or(1).saturating_sub(1);
+    for step in STEPS.iter().skip(usize::try_from(done).unwrap_or(usize::MAX)) {
+        step(txn, store)?;
+    }
+    txn.open_table(META).map_err(storage)?.insert("schema", SCHEMA).map_err(storage)?;
+    Ok(before)
+}
+
+/// 1 → 2: logs of at most 16 KiB are rows of the ledger. Those of earlier jobs stay in their files.
+fn small_logs(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    txn.open_table(LOG).map(drop).map_err(storage)
+}
+
+/// 2 → 3: rows that need each blob are counted.
+fn blob_counts(txn: &WriteTransaction, _store: &Store) -> Result<(), Refusal> {
+    blob_refs::count_all(txn)
+}
+
+/// 3 → 4: ended jobs are listed by the time of their end, with their bytes.
+fn ended_jobs(txn: &WriteTransaction, store: &Store) -> Result<(), Refusal> {
+    retention::list_all(txn, store)
+}

@@ -1,0 +1,166 @@
+//! The one thread that writes the ledger, and what it does when the disk fails.
+//!
+//! It applies all operations that wait (up to 256) in one transaction, commits once and then answers them: group
+//! commit. A write error closes the database for good, so the file is opened again with growing pauses; meanwhile
+//! operations are refused and readers get the last durable state from memory. Invariant: an operation that was
+//! answered is on stable storage; one that was not is either wholly there or not at all.
+
+use std::path::PathBuf;
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+use redb::{Database, WriteTransaction};
+use tokio::sync::{mpsc, watch};
+
+use super::file::{Frozen, LedgerFile};
+use super::storage;
+use crate::local::disk::Disk;
+use crate::reason::Refusal;
+
+const GROUP: usize = 256;
+/// First and longest pause between attempts to open the file again.
+const FIRST_PAUSE: Duration = Duration::from_millis(100);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+/// Between two looks at the queue while the file cannot be written.
+const LOOK: Duration = Duration::from_millis(10);
+
+pub(super) type Reply = Box<dyn FnOnce(Result<(), Refusal>) + Send>;
+/// Work in a transaction; dropping it answers that the ledger cannot be written.
+pub(super) type Operation = Box<dyn FnOnce(&WriteTransaction) -> Reply + Send>;
+
+/// Where the ledger lies.
+#[derive(Debug, Clone)]
+pub(super) enum Place {
+    Memory,
+    File(PathBuf, Disk),
+}
+
+impl Place {
+    /// Opens or creates the database.
+    pub(super) fn open(&self) -> Result<Database, String> {
+        let text = |error: &dyn std::fmt::Display| error.to_string();
+        match self {
+            Self::Memory => Database::builder()
+                .create_with_backend(redb::backends::InMemoryBackend::new())
+                .map_err(|error| text(&error)),
+            Self::File(path, disk) => {
+                let file = LedgerFile::open(disk, path).map_err(|error| text(&error))?;
+                Database::builder().create_with_backend(file).map_err(|error| text(&error))
+            }
+        }
+    }
+
+    /// The last durable state, to be read only.
+    fn frozen(&self) -> Option<Database> {
+        self.try_frozen().ok()
+    }
+
+    /// Same, or why it cannot be read.
+    pub(super) fn try_frozen(&self) -> Result<Database, String> {
+        let Self::File(path, _) = self else { return Err("it is in memory".to_owned()) };
+        let file = Frozen::open(path).map_err(|error| error.to_string())?;
+        Database::builder().create_with_backend(file).map_err(|error| error.to_string())
+    }
+}
+
+/// What the writer shares with readers.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) place: Place,
+    pub(super) database: RwLock<Option<Arc<Database>>>,
+    /// Whether operations can be done.
+    pub(super) writable: watch::Sender<bool>,
+}
+
+impl Shared {
+    pub(super) fn current(&self) -> Option<Arc<Database>> {
+        self.database.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Closes the database that failed and lets readers see its last durable state.
+    fn freeze(&self) {
+        self.writable.send_replace(false);
+        let mut database = self.database.write().unwrap_or_else(PoisonError::into_inner);
+        *database = None;
+        *database = self.place.frozen().map(Arc::new);
+    }
+
+    /// Opens the file again; readers wait that long.
+    fn reopen(&self) -> bool {
+        let mut database = self.database.write().unwrap_or_else(PoisonError::into_inner);
+        *database = None;
+        match self.place.open() {
+            Ok(opened) => {
+                *database = Some(Arc::new(opened));
+                self.writable.send_replace(true);
+                true
+            }
+            Err(error) => {
+                tracing::warn!(error, "the ledger cannot be opened again yet");
+                *database = self.place.frozen().map(Arc::new);
+                false
+            }
+        }
+    }
+}
+
+/// Life of the writer thread: ends when all handles are gone.
+pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
+    let mut pause = FIRST_PAUSE;
+    while let Some(first) = queue.blocking_recv() {
+        let mut group = vec![first];
+        while group.len() < GROUP {
+            let Ok(next) = queue.try_recv() else { break };
+            group.push(next);
+        }
+        let Some(database) = shared.current() else { continue };
+        if commit(&database, group) {
+            pause = FIRST_PAUSE;
+            continue;
+        }
+        drop(database);
+        shared.freeze();
+        if !wait_for_the_disk(shared, &mut queue, &mut pause) {
+            return;
+        }
+    }
+}
+
+/// Refuses operations until the file can be opened; `false` when all handles are gone.
+fn wait_for_the_disk(shared: &Shared, queue: &mut mpsc::Receiver<Operation>, pause: &mut Duration) -> bool {
+    loop {
+        let until = Instant::now() + *pause;
+        *pause = (*pause * 2).min(LONGEST_PAUSE);
+        while Instant::now() < until {
+            match queue.try_recv() {
+                Ok(operation) => drop(operation),
+                Err(mpsc::error::TryRecvError::Disconnected) => return false,
+                Err(mpsc::error::TryRecvError::Empty) => std::thread::sleep(LOOK),
+            }
+        }
+        if shared.reopen() {
+            tracing::info!("the ledger is open again");
+            return true;
+        }
+    }
+}
+
+/// Does a group; `false` when the database has failed.
+fn commit(database: &Database, group: Vec<Operation>) -> bool {
+    let txn = match database.begin_write() {
+        Ok(txn) => txn,
+        Err(error) => {
+            tracing::error!(%error, "the ledger cannot be written");
+            return false; // Dropping the operations answers them.
+        }
+    };
+    let replies: Vec<Reply> = group.into_iter().map(|operation| operation(&txn)).collect();
+    let result = txn.commit().map_err(|error| storage(format!("the ledger cannot be written: {error}")));
+    if let Err(error) = &result {
+        tracing::error!(%error, "the ledger cannot be written");
+    }
+    for reply in replies {
+        reply(result.clone());
+    }
+    result.is_ok()
+}

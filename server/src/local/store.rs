@@ -1,0 +1,236 @@
+//! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
+//! content, never half of it.
+//!
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::disk::{Disk, Temporary};
+use super::folder_lock::FolderLock;
+
+/// The data folder.
+#[derive(Debug, Clone)]
+pub(crate) struct Store {
+    root: PathBuf,
+    durable: bool,
+    disk: Disk,
+    lock: Arc<FolderLock>,
+}
+
+impl Store {
+    /// Takes the folder for this server, creates what is missing and empties `tmp`.
+    pub(crate) fn open(root: PathBuf, durable: bool, disk: Disk) -> io::Result<Self> {
+        fs::create_dir_all(&root)?;
+        let lock = Arc::new(FolderLock::take(&root)?);
+        let store = Self { root, durable, disk, lock };
+        for folder in ["blobs", "jobs", "running"] {
+            fs::create_dir_all(store.root.join(folder))?;
+        }
+        match fs::remove_dir_all(store.tmp()) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => fs::create_dir_all(store.tmp())?,
+        }
+        Ok(store)
+    }
+
+    /// Takes a folder that is there, and changes nothing in it.
+    pub(crate) fn examine(root: PathBuf) -> io::Result<Self> {
+        if !root.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"));
+        }
+        let lock = Arc::new(FolderLock::take(&root)?);
+        Ok(Self { root, durable: true, disk: Disk::default(), lock })
+    }
+
+    pub(crate) fn durable(&self) -> bool {
+        self.durable
+    }
+
+    pub(crate) fn disk(&self) -> &Disk {
+        &self.disk
+    }
+
+    /// Gives the folder free for another server.
+    pub(crate) fn release(&self) {
+        self.lock.release();
+    }
+
+    /// Free bytes on the disk of the folder; `None` where the system does not say.
+    pub(crate) fn free(&self) -> Option<u64> {
+        self.disk.free(&self.root)
+    }
+
+    /// Whether the folder holds anything that only a ledger explains.
+    pub(crate) fn in_use(&self) -> bool {
+        let filled = |name: &str| fs::read_dir(self.root.join(name)).is_ok_and(|mut entries| entries.next().is_some());
+        filled("jobs") || filled("blobs")
+    }
+
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
+    }
+
+    pub(crate) fn ledger(&self) -> PathBuf {
+        self.root.join("ledger.redb")
+    }
+
+    pub(crate) fn tmp(&self) -> PathBuf {
+        self.root.join("tmp")
+    }
+
+    /// Place of a blob; the digest has been checked to be hexadecimal.
+    pub(crate) fn blob(&self, digest: &str) -> PathBuf {
+        self.root.join("blobs").join(digest.get(..2).unwrap_or("xx")).join(digest)
+    }
+
+    /// Folder of a job.
+    pub(crate) fn job(&self, id: &str) -> PathBuf {
+        self.root.join("jobs").join(id)
+    }
+
+    /// Event log of a job.
+    pub(crate) fn log(&self, id: &str) -> PathBuf {
+        self.job(id).join("log")
+    }
+
+    /// Writes a whole file: temporary file, fsync, rename, fsync of the folder.
+    pub(crate) fn write(&self, path: &Path, content: &[u8]) -> io::Result<()> {
+        let mut file = self.temporary()?;
+        file.write_all(content)?;
+        self.keep(file, path)
+    }
+
+    /// A temporary file.
+    pub(crate) fn temporary(&self) -> io::Result<Temporary> {
+        self.disk.temporary(&self.tmp())
+    }
+
+    /// Moves a finished temporary file to its place.
+    pub(crate) fn keep(&self, file: Temporary, path: &Path) -> io::Result<()> {
+        if self.durable {
+            file.sync()?;
+        }
+        if let Some(folder) = path.parent() {
+            self.disk.create_folder(folder)?;
+        }
+        file.place(path)?;
+        self.sync_folder_of(path)
+    }
+
+    /// Makes names in the folder of `path` durable where the system has the notion.
+    pub(crate) fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
+        match path.parent() {
+            Some(folder) if self.durable => self.disk.sync_folder(folder),
+            _ => Ok(()),
+        }
+    }
+
+    /// Marks a job as running, with the number of its run. The mark is not made durable: it is for the server after one
+    /// that died, not for one after a power loss, which no job has caused.
+    pub(crate) fn mark(&self, id: &str, attempt: u32) -> io::Result<()> {
+        if self.durable {
+            self.disk.create(&self.marked(id))?.write_all(attempt.to_string().as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Removes the mark of a job. One that stays makes the next server run the job alone.
+    pub(crate) fn unmark(&self, id: &str) {
+        if self.durable {
+            let _ = fs::remove_file(self.marked(id));
+        }
+    }
+
+    /// Jobs that were running when the server before this one died, with the numbers of their runs.
+    pub(crate) fn marks(&self) -> io::Result<Vec<(String, u32)>> {
+        let mut marks = Vec::new();
+        for entry in fs::read_dir(self.root.join("running"))? {
+            let entry = entry?;
+            let Ok(id) = entry.file_name().into_string() else { continue };
+            let attempt = fs::read_to_string(entry.path())?.parse().unwrap_or(1);
+            marks.push((id, attempt));
+        }
+        Ok(marks)
+    }
+
+    fn marked(&self, id: &str) -> PathBuf {
+        self.root.join("running").join(id)
+    }
+
+    /// Makes the names of a job's folder durable, and its own.
+    pub(crate) fn sync_job(&self, id: &str) -> io::Result<()> {
+        let folder = self.job(id);
+        self.sync_folder_of(&folder.join("log"))?;
+        self.sync_folder_of(&folder)
+    }
+
+    /// Removes the log of a job whose run did not come to its end; not being there is fine.
+    pub(crate) fn remove_log(&self, id: &str) -> io::Result<()> {
+        match fs::remove_file(self.log(id)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
+    }
+
+    /// Files with which backups ask for a copy of the ledger.
+    pub(crate) fn backups(&self) -> io::Result<Vec<PathBuf>> {
+        let asks = |name: &String| name.starts_with("backup-") && !name.contains('.');
+        Ok(names(&self.tmp())?.into_iter().filter(asks).map(|name| self.tmp().join(name)).collect())
+    }
+
+    /// Identities of all jobs that have a folder.
+    pub(crate) fn jobs(&self) -> io::Result<Vec<String>> {
+        names(&self.root.join("jobs"))
+    }
+
+    /// Bytes in a job's folder.
+    pub(crate) fn job_bytes(&self, id: &str) -> u64 {
+        let entries = fs::read_dir(self.job(id)).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.metadata().ok()).map(|meta| meta.len()).sum()
+    }
+
+    /// Digests of the blobs whose folder has these two digits.
+    pub(crate) fn blobs(&self, digits: &str) -> io::Result<Vec<String>> {
+        names(&self.root.join("blobs").join(digits))
+    }
+
+    /// Removes a job's folder; not being there is fine.
+    pub(crate) fn remove_job(&self, id: &str) -> io::Result<()> {
+        match fs::remove_dir_all(self.job(id)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
+    }
+}
+
+/// Names in a folder; none if there is no such folder.
+fn names(folder: &Path) -> io::Result<Vec<String>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        names.extend(entry?.file_name().into_string());
+    }
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_file_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path().join("data"), true, Disk::default()).unwrap();
+        let path = store.job("j").join("summary.json");
+        store.write(&path, b"one").unwrap();
+        store.write(&path, b"two").unwrap();
+        assert_eq!(fs::read(path).unwrap(), b"two");
+        assert_eq!(fs::read_dir(store.tmp()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,101 @@
+//! Comparing an example with what comes out of it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use similar::TextDiff;
+
+use crate::marks::Marked;
+use crate::page::{Example, Fence};
+use crate::update::Edit;
+
+/// What differs in an example, and the edits that would make its page true.
+#[derive(Debug)]
+pub struct Check<'a> {
+    page: &'a str,
+    example: &'a Example,
+    /// Bytes where a fence that is missing is put in.
+    end: usize,
+    wrong: String,
+    edits: Vec<Edit>,
+    /// Nothing that can be written into the page would make it true.
+    hopeless: bool,
+}
+
+impl<'a> Check<'a> {
+    /// A check of an example of the page with this name.
+    #[must_use]
+    pub fn new(page: &'a str, example: &'a Example) -> Self {
+        let end = example.fences.last().map_or(0, |fence| fence.whole.end);
+        Self { page, example, end, wrong: String::new(), edits: Vec::new(), hopeless: false }
+    }
+
+    /// What came out of this fence.
+    pub fn outcome(&mut self, fence: &Fence, found: &str) {
+        let name = format!("{} {}", fence.kind, fence.words);
+        self.differ(
+            fence.line,
+            name.trim(),
+            &fence.body.text,
+            found,
+            Edit { range: fence.range.clone(), text: found.to_owned() },
+        );
+    }
+
+    /// What came out of the fences of this kind, only compared where there are some.
+    pub fn given(&mut self, kind: &str, found: impl FnOnce() -> String) {
+        if let Some(fence) = self.example.fence(kind) {
+            self.outcome(fence, &found());
+        }
+    }
+
+    /// What came out of a kind of fence: without such a fence, nothing may.
+    pub fn required(&mut self, kind: &str, found: &str) {
+        match self.example.fence(kind) {
+            Some(fence) if found.is_empty() && !fence.body.text.is_empty() => {
+                let range = fence.whole.start.saturating_sub(1)..fence.whole.end;
+                self.differ(fence.line, kind, &fence.body.text, found, Edit { range, text: String::new() });
+            }
+            Some(fence) => self.outcome(fence, found),
+            None => {
+                let text = format!("\n```{kind}\n{found}```\n");
+                self.differ(self.example.line, kind, "", found, Edit { range: self.end..self.end, text });
+            }
+        }
+    }
+
+    /// Expectations beside the lines of a fence.
+    pub fn marks(&mut self, fence: &Fence, found: BTreeMap<u32, Vec<String>>) {
+        if found == fence.body.marks {
+            return;
+        }
+        let found = Marked { text: fence.body.text.clone(), marks: found }.join();
+        let name = format!("{} {}", fence.kind, fence.words);
+        let edit = Edit { range: fence.range.clone(), text: found.clone() };
+        self.differ(fence.line, name.trim(), &fence.body.join(), &found, edit);
+    }
+
+    /// What no other expectation would mend.
+    pub fn wrong(&mut self, line: usize, text: &str) {
+        let _ = writeln!(self.wrong, "{}:{line}: {text}", self.page);
+        self.hopeless = true;
+    }
+
+    fn differ(&mut self, line: usize, what: &str, expected: &str, found: &str, edit: Edit) {
+        if expected == found {
+            return;
+        }
+        let diff = TextDiff::from_lines(expected, found);
+        let diff = diff.unified_diff().context_radius(2).missing_newline_hint(false).to_string();
+        let lines: Vec<&str> = diff.lines().filter(|line| !line.starts_with("@@")).collect();
+        let _ =
+            writeln!(self.wrong, "{}:{line}: {what} differs (- expected, + found)\n{}", self.page, lines.join("\n"));
+        self.edits.push(edit);
+    }
+
+    /// What differs, empty when nothing does, and the edits that would mend it (none when they would not).
+    #[must_use]
+    pub fn finish(self) -> (String, Vec<Edit>) {
+        (self.wrong, if self.hopeless { Vec::new() } else { self.edits })
+    }
+}
