@@ -9,7 +9,7 @@ use std::sync::Arc;
 use counterpoint_fault::{Acted, Facts, Halt, Stop};
 
 use crate::channel::Kernel;
-use crate::channel::custom_calls::Callee;
+use crate::channel::flow::Callee;
 use crate::channel::flow::Pending;
 use crate::channel::plan::Source;
 use crate::log::event::{Event, Kind, Motion, ToolAction};
@@ -73,7 +73,7 @@ impl Act<'_, '_> {
 
     /// A free word that can move an axis or shape an arc is on the block.
     pub(crate) fn has_motion_word(&self) -> bool {
-        self.has_any(self.kernel.plan.motion_registers)
+        self.has_any(self.kernel.plan.registers.motion)
     }
 
     /// Where the values of an identifier come from.
@@ -235,7 +235,7 @@ impl Act<'_, '_> {
 
     /// A macro of the machine is running.
     pub(crate) fn is_inside_macro(&self) -> bool {
-        self.kernel.macros.as_deref().is_some_and(|runtime| !runtime.calls.is_empty())
+        !self.kernel.macros.calls.running.is_empty()
     }
 
     /// Puts the sum of all offsets into force; the machine stands still.

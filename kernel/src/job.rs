@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+pub use counterpoint_event::Outcome;
 use counterpoint_lang::compile;
 
 use crate::control::{Control, Stop};
@@ -75,17 +76,6 @@ pub trait Sink: Send {
     /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
     /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
     fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;
-}
-
-/// How the run ended, apart from what the log says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Outcome {
-    /// Events in the log.
-    pub events: u64,
-    /// It was cancelled.
-    pub cancelled: bool,
-    /// The sink refused events.
-    pub sink_failed: bool,
 }
 
 /// Bytes of a text that are searched between two looks at whether the job is to end.

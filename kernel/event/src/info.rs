@@ -9,6 +9,9 @@ use std::sync::{Arc, OnceLock};
 pub use crate::Unit;
 use crate::{FileId, Letters, Text};
 
+/// How the names of files begin that are stored with the machine.
+pub const STORED: &str = "//ICAMFS/";
+
 /// Most characters of a block in results.
 pub const BLOCK_TEXT: usize = 200;
 

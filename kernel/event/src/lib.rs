@@ -5,10 +5,12 @@
 pub mod event;
 pub mod info;
 pub mod letters;
+mod outcome;
 pub mod text;
 mod units;
 
 pub use letters::Letters;
+pub use outcome::Outcome;
 pub use text::Text;
 pub use units::{MAX_AXES, Position, Unit};
 

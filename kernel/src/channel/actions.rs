@@ -65,9 +65,7 @@ impl Kernel<'_> {
 
     /// A macro is about to change offsets: the move that is kept back is made before.
     pub(crate) fn flush_for_macro(&mut self) {
-        if let Err(halt) = self.flush_lookahead()
-            && self.macros.is_some()
-        {
+        if let Err(halt) = self.flush_lookahead() {
             self.keep_halt(halt);
         }
     }

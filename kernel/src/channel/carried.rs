@@ -42,7 +42,7 @@ pub(crate) struct Carried {
     state: State,
     flow: Flow,
     dialect: DialectState,
-    macros: Option<Box<Runtime>>,
+    macros: Box<Runtime>,
 }
 
 impl Kernel<'_> {
@@ -88,7 +88,7 @@ impl Kernel<'_> {
 
 impl Kernel<'_> {
     /// The end of its life.
-    pub(super) fn lived(self, halt: Halt) -> Lived {
+    pub(crate) fn lived(self, halt: Halt) -> Lived {
         let hook = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(Hook::MachineShutdown));
         let rank = self.channel.at.channel;
         let left = (hook.is_some() && matches!(halt, Halt::End(_))).then(|| Box::new(self.into_carried()));
@@ -102,16 +102,12 @@ impl Kernel<'_> {
         if idle > 0 {
             self.channel.at.idle_blocks = 0;
         }
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.store.idle = runtime.store.idle.saturating_add(idle);
-        }
+        self.macros.variables.store.idle = self.macros.variables.store.idle.saturating_add(idle);
     }
 
     /// Begins another program. It counts as a block, so that a macro that restarts for ever comes to a limit.
-    pub(super) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.closing = false;
-        }
+    pub(crate) fn begin_again(&mut self, file: FileId, range: Range, name: Box<str>, reset: bool) -> Acted {
+        self.macros.course.closing = false;
         self.channel.at.blocks += 1;
         self.channel.at.idle_blocks += 1;
         self.check_limits()?;

@@ -3,7 +3,7 @@
 use super::Kernel;
 use crate::machine::ident::codes;
 use crate::machine::ident::kind::CodeKind;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
 use crate::state::modal::group;
 
 /// Order of a cycle that position words fire: after the codes that take such words for themselves.
@@ -35,7 +35,7 @@ impl Kernel<'_> {
 
     /// A macro of a cycle is running: what it gives the control are the moves of that cycle.
     fn inside_cycle_macro(&self) -> bool {
-        let calls = self.macros.as_deref().map_or(&[][..], |runtime| runtime.calls.as_slice());
+        let calls = self.macros.calls.running.as_slice();
         calls.iter().any(|call| match &call.task {
             Task::Code(_, id) => matches!(id.kind(), CodeKind::Cycle(_)) || *id == codes::CYCLE_ON,
             Task::Cycle(_) => true,

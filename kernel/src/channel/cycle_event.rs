@@ -7,8 +7,8 @@ use counterpoint_lang::value::Value;
 
 use super::Kernel;
 use crate::machine::macros::model::Hook;
-use crate::macros::host::code_value;
-use crate::macros::runtime::Task;
+use crate::macros::calls::Task;
+use crate::macros::values::code_value;
 use crate::state::cycle::Hole;
 
 impl Kernel<'_> {

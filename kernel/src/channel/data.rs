@@ -8,14 +8,14 @@ use crate::machine::ident::DataId;
 use crate::state::block::Datum;
 
 /// Stands for a remembered value among the registers of an identifier; no register has this bit, and every block does.
-pub(super) const RECALLED: u128 = 1 << 127;
+pub(crate) const RECALLED: u128 = 1 << 127;
 
 impl Kernel<'_> {
     /// Takes the value of `id` off the block, if it is there.
     #[inline(always)]
     pub(crate) fn take(&mut self, id: DataId) -> Option<Datum> {
-        if self.macros.is_some() {
-            return self.take_custom(id);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.codes.take)(self, id);
         }
         if let Some((data, value)) = self.channel.acting.as_data
             && data == id
@@ -24,7 +24,7 @@ impl Kernel<'_> {
             self.trace_data(id, value);
             return Some(Datum { value, incremental: false, absolute: false, raw: value });
         }
-        if (self.channel.block.present | RECALLED) & self.plan.registers_of.get(usize::from(id.0))? == 0 {
+        if (self.channel.block.present | RECALLED) & self.plan.data.registers_of.get(usize::from(id.0))? == 0 {
             return None;
         }
         self.take_word(id)
@@ -32,14 +32,14 @@ impl Kernel<'_> {
 
     /// A value of `id` is on the block.
     pub(crate) fn block_has(&self, id: DataId) -> bool {
-        let registers = self.plan.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        let registers = self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
         self.channel.has_any(registers) || self.channel.block.added.iter().any(|(other, _)| *other == id)
     }
 
     /// One of the registers of `id` is on the block.
     fn take_word(&mut self, id: DataId) -> Option<Datum> {
         let plan = self.plan;
-        for source in plan.sources.get(usize::from(id.0))? {
+        for source in plan.data.sources.get(usize::from(id.0))? {
             let Some(word) = self.channel.block.take(source.register) else { continue };
             let (raw, incremental) = (word.value, word.incremental);
             if raw < source.min || raw > source.max {
@@ -60,16 +60,16 @@ impl Kernel<'_> {
 
     /// The last value of modal data (reference control-emulator.md 1.3).
     #[cold]
-    pub(super) fn recall(&self, id: DataId) -> Option<Datum> {
-        let modal = self.plan.recall.as_ref()?.get(usize::from(id.0)).copied()?;
+    pub(crate) fn recall(&self, id: DataId) -> Option<Datum> {
+        let modal = self.plan.data.recall.as_ref()?.get(usize::from(id.0)).copied()?;
         let value = self.channel.state.modal.value(id).filter(|_| modal)?;
         Some(Datum { value, incremental: false, absolute: false, raw: value })
     }
 
     /// A word is there, but its row says that nothing may take it, or all rows of the data are off.
     #[cold]
-    pub(super) fn refuse(&mut self, id: DataId) -> bool {
-        let refused = self.plan.refused.get(usize::from(id.0)).copied().unwrap_or(0);
+    pub(crate) fn refuse(&mut self, id: DataId) -> bool {
+        let refused = self.plan.data.refused.get(usize::from(id.0)).copied().unwrap_or(0);
         if (self.channel.block.present | RECALLED) & refused != 0 {
             let why = if refused & RECALLED == 0 { "its row is not processed" } else { "its rows are switched off" };
             let text = format!(
@@ -99,7 +99,7 @@ impl Kernel<'_> {
     /// The same for the positions of an axis that have words of their own.
     pub(crate) fn factor_across(&self, axis: usize) -> f64 {
         let is_x = self.channel.state.place.cartesian.first().copied().flatten().map(usize::from) == Some(axis);
-        if is_x && !self.plan.across.is_empty() { self.channel.across_factor() } else { 1.0 }
+        if is_x && !self.plan.data.across.is_empty() { self.channel.across_factor() } else { 1.0 }
     }
 
     pub(crate) fn out_of_range(&mut self, row: u16, value: f64) {

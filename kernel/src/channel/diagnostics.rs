@@ -25,8 +25,7 @@ impl Kernel<'_> {
             0
         };
         let kept = alarm.then(|| (severity, text.clone()));
-        let runtime = self.macros.as_deref();
-        let on = runtime.is_some_and(|runtime| runtime.severities.get(&number).is_some_and(|(_, on)| *on));
+        let on = self.macros.diagnostics.severities.get(&number).is_some_and(|(_, on)| *on);
         // The diagnostic macro sees numbers that are off too.
         let seen = on || self.hook(Hook::Diagnostic).is_some();
         if seen && let Some(rule) = table.rule(number).filter(|rule| !rule.enable) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 
 use super::Kernel;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::{Frame, Pending};
 use crate::diag::{self, Facts};
 use crate::dialect::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place};
@@ -27,7 +27,7 @@ use counterpoint_motion::frame::affine::Affine;
 
 impl Kernel<'_> {
     /// A block that is not plain words.
-    pub(super) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
+    pub(crate) fn interpreted_line(&mut self, text: &[u8]) -> Acted {
         if self.channel.env.trace.is_some() {
             self.trace_deleted(text);
         }
@@ -55,8 +55,8 @@ impl Kernel<'_> {
         if text.trim().as_bytes() != whole.trim_ascii() {
             self.trace_left(text);
         }
-        if self.macros.is_some() {
-            return self.text_block(text);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.block.left)(self, text);
         }
         if text.trim().is_empty() {
             return Ok(());
@@ -65,10 +65,7 @@ impl Kernel<'_> {
         let plan = self.plan;
         let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
         scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
-        if self.channel.env.trace.is_some() {
-            self.trace_words();
-        }
-        let acted = self.act_block();
+        let acted = self.words();
         // The next block has a text of its own.
         self.channel.text.edited = read;
         acted
@@ -89,41 +86,41 @@ impl Kernel<'_> {
         Some(done)
     }
 
-    pub(super) fn interpreter_started(&mut self) {
+    pub(crate) fn interpreter_started(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.started(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_entered(&mut self) {
+    pub(crate) fn interpreter_entered(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.entered(kernel));
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_again(&mut self) {
+    pub(crate) fn interpreter_again(&mut self) {
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
             interpreter.again();
         }
     }
 
     #[inline]
-    pub(super) fn interpreter_left(&mut self) {
+    pub(crate) fn interpreter_left(&mut self) {
         if self.dialect.interpreter.is_some() {
             self.with_interpreter(|interpreter, kernel| interpreter.left(kernel));
         }
     }
 
     /// Calls a text that the interpreter has found, or that a startup macro may find.
-    pub(super) fn call_text(&mut self, call: Call) -> Acted {
+    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
         let Call { name, place, passes, closes } = call;
         self.check_nesting(|| name.to_string())?;
         let called = self.called(Callee::Named(Arc::clone(&name)), passes);
         let mut found = place;
-        if self.macros.is_some() {
-            match self.subprogram_startup(&called, 0, found, self.flow.frames.len())? {
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
                 None => return Ok(()),
                 Some(place) => found = place,
             }
@@ -144,8 +141,7 @@ impl Host for Kernel<'_> {
     fn place(&self) -> Place {
         let frame = self.flow.frames.last();
         let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         Place {
             file: self.channel.at.file,
             line: self.channel.at.line,
@@ -203,7 +199,7 @@ impl Host for Kernel<'_> {
     }
 
     fn tells_messages(&self, text: &[u8]) -> bool {
-        self.macros.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
     }
 
     fn diagnose(&mut self, facts: &'static Facts, text: String) {
@@ -250,7 +246,7 @@ impl Host for Kernel<'_> {
     }
 
     fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
-        let asked = self.macros.as_deref().is_some_and(|runtime| runtime.identifying);
+        let asked = self.macros.course.identifying;
         let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Ok(Answer::Unknown) };
         let assigned = assigned.cloned().unwrap_or(Value::Null);
         Ok(match self.ask_identification(code, text, assigned)? {

@@ -1,7 +1,7 @@
 //! A letter O where a zero is meant, the commonest slip of the keyboard in programs.
 
 /// What to say of a word of the block with the letter O where a zero is meant (`X5O`, `G O1`), if `left` has one.
-pub(super) fn letter_for_zero(left: &str, block: &str) -> String {
+pub(crate) fn letter_for_zero(left: &str, block: &str) -> String {
     let is_o = |c: char| matches!(c, 'O' | 'o');
     if !left.contains(is_o) {
         return String::new();

@@ -47,7 +47,7 @@ impl Kernel<'_> {
         self.load(file)?;
         self.tell_leader(file, range);
         self.interpreter_started();
-        self.begin_macros()
+        self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 
     /// Says how it ended and lets the others know.
@@ -163,7 +163,7 @@ impl Kernel<'_> {
     }
 
     /// Stops the whole job here and says who was doing what.
-    pub(super) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
+    pub(crate) fn limit(&mut self, reason: &str, kind: VerdictKind) -> Halt {
         let (rank, tag, info) = (self.channel.at.channel, self.tag(), self.channel.env.info);
         let own = self.what_it_did(reason);
         let (file, line) = (self.channel.at.file, self.channel.at.line);

@@ -4,7 +4,7 @@
 //! register for, wherever it stands on the block; what can be none (further G words, a second P) is told as left over.
 
 use super::Kernel;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::Pending;
 use super::macros::Left;
 use super::modal_call::ModalCall;
@@ -29,7 +29,7 @@ impl Kernel<'_> {
     /// A block whose words are the arguments of a macro.
     pub(crate) fn macro_call(&mut self) -> Acted {
         let own = self.flow.word_call.take();
-        let line = if self.macros.is_some() || self.channel.text.edited.is_some() {
+        let line = if self.plan.hooks.is_some() || self.channel.text.edited.is_some() {
             let text = self.text_bytes().into_owned();
             self.compiled(&text, false)?
         } else {

@@ -13,7 +13,7 @@ use counterpoint_fault::{Acted, Halt};
 
 /// Why a statement has come to no end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Left {
+pub(crate) enum Left {
     /// The kernel leaves its program.
     Halt(Halt),
     /// The identification macro wants the text with a variable that nobody knows to stay on the block.
@@ -45,18 +45,17 @@ impl Kernel<'_> {
             Err(Left::Halt(halt)) => Err(halt),
             Err(Left::Text) => {
                 self.channel.block.unknown.push(line.place);
-                self.act_block()
+                self.made_words()
             }
         }
     }
 
     /// The compiled form of the current line; kept once the program has jumped back or called. `shows` lets its messages
     /// be seen: on every pass, but once for a line that is looked at twice.
-    pub(super) fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
+    pub(crate) fn compiled(&mut self, text: &[u8], shows: bool) -> Result<Arc<Line>, Halt> {
         let key = (self.channel.at.file, self.channel.at.line);
         // A text of its own is compiled each time: the line number does not stand for it.
-        let as_read =
-            self.channel.text.edited.is_none() && self.macros.as_deref().is_none_or(|runtime| runtime.text.is_none());
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
         if as_read && let Some(line) = self.flow.compiled.get(key) {
             let line = Arc::clone(line);
             self.channel.block.clear();
@@ -92,7 +91,7 @@ impl Kernel<'_> {
 
     /// Messages of the current line, which a machine with macros has seen to before.
     fn messages_of_line(&mut self, text: &[u8], shows: bool) {
-        if shows && self.macros.is_none() {
+        if shows && self.plan.hooks.is_none() {
             self.show_messages(text);
         }
         self.channel.block.messages.clear();
@@ -185,7 +184,7 @@ impl Kernel<'_> {
     }
 
     /// A jump within the program leaves the loops that do not hold its target.
-    pub(super) fn leave_loops(&mut self, target: Spot) {
+    pub(crate) fn leave_loops(&mut self, target: Spot) {
         if self.flow.loops.is_empty() {
             return;
         }
@@ -250,7 +249,7 @@ impl Kernel<'_> {
         self.eval(condition).map(|v| number(v) != 0.0)
     }
 
-    pub(super) fn eval(&mut self, expr: &Expr) -> Result<f64, Left> {
+    pub(crate) fn eval(&mut self, expr: &Expr) -> Result<f64, Left> {
         if let Some(value) = expr.as_constant() {
             return Ok(value);
         }
@@ -273,7 +272,7 @@ impl Kernel<'_> {
     }
 
     /// Alarm of a fault.
-    pub(super) fn fault(&mut self, fault: &Fault) -> Halt {
+    pub(crate) fn fault(&mut self, fault: &Fault) -> Halt {
         let facts = match fault {
             Fault::Stopped => return Halt::Stopped,
             Fault::Division => &diag::MACRO_DIVISION,
@@ -366,11 +365,8 @@ impl Kernel<'_> {
         }
         if self.channel.env.trace.is_some() {
             self.trace_preprocessed();
-            if self.macros.is_none() {
-                self.trace_words();
-            }
         }
-        Ok(self.act_block()?)
+        Ok(self.made_words()?)
     }
 
     /// Steps of one unit that the value of an expression at an address is rounded to.
@@ -384,7 +380,7 @@ impl Kernel<'_> {
     }
 
     /// A number beside an expression is read as on a line without one.
-    pub(super) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
+    pub(crate) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
         self.channel.block.odd |= odd;

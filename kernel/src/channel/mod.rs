@@ -9,46 +9,35 @@ mod burden;
 mod calls;
 pub(crate) mod carried;
 mod code_time;
-pub(crate) mod codes;
-pub(crate) mod custom;
-pub(crate) mod custom_calls;
-pub(crate) mod custom_codes;
-pub(crate) mod custom_life;
 mod cycle_codes;
 mod cycle_event;
 pub(crate) mod data;
-mod definitions;
 mod diagnostics;
-mod embedded;
 pub(crate) mod emit;
-pub(crate) mod events;
 pub(crate) mod flow;
 mod frame;
+pub(crate) mod hook_points;
 mod interpreted;
-pub(crate) mod leftover;
 mod letter_zero;
 pub(crate) mod life;
 mod macro_call;
 pub(crate) mod macros;
-mod modal_call;
+pub(crate) mod modal_call;
 mod motion;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
 mod print;
-pub(crate) mod read;
 mod refusals;
-pub(crate) mod remarks;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
 mod spindle;
-mod text;
 mod tool_data;
 mod unknown;
 pub(crate) mod variables;
 mod wait;
-mod word_calls;
+pub(crate) mod word_calls;
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
@@ -73,15 +62,15 @@ pub(crate) struct Kernel<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) flow: Flow,
     pub(crate) dialect: DialectState,
-    /// Macros of the machine, if it has any.
-    pub(crate) macros: Option<Box<Runtime>>,
+    /// What the macros of the machine remember; empty without any.
+    pub(crate) macros: Box<Runtime>,
 }
 
 impl<'a> Kernel<'a> {
     /// A kernel at the start of its life.
     pub(crate) fn new(setup: Setup<'a>, channel: &MachineChannel) -> Self {
         let Setup { env, ports, plan } = setup;
-        let tape = (plan.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
+        let tape = (plan.edits.tape.as_ref().map(|tape| tape.start).unwrap_or_default(), Memory::default());
         let machine = env.machine;
         Self {
             channel: Channel {
@@ -98,7 +87,7 @@ impl<'a> Kernel<'a> {
             plan,
             flow: Flow::default(),
             dialect: DialectState { interpreter: crate::dialect::interpreter(machine), ..DialectState::default() },
-            macros: None,
+            macros: Box::default(),
         }
     }
 }

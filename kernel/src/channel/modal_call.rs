@@ -5,7 +5,7 @@
 //! with arguments nothing calls, unless it says so itself; subprograms called by M98 go on calling.
 
 use super::Kernel;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::Pending;
 use super::word_calls::By;
 use crate::state::block::Word;
@@ -17,26 +17,26 @@ const CALL_MOVES: f64 = 66.0;
 /// Calls with the words of every block.
 const CALL_EACH: f64 = 66.1;
 /// Ends modal calls.
-pub(super) const END_CALLS: f64 = 67.0;
+pub(crate) const END_CALLS: f64 = 67.0;
 
 /// A macro that blocks call.
 #[derive(Debug)]
 pub(crate) struct ModalCall {
-    pub(super) what: Callee,
-    pub(super) passes: u32,
-    pub(super) arguments: Vec<(u8, f64)>,
+    pub(crate) what: Callee,
+    pub(crate) passes: u32,
+    pub(crate) arguments: Vec<(u8, f64)>,
     /// Every block calls, with its own words.
-    pub(super) each: bool,
+    pub(crate) each: bool,
     /// Macro calls that were going on when it was said.
-    pub(super) level: usize,
+    pub(crate) level: usize,
     /// The word that said it, if that calls by itself.
-    pub(super) by: Option<By>,
+    pub(crate) by: Option<By>,
 }
 
 impl Kernel<'_> {
     /// A G word of the pre-processor that calls macros; the one that ends modal calls does so at once.
     #[cold]
-    pub(super) fn calls_by(&mut self, value: f64) -> bool {
+    pub(crate) fn calls_by(&mut self, value: f64) -> bool {
         if !self.plan.scanner.has_macros() {
             return false;
         }
@@ -47,19 +47,20 @@ impl Kernel<'_> {
     }
 
     /// How a G word calls: `None` for none, else whether it is modal, and for each block.
-    pub(super) fn way_of_call(value: f64) -> Option<(bool, bool)> {
+    pub(crate) fn way_of_call(value: f64) -> Option<(bool, bool)> {
         let modal = value == CALL_MOVES || value == CALL_EACH;
         (modal || value == CALL).then_some((modal, value == CALL_EACH))
     }
 
     /// A G word of the block calls by the pre-processor itself.
-    pub(super) fn has_own_call(&self) -> bool {
-        let is_call = |word: &Word| Some(word.register) == self.plan.g && Self::way_of_call(word.value).is_some();
+    pub(crate) fn has_own_call(&self) -> bool {
+        let is_call =
+            |word: &Word| Some(word.register) == self.plan.registers.g && Self::way_of_call(word.value).is_some();
         self.channel.block.words.iter().any(is_call)
     }
 
     /// Macro calls that are going on.
-    pub(super) fn call_level(&self) -> usize {
+    pub(crate) fn call_level(&self) -> usize {
         self.flow.frames.iter().filter(|frame| frame.own_variables).count()
     }
 
@@ -78,7 +79,7 @@ impl Kernel<'_> {
 
     /// Calls behind a block that has moved.
     #[cold]
-    pub(super) fn call_modally(&mut self) {
+    pub(crate) fn call_modally(&mut self) {
         let level = self.call_level();
         let Some(call) = self.flow.modal_call.as_deref() else { return };
         if call.level > level {

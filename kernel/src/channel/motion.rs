@@ -14,8 +14,8 @@ impl Kernel<'_> {
     pub(crate) fn travel(&mut self, seconds: f64, motion: &Motion) -> Acted {
         self.channel.check_stop()?;
         self.check_travel_before(motion)?;
-        if self.macros.is_some() {
-            return self.motion_event(seconds, motion);
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.motion)(self, seconds, motion);
         }
         self.move_to(seconds, motion)
     }
@@ -23,15 +23,8 @@ impl Kernel<'_> {
     /// The motion itself.
     #[inline(always)]
     pub(crate) fn move_to(&mut self, seconds: f64, motion: &Motion) -> Acted {
-        if let Some(runtime) = self.macros.as_deref_mut() {
-            runtime.before = self.channel.state.place.position;
-            let rapid = usize::from(motion.kind == MotionKind::Rapid);
-            if let Some(time) = runtime.store.times.get_mut(rapid) {
-                *time += seconds;
-            }
-            runtime.store.moving += crate::state::channel::nanoseconds(seconds);
-            self.sum_motion(rapid == 1, seconds, motion.length);
-            self.note_travel(motion);
+        if let Some(hooks) = self.plan.hooks {
+            (hooks.moved)(self, seconds, motion);
         }
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);

@@ -91,7 +91,7 @@ impl Kernel<'_> {
     ///
     /// # Errors
     /// When the loop is hopeless.
-    pub(super) fn end_pass(&mut self, target: u32, from: u32) -> Acted {
+    pub(crate) fn end_pass(&mut self, target: u32, from: u32) -> Acted {
         self.flow.caching = true;
         let (file, depth) =
             (self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file), self.flow.frames.len());

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::actions::{Action, Actions};
 use super::data::RECALLED;
+use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use super::scan::Scanner;
 use super::word_calls::WordCalls;
@@ -13,8 +14,9 @@ use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor
 use crate::mcd::tape::Tape;
 
 /// Compiled form of the machine for the block loop.
-#[derive(Debug)]
 pub(crate) struct Plan {
+    /// Where the macros of the machine take part; none on a machine without macros.
+    pub(crate) hooks: Option<&'static HookPoints>,
     pub(crate) scanner: Scanner,
     /// For what the pre-processor of another control leaves: it has seen to the marks of optional skip.
     pub(crate) unmarked: Option<Arc<Scanner>>,
@@ -22,40 +24,121 @@ pub(crate) struct Plan {
     pub(crate) action_of_row: Vec<Option<&'static dyn Action>>,
     /// What else is asked of the actions.
     pub(crate) actions: &'static Actions,
-    /// Register of the G letter, for macro calls of the pre-processor.
-    pub(crate) g: Option<u8>,
     /// Words that call programs; `None` when the machine has none.
     pub(crate) word_calls: Option<Box<WordCalls>>,
-    /// Register that defines programs (O).
+    /// First enabled row of each code.
+    pub(crate) rows_of_code: Vec<Option<u16>>,
+    pub(crate) registers: Registers,
+    pub(crate) data: DataPlan,
+    pub(crate) edits: Edits,
+    /// What the control makes of its blocks beyond their words.
+    pub(crate) rules: Rules,
+}
+
+/// Registers that a block is looked through for.
+#[derive(Debug)]
+pub(crate) struct Registers {
+    /// That of the G letter, for macro calls of the pre-processor.
+    pub(crate) g: Option<u8>,
+    /// That which defines programs (O).
     pub(crate) definition: Option<u8>,
-    /// Registers whose words can move an axis or shape an arc: bit by register.
-    pub(crate) motion_registers: u128,
-    /// Registers whose words are data whatever their value: bit by register.
+    /// Those of the sequence numbers of the main and of the side head.
+    pub(crate) head_sequences: [Option<u8>; 2],
+    /// Those whose words can move an axis or shape an arc, bit by register.
+    pub(crate) motion: u128,
+    /// Those whose words are data whatever their value, bit by register.
     pub(crate) only_data: u128,
+    /// Those that carry the spindle speed, bit by register.
+    pub(crate) speed: u128,
+}
+
+/// Where data come from.
+#[derive(Debug)]
+pub(crate) struct DataPlan {
     /// Registers that can supply each data identifier, bit by register.
     pub(crate) registers_of: Vec<u128>,
     /// Where the values of each data identifier come from, in row order.
     pub(crate) sources: Vec<Vec<Source>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
     pub(crate) across: Vec<DataId>,
-    /// Registers of the sequence numbers of the main and of the side head.
-    pub(crate) head_sequences: [Option<u8>; 2],
-    /// Registers that carry the spindle speed.
-    pub(crate) speed_registers: u128,
-    /// First enabled row of each code.
-    pub(crate) rows_of_code: Vec<Option<u16>>,
-    /// Rules of the tape editor.
-    pub(crate) tape: Option<Tape>,
-    /// A block may be something else than its line: a tape editor, or a character that ends blocks.
-    pub(crate) reshapes: bool,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
     pub(crate) recall: Option<Vec<bool>>,
-    /// What the control makes of its blocks beyond their words.
-    pub(crate) rules: Rules,
     /// Registers whose word an identifier must not take (`process = false`), bit by register.
     pub(crate) refused: Vec<u128>,
+}
+
+/// What makes a block something else than its line.
+#[derive(Debug)]
+pub(crate) struct Edits {
+    /// Rules of the tape editor.
+    pub(crate) tape: Option<Tape>,
+    /// There is a tape editor, or a character that ends blocks.
+    pub(crate) reshapes: bool,
+}
+
+impl Edits {
+    fn new(machine: &Machine) -> Self {
+        Self {
+            tape: Tape::new(&machine.tape_editor),
+            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
+        }
+    }
+}
+
+impl DataPlan {
+    fn new(machine: &Machine) -> Self {
+        let across = across(machine);
+        let refused = refused(machine);
+        let recall = recall(machine);
+        let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
+        let registers_of = |(id, rows): (usize, &Vec<u16>)| {
+            let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
+            let off = refused.get(id).copied().unwrap_or(0) & RECALLED;
+            let remembered = if recalled(id) { RECALLED } else { off };
+            registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
+        };
+        Self {
+            registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
+            sources: sources(machine, &across),
+            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+            across,
+            recall,
+            refused,
+        }
+    }
+}
+
+impl Registers {
+    fn new(machine: &Machine) -> Self {
+        let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
+        let (mut motion, mut speed) = (0_u128, 0_u128);
+        for row in machine.data.iter().filter(|r| r.enable) {
+            let Some(register) = row.register.filter(|&r| r < 128) else { continue };
+            let name = machine.data_name(row.id);
+            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
+                motion |= 1 << register;
+            }
+            if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
+                speed |= 1 << register;
+            }
+        }
+        let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
+        let definition = register_of(data::DEFSUB_ID);
+        let only_data = (0..128_u8).filter(|&r| {
+            let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
+            known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
+        });
+        Self {
+            only_data: only_data.fold(0, |bits, r| bits | 1 << r),
+            head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
+            g,
+            definition,
+            motion,
+            speed,
+        }
+    }
 }
 
 /// What a control makes of blocks and values beyond the meaning of their words.
@@ -252,71 +335,34 @@ fn lead_is_feed(machine: &Machine) -> bool {
 impl Plan {
     /// Where the values of an identifier come from.
     pub(crate) fn sources_of(&self, id: DataId) -> &[Source] {
-        self.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
+        self.data.sources.get(usize::from(id.0)).map_or(&[], Vec::as_slice)
     }
 
     /// Registers that can supply an identifier, bit by register.
     pub(crate) fn registers_of(&self, id: DataId) -> u128 {
-        self.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
+        self.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0)
     }
 
-    pub(crate) fn new(machine: &Machine, opskip: &[u8], actions: &'static Actions) -> Self {
-        let register_of = |id| machine.data.iter().find(|r| r.id == id && r.enable).and_then(|r| r.register);
-        let mut motion_registers = 0_u128;
-        let mut speed_registers = 0_u128;
-        for row in machine.data.iter().filter(|r| r.enable) {
-            let Some(register) = row.register.filter(|&r| r < 128) else { continue };
-            let name = machine.data_name(row.id);
-            if ["REG_AXIS_", "REG_ARC_", "REG_C2P_INTERP_", "REG_RTCP_"].iter().any(|start| name.starts_with(start)) {
-                motion_registers |= 1 << register;
-            }
-            if row.id == data::SPINDLE_RPM || row.id == data::SPINDLE_CSS {
-                speed_registers |= 1 << register;
-            }
-        }
-        let g = machine.registers.iter().position(|r| r.name == "G").map(|i| i as u8);
-        let definition = register_of(data::DEFSUB_ID);
-        let only_data = (0..128_u8).filter(|&r| {
-            let known = machine.tables.data_of_register.get(usize::from(r)).is_some_and(|rows| !rows.is_empty());
-            known && !machine.tables.has_codes(r) && Some(r) != g && Some(r) != definition
-        });
-        let across = across(machine);
-        let refused = refused(machine);
-        let recall = recall(machine);
-        let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
+    /// The plan for a machine, with the optional skip levels that are on, its actions, and the hooks of its macros.
+    pub(crate) fn new(
+        machine: &Machine,
+        opskip: &[u8],
+        actions: &'static Actions,
+        hooks: Option<&'static HookPoints>,
+    ) -> Self {
+        let registers = Registers::new(machine);
         Self {
-            only_data: only_data.fold(0, |bits, r| bits | 1 << r),
+            hooks,
             unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
             scanner: Scanner::new(machine, opskip),
             action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
             actions,
-            g,
             word_calls: WordCalls::new(machine),
-            definition,
-            motion_registers,
-            sources: sources(machine, &across),
-            across,
-            registers_of: machine
-                .tables
-                .rows_of_data
-                .iter()
-                .enumerate()
-                .map(|(id, rows)| {
-                    let registers = rows.iter().filter_map(|&row| machine.data.get(usize::from(row))?.register);
-                    let off = refused.get(id).copied().unwrap_or(0) & RECALLED;
-                    let remembered = if recalled(id) { RECALLED } else { off };
-                    registers.filter(|&r| r < 127).fold(remembered, |bits, r| bits | 1 << r)
-                })
-                .collect(),
-            head_sequences: [register_of(data::SEQNO_MAIN), register_of(data::SEQNO_SIDE)],
-            speed_registers,
             rows_of_code: rows_of_code(machine),
-            tape: Tape::new(&machine.tape_editor),
-            reshapes: !machine.tape_editor.is_empty() || machine.format.eob.is_some(),
-            recall,
-            rules: Rules::new(machine, g),
-            refused,
-            ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
+            rules: Rules::new(machine, registers.g),
+            registers,
+            data: DataPlan::new(machine),
+            edits: Edits::new(machine),
         }
     }
 }

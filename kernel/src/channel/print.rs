@@ -10,7 +10,7 @@ use crate::dialect::fanuc::{Item, print};
 
 impl Kernel<'_> {
     /// Writes a line.
-    pub(super) fn print(&mut self, items: &[Item], binary: bool) -> Result<(), Left> {
+    pub(crate) fn print(&mut self, items: &[Item], binary: bool) -> Result<(), Left> {
         let machine = self.channel.env.machine;
         let mut line = String::new();
         for item in items {

@@ -78,7 +78,7 @@ fn may_be(code: &Written, row: &CodeRow) -> bool {
 impl Kernel<'_> {
     /// Refuses the block if a rule of the machine says so; its codes are known, nothing has acted.
     #[inline(always)]
-    pub(super) fn check_refused(&mut self) -> Acted {
+    pub(crate) fn check_refused(&mut self) -> Acted {
         if self.channel.block.present & self.channel.state.place.bounds.foreign != 0 {
             self.foreign_axis()?;
         }

@@ -48,7 +48,7 @@ impl Kernel<'_> {
     fn log_diagnostic(&mut self, facts: &Facts, text: String, stops: bool) {
         let errors = self.channel.reports.alarms.errors;
         if let Some((severity, text)) = self.customised(facts.number, (facts.severity, stops), text) {
-            if self.macros.is_some() {
+            if self.plan.hooks.is_some() {
                 self.issue((facts.number, severity), text, (None, stops));
             } else {
                 self.channel.count_error(severity);
@@ -112,7 +112,7 @@ impl Kernel<'_> {
 
     /// Text of the current block, for messages: at most 60 characters.
     pub(crate) fn block_text(&self) -> String {
-        match self.macros.as_deref().and_then(|runtime| runtime.text.as_ref()) {
+        match self.macros.block.text.as_ref() {
             Some(text) => crate::log::info::cut(text, 60),
             None => self.channel.env.info.block_text(self.channel.at.file, self.channel.at.line, 60).into_owned(),
         }

@@ -127,7 +127,7 @@ impl Scanner {
     }
 
     /// The machine has operator messages.
-    pub(super) fn has_messages(&self) -> bool {
+    pub(crate) fn has_messages(&self) -> bool {
         self.message.is_some()
     }
 
@@ -142,7 +142,7 @@ impl Scanner {
     }
 
     /// What words of lines with expressions may be called besides letters.
-    pub(super) fn names(&self) -> Names<'_> {
+    pub(crate) fn names(&self) -> Names<'_> {
         let early = self.early.as_deref();
         Names {
             like_words: early.map_or(&[], |early| &early.texts),
@@ -298,7 +298,7 @@ impl Scanner {
 
     /// Value of a number as a register reads it, and what is odd about it ([`odd`]).
     #[inline(always)]
-    pub(super) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
+    pub(crate) fn reading(&self, register: u8, number: Number, secondary: bool) -> Option<(f64, u8)> {
         let read = self.reads.get(usize::from(register))?.get(usize::from(secondary))?;
         Some(read.value(number))
     }

@@ -3,26 +3,26 @@
 //! Facts: reference control-emulator.md 5.7. Order: the place that the machine names, then the files stored with the
 //! machine, then (this project's choice) the other places and files beside the program that are named after the number.
 
-use super::Kernel;
 use counterpoint_fault::Halt;
 use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::custom_calls::Callee;
+use super::Kernel;
+use super::flow::Callee;
 use super::scan::Kind;
 use crate::log::event::FileId;
 use crate::machine::ident::{codes, data};
 use crate::machine::model::{Placement, StoredFile};
 use crate::machine::number::written;
-use crate::macros::host::variables;
+use crate::macros::store;
 use crate::mcd::layout::opening;
 use crate::mcd::program::Range;
 use crate::state::block::Block;
 
 /// Lines of a file by label, ascending.
-pub(super) type Labels = FxHashMap<u32, Vec<u32>>;
+pub(crate) type Labels = FxHashMap<u32, Vec<u32>>;
 
 /// A place to look in.
 enum Look {
@@ -36,7 +36,7 @@ enum Look {
 
 impl Kernel<'_> {
     /// Looks a program up.
-    pub(super) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
+    pub(crate) fn find_program(&mut self, what: &Callee) -> Result<Option<(FileId, Range)>, Halt> {
         self.work(self.channel.env.info.files.len())?;
         for look in self.looks(what) {
             let searched = match look {
@@ -89,7 +89,7 @@ impl Kernel<'_> {
     }
 
     /// The blocks of a range in the current file.
-    pub(super) fn find_range(&mut self, what: &Callee) -> Option<Range> {
+    pub(crate) fn find_range(&mut self, what: &Callee) -> Option<Range> {
         let sources = self.channel.env.sources;
         let source = sources.get(self.channel.at.file)?;
         // A range is called by whole lines.
@@ -118,7 +118,7 @@ impl Kernel<'_> {
         }
         let mut labels = Labels::default();
         let scanner = &self.plan.scanner;
-        let sources = self.plan.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
+        let sources = self.plan.data.sources.get(usize::from(data::LABEL.0)).map_or(&[][..], Vec::as_slice);
         let mut block = Block::default();
         if let Some(source) = self.channel.env.sources.get(self.channel.at.file).filter(|_| !sources.is_empty()) {
             for line in source.walk(1, source.lines()) {
@@ -193,8 +193,8 @@ impl Kernel<'_> {
     /// The file of this subprogram alone, and the file of all of them.
     fn subprogram_files(&self, what: &Callee) -> (String, String) {
         let (folder, stem) = self.main_program();
-        let extension = match self.macros.as_deref().map(|runtime| runtime.store.get(variables::names().extension)) {
-            Some(Value::Text(set)) => set.trim().trim_start_matches('.'),
+        let extension = match self.macros.variables.store.get(store::names().extension) {
+            Value::Text(set) => set.trim().trim_start_matches('.'),
             _ => self.channel.env.machine.subprograms.extension.as_str(),
         };
         let id = match what {
@@ -206,7 +206,7 @@ impl Kernel<'_> {
     }
 
     /// The file of the machine's placement where something missing was looked for.
-    pub(super) fn looked_for(&self, what: &Callee) -> String {
+    pub(crate) fn looked_for(&self, what: &Callee) -> String {
         let main =
             || self.flow.frames.first().map_or("", |frame| self.channel.env.info.file_name(frame.file)).to_owned();
         let (each, one) = self.subprogram_files(what);
@@ -226,7 +226,8 @@ impl Kernel<'_> {
         if self.channel.env.machine.storage.is_empty() {
             return Vec::new();
         }
-        let definition = self.plan.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
+        let definition =
+            self.plan.registers.definition.and_then(|r| self.channel.env.machine.registers.get(usize::from(r)));
         let mut wanted = names(what);
         if let (Some(register), &Callee::Program(number)) = (definition, what) {
             wanted.insert(
@@ -258,7 +259,7 @@ impl Kernel<'_> {
     }
 
     /// Where a missing program was looked for.
-    pub(super) fn places(&self, what: &Callee) -> String {
+    pub(crate) fn places(&self, what: &Callee) -> String {
         let (each, one) = self.subprogram_files(what);
         let first = match self.channel.env.machine.subprograms.placement {
             Placement::FileEach => format!("{each}, {one}"),

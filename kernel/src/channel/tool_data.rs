@@ -8,9 +8,9 @@
 use counterpoint_lang::value::Value;
 
 use crate::channel::Kernel;
+use crate::host::tools::column;
 use crate::log::event::{Kind, ToolData};
 use crate::machine::ident::codes;
-use crate::macros::host::tools::column;
 use crate::state::frames::offsets::Radii;
 use crate::state::modal::group;
 
@@ -25,7 +25,7 @@ impl Kernel<'_> {
     pub(crate) fn tell_tool(&mut self) {
         let tables = &self.channel.env.machine.tool;
         let nothing = tables.data.is_empty() && tables.offsets.is_empty() && self.channel.state.place.offsets.is_none();
-        if self.channel.state.place.tool != 0 && !(nothing && self.macros.is_none()) {
+        if self.channel.state.place.tool != 0 && !(nothing && self.plan.hooks.is_none()) {
             self.tell(self.tool_data(self.channel.state.place.tool));
         }
     }
@@ -34,14 +34,14 @@ impl Kernel<'_> {
     #[cold]
     pub(crate) fn tell_tools(&mut self) {
         for at in 0.. {
-            let Some(tool) = self.macros.as_deref().and_then(|runtime| runtime.tools.get(at)).copied() else { break };
+            let Some(tool) = self.macros.tools.loaded.get(at).copied() else { break };
             self.tell(self.tool_data(tool));
         }
     }
 
     /// The program is over: the order of its tools, if `$TLSORT` asks for one.
     pub(crate) fn tell_order(&mut self) {
-        if self.macros.as_deref_mut().is_some_and(|runtime| std::mem::take(&mut runtime.tools_changed)) {
+        if std::mem::take(&mut self.macros.tools.changed) {
             self.tell_tools();
         }
         let column = self.tool_sort().abs();
@@ -49,7 +49,7 @@ impl Kernel<'_> {
             return;
         }
         for (place, at) in (1..).zip(self.sorted_tools(column)) {
-            let tool = self.macros.as_deref().and_then(|runtime| runtime.tools.get(usize::from(at))).copied();
+            let tool = self.macros.tools.loaded.get(usize::from(at)).copied();
             if let Some(tool) = tool {
                 self.tell(ToolData { place, ..self.tool_data(tool) });
             }

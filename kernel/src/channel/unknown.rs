@@ -20,7 +20,7 @@ const MOST: usize = 60;
 impl Kernel<'_> {
     /// Looks at what nothing knows before anything of the block acts.
     #[inline(always)]
-    pub(super) fn check_known(&mut self) -> Acted {
+    pub(crate) fn check_known(&mut self) -> Acted {
         if self.channel.block.has_oddities() { self.odd_before() } else { self.channel.check_stop() }
     }
 
@@ -140,7 +140,7 @@ impl Kernel<'_> {
     /// The emulated system lets the active motion code have the words of a block whose code it does not know. That is
     /// an error: on the control they mean something else.
     fn moves_all_the_same(&mut self, code: &str) {
-        let moves = self.channel.has_any(self.plan.motion_registers) && !self.moves_by_itself();
+        let moves = self.channel.has_any(self.plan.registers.motion) && !self.moves_by_itself();
         let letter = code.bytes().next().and_then(|letter| self.plan.scanner.register(letter));
         let motions = self
             .channel
@@ -166,7 +166,7 @@ impl Kernel<'_> {
     }
 
     /// What nothing has recognised when all codes have acted.
-    pub(super) fn unknown_text(&mut self) -> Acted {
+    pub(crate) fn unknown_text(&mut self) -> Acted {
         let left = self.left_text();
         let text = shortened(&left.split_whitespace().collect::<Vec<_>>().join(" "));
         if text.is_empty() {

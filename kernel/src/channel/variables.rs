@@ -21,7 +21,7 @@ pub(crate) struct ChannelVariables {
     levels: Vec<Locals>,
     own: FxHashMap<u32, f64>,
     /// Steps of one unit that ROUND rounds to in the expression being evaluated.
-    pub(super) steps: f64,
+    pub(crate) steps: f64,
 }
 
 impl Default for ChannelVariables {
@@ -66,7 +66,7 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
 
 impl Variables for Kernel<'_> {
     fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        let value = if self.macros.is_some() && index >= 1000 && !self.is_common(index) {
+        let value = if self.plan.hooks.is_some() && index >= 1000 && !self.is_common(index) {
             self.identified(index)
         } else {
             self.get_known(index)

@@ -177,9 +177,7 @@ fn refuse(
 fn go_on(kernel: &mut Kernel<'_>, (t, micro): (i64, u32), release: Release) {
     if t > kernel.channel.at.clock {
         kernel.channel.at.idle_blocks = 0;
-        if let Some(runtime) = kernel.macros.as_deref_mut() {
-            runtime.store.idle += t - kernel.channel.at.clock;
-        }
+        kernel.macros.variables.store.idle += t - kernel.channel.at.clock;
     }
     (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
     kernel.emit(0, Kind::Release(release));

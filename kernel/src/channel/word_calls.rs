@@ -11,7 +11,7 @@ use counterpoint_fault::Acted;
 use std::sync::Arc;
 
 use super::Kernel;
-use super::custom_calls::Callee;
+use super::flow::Callee;
 use super::flow::Pending;
 use crate::machine::Machine;
 use crate::machine::ident::data;
@@ -36,11 +36,11 @@ pub(crate) struct By {
 /// A macro that a word of the block calls.
 #[derive(Debug)]
 pub(crate) struct WordMacro {
-    pub(super) register: u8,
-    pub(super) program: u32,
+    pub(crate) register: u8,
+    pub(crate) program: u32,
     /// The call is modal, and for each block.
-    pub(super) way: (bool, bool),
-    pub(super) by: By,
+    pub(crate) way: (bool, bool),
+    pub(crate) by: By,
 }
 
 /// The words of a machine.
@@ -52,7 +52,7 @@ pub(crate) struct WordCalls {
 }
 
 impl WordCalls {
-    pub(super) fn new(machine: &Machine) -> Option<Box<Self>> {
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
         let rows = machine.subprograms.calls.clone();
         let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
         (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
@@ -69,7 +69,7 @@ impl WordCalls {
 impl Kernel<'_> {
     /// Takes the words off the block that call; true for a macro with the other words as arguments.
     #[cold]
-    pub(super) fn calls_by_word(&mut self) -> bool {
+    pub(crate) fn calls_by_word(&mut self) -> bool {
         let plan = self.plan;
         let Some(calls) = plan.word_calls.as_deref() else { return false };
         let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
@@ -96,7 +96,7 @@ impl Kernel<'_> {
     fn calling_word<'c>(&self, calls: &'c WordCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
         self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
             let (call, program) = calls.find(word.register, word.value)?;
-            let kind = if Some(word.register) == self.plan.g { WordKind::G } else { WordKind::Other };
+            let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
             let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
             fits.then_some((at, call, program, By { kind, variable: call.variable, value: word.value }))
         })
@@ -113,7 +113,7 @@ impl Kernel<'_> {
 
     /// Takes the repeat word off the block.
     fn repeat_word(&mut self) -> u32 {
-        let source = self.plan.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
+        let source = self.plan.data.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
         let at =
             source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
         let Some(at) = at else { return 1 };
@@ -122,7 +122,7 @@ impl Kernel<'_> {
     }
 
     /// Hands the value of the word over to the program that it calls.
-    pub(super) fn hand_over(&mut self, by: &By) -> Acted {
+    pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
         match by.variable {
             Some(variable) => self.set_variable(variable, by.value).map_err(|fault| self.fault(&fault)),
             None => Ok(()),

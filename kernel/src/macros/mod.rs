@@ -1,8 +1,18 @@
-//! Macros of a running kernel.
+//! What the macros of a running kernel remember.
+//!
+//! *Invariant:* state with methods of its own; none of it knows the kernel.
 
 mod asked;
-pub(crate) mod host;
+pub(crate) mod books;
+pub(crate) mod calls;
+pub(crate) mod context;
+pub(crate) mod hooks;
+pub(crate) mod issued;
+pub(crate) mod parts;
 pub(crate) mod reused;
 pub(crate) mod runtime;
+pub(crate) mod settings;
+pub(crate) mod store;
+pub(crate) mod values;
 
-pub(crate) use runtime::STACK;
+pub(crate) use calls::STACK;

@@ -14,8 +14,8 @@ use crate::diag;
 use crate::log::event::{Event, FileId};
 use crate::machine::macros::model::Hook;
 use crate::machine::model::Channel;
-use crate::macros::host::variables::names;
 use crate::macros::runtime::Runtime;
+use crate::macros::store::names;
 use crate::mcd::layout::first_main;
 use crate::mcd::program::Range;
 
@@ -50,13 +50,11 @@ impl<'a> Shop<'a> {
         for (number, at) in machine.channels.iter().zip(1_i64..) {
             let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
             let file = program.map_or("", |info| self.job.info().file_name(info.file)).to_owned();
-            if let Some(runtime) = kernel.macros.as_deref_mut() {
-                let (names, store) = (names(), &mut runtime.store);
-                store.starting = true;
-                store.set_element(names.kernel_program, (at, 0), Value::text(file));
-                store.set_element(names.kernel_name, (at, 0), Value::text(number.name.as_str()));
-                store.set_element(names.kernel_channel, (at, 0), Value::Real(f64::from(number.number)));
-            }
+            let (names, store) = (names(), &mut kernel.macros.variables.store);
+            store.starting = true;
+            store.set_element(names.kernel_program, (at, 0), Value::text(file));
+            store.set_element(names.kernel_name, (at, 0), Value::text(number.name.as_str()));
+            store.set_element(names.kernel_channel, (at, 0), Value::Real(f64::from(number.number)));
         }
         let done = kernel.plain_macro(Hook::Declaration).and_then(|()| kernel.plain_macro(Hook::MachineStartup));
         if let Err(halt) = done {
@@ -65,9 +63,15 @@ impl<'a> Shop<'a> {
         let good = !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked));
         let mut programs = Vec::new();
         for (number, at) in machine.channels.iter().zip(1_i64..) {
-            let wanted = kernel.macros.as_deref().and_then(|runtime| {
-                runtime.store.element(names().kernel_program, (at, 0)).and_then(Value::as_text).map(str::to_owned)
-            });
+            let wanted = {
+                kernel
+                    .macros
+                    .variables
+                    .store
+                    .element(names().kernel_program, (at, 0))
+                    .and_then(Value::as_text)
+                    .map(str::to_owned)
+            };
             let wanted = wanted.unwrap_or_default();
             let program = self.job.info().channel(number.number).filter(|info| !info.program.is_empty());
             if program.map_or("", |info| self.job.info().file_name(info.file)) == wanted.trim() {
@@ -92,7 +96,7 @@ impl<'a> Shop<'a> {
             programs.push((number.number, start));
         }
         for (number, at) in machine.channels.iter().zip(1_i64..) {
-            let line = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_line, (at, 0)));
+            let line = kernel.macros.variables.store.element(names().kernel_line, (at, 0));
             let Some(line) = line.and_then(Value::as_real).filter(|line| *line != 1.0) else { continue };
             let place = programs.iter().position(|(given, _)| *given == number.number);
             let own = || self.job.info().channel(number.number).filter(|c| !c.program.is_empty());
@@ -116,15 +120,13 @@ impl<'a> Shop<'a> {
                 None => programs.push(start),
             }
         }
-        if let Some(runtime) = kernel.macros.as_deref_mut() {
-            runtime.store.starting = false;
-        }
+        kernel.macros.variables.store.starting = false;
         let program = |at| {
-            let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_program, (at, 0)));
+            let set = kernel.macros.variables.store.element(names().kernel_program, (at, 0));
             set.and_then(Value::as_text).unwrap_or("").trim().to_owned()
         };
         let name = |at| {
-            let set = kernel.macros.as_deref().and_then(|r| r.store.element(names().kernel_name, (at, 0)));
+            let set = kernel.macros.variables.store.element(names().kernel_name, (at, 0));
             set.and_then(Value::as_text).unwrap_or("").to_owned()
         };
         let given = (1..).take(machine.channels.len()).map(|at| (program(at), name(at), kernel.model_channel(at)));
@@ -132,7 +134,7 @@ impl<'a> Shop<'a> {
         let _ = self.given.set(given.collect());
         let tag = kernel.tag();
         kernel.ports.emitter.flush(tag);
-        let runtime = kernel.macros.take();
+        let runtime = Some(std::mem::take(&mut kernel.macros));
         drop(kernel);
         kept.iter().for_each(|event| {
             log(event);
@@ -150,23 +152,23 @@ impl<'a> Shop<'a> {
     ) -> Option<Again> {
         let Master { channel, runtime: kept_runtime, .. } = master.as_mut()?;
         let mut runtime = kept_runtime.take()?;
-        runtime.closing = true;
-        runtime.later.clear();
+        runtime.course.closing = true;
+        runtime.issued.later.clear();
         let mut kept = Vec::new();
         let mut kernel = self.kernel(channel, self.control.spare(), Target::Kept(&mut kept), Switch::Thread);
         (kernel.channel.at.clock, kernel.channel.at.micro) = (t, micro);
-        kernel.macros = Some(runtime);
+        kernel.macros = runtime;
         let done = kernel.plain_macro(Hook::MachineShutdown);
         if let Err(halt) = done {
             kernel.tell_softened(halt);
         }
         kernel.close_files(Halt::End(None));
-        let restart = kernel.macros.as_deref_mut().and_then(|runtime| runtime.restart.take());
+        let restart = kernel.macros.course.restart.take();
         let restart = restart.filter(|_| !matches!(done, Err(Halt::Alarm | Halt::Stopped | Halt::Blocked)));
         let again = restart.and_then(|restart| kernel.spread(restart, wrong));
         let tag = kernel.tag();
         kernel.ports.emitter.flush(tag);
-        *kept_runtime = kernel.macros.take();
+        *kept_runtime = Some(std::mem::take(&mut kernel.macros));
         drop(kernel);
         // What the macro may have let pass does not take the log beyond its end.
         kept.iter_mut().for_each(|event| {

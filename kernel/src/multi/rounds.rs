@@ -13,7 +13,7 @@ use crate::channel::carried::{Carried, Lived};
 use crate::diag;
 use crate::job::{Job, Spec};
 use crate::log::event::{Event, Kind, Phase};
-use crate::macros::runtime::Restart;
+use crate::macros::parts::Restart;
 use crate::mcd::layout;
 use crate::multi::merge::Message;
 use crate::multi::tag::Tag;

@@ -11,25 +11,14 @@ mod lines;
 
 pub use lines::{Stage, action, code, data, edited, entering, exec, ignored, leaving, sequence, statement, word};
 
+pub use counterpoint_event::event::trace::{ACTION, BLOCK, DWELL, LISTING};
+
 use crate::channel::Kernel;
 use crate::log::event::{Kind, Trace};
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, StoredFile};
 use crate::machine::number::written;
 use crate::state::burden::shortened;
-
-/// Letter of what controls the listing: `on`, `off`, or a number of empty lines. It is no letter that a job may ask
-/// for.
-pub const LISTING: char = 'L';
-
-/// Begin of the control of the listing that gives the text of the next block, which is not the line of a file.
-pub const BLOCK: &str = "block ";
-
-/// Letter of actions. Most are read off the events; what no event tells is a line of its own.
-pub const ACTION: char = 'A';
-
-/// Begin of a dwell in revolutions, in place of the seconds of the event that follows.
-pub const DWELL: &str = "| dwell rev=";
 
 impl Kernel<'_> {
     /// Lines of a letter are wanted for the current block. Blocks of stored files are shown only with the letter Z, their

@@ -16,7 +16,7 @@ use counterpoint_kernel::event::Text;
 use counterpoint_kernel::files::Files;
 use counterpoint_kernel::job::{Outcome, Sink};
 use counterpoint_kernel::log::event::*;
-use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Unit};
+use counterpoint_kernel::log::info::{Axis, Channel, File, Info, Room, Unit};
 use counterpoint_kernel::machine::finding::Finding;
 use counterpoint_kernel::options::Limits;
 use counterpoint_proto::v1;
@@ -93,7 +93,7 @@ impl Runner for Script {
             machine_file: "lathe2/machine.toml".into(),
             parameters: String::new(),
             trace: Default::default(),
-            room: Default::default(),
+            room: Room { path: 1 << 20, bars: 1 << 20, waiting: 1 << 20 },
             unit: Unit::Mm,
             channels: vec![channel(1), channel(2)],
             files: vec![file],

@@ -21,7 +21,7 @@ mod motion;
 mod spindle;
 mod stop;
 mod tool;
-mod trace;
+pub mod trace;
 mod verdict;
 mod wait;
 mod work;

@@ -53,7 +53,7 @@ pub(super) fn read(top: &mut Section<'_>, files: &dyn Files) -> Vec<StoredFile> 
 
 impl StoredFile {
     /// Beginning of the paths of stored files.
-    pub const ROOT: &str = "//ICAMFS/";
+    pub const ROOT: &str = counterpoint_event::info::STORED;
 
     /// The stored file of a path `//ICAMFS/…` or of a path inside; letter case does not matter.
     #[must_use]

@@ -10,15 +10,15 @@ use crate::state::block::Block;
 
 /// Whether a place of a line lies inside an expression or a statement of the pre-processor.
 #[derive(Debug, Default)]
-pub(super) struct Formula {
+pub(crate) struct Formula {
     /// Open brackets.
-    pub(super) depth: usize,
+    pub(crate) depth: usize,
     statement: bool,
 }
 
 impl Formula {
     /// Takes the next character.
-    pub(super) fn read(&mut self, names: Names<'_>, line: &[u8], at: usize) {
+    pub(crate) fn read(&mut self, names: Names<'_>, line: &[u8], at: usize) {
         match line.get(at) {
             Some(b'[') => self.depth += 1,
             Some(b']') => self.depth = self.depth.saturating_sub(1),
@@ -28,14 +28,14 @@ impl Formula {
     }
 
     /// A skip character here is a division.
-    pub(super) fn divides(&self) -> bool {
+    pub(crate) fn divides(&self) -> bool {
         self.depth > 0 || self.statement
     }
 }
 
 /// Where a name of two letters or more that begins at `at` ends, with what is in parentheses, brackets and quotation
 /// marks behind it; `at` if there is none.
-pub(super) fn name_end(line: &[u8], at: usize) -> usize {
+pub(crate) fn name_end(line: &[u8], at: usize) -> usize {
     let rest = line.get(at..).unwrap_or_default();
     let letters = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
     if !(rest.len() > 1 && rest.iter().take(2).all(letters)) {
@@ -57,14 +57,14 @@ pub(super) fn name_end(line: &[u8], at: usize) -> usize {
 
 impl Scanner {
     /// For text that no optional skip applies to: its mark is a character like any other.
-    pub(in crate::channel) fn without_marks(machine: &Machine) -> Self {
+    pub(crate) fn without_marks(machine: &Machine) -> Self {
         Self { opskip: None, ..Self::new(machine, &[]) }
     }
 
     /// The line without skipped portions and marks, and whether a level was active; `None` without a mark. As for the
     /// pre-processor a skip character inside brackets and in statements is a division. Marks are looked for in `seen`,
     /// which has the length of the line.
-    pub(in crate::channel) fn without_deleted(&self, line: &[u8], seen: &[u8]) -> Option<(bool, Vec<u8>)> {
+    pub(crate) fn without_deleted(&self, line: &[u8], seen: &[u8]) -> Option<(bool, Vec<u8>)> {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, seen).is_some())?;
         let (mut out, mut found, mut at) = (Vec::with_capacity(line.len()), None, 0);
         let mut formula = Formula::default();
@@ -98,7 +98,7 @@ impl Scanner {
     }
 
     /// Level of the first mark of a line, none without one.
-    pub(in crate::channel) fn first_mark(&self, line: &[u8]) -> Option<u8> {
+    pub(crate) fn first_mark(&self, line: &[u8]) -> Option<u8> {
         let mark = self.opskip.filter(|mark| memchr::memchr(*mark, line).is_some())?;
         let (mut at, mut formula) = (0, Formula::default());
         while let Some(&byte) = line.get(at) {
@@ -113,7 +113,7 @@ impl Scanner {
 
     /// Comments and messages of a line: whether it is a message, and its place without delimiters. The same start for both
     /// means a comment.
-    pub(in crate::channel) fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
+    pub(crate) fn remarks(&self, line: &[u8]) -> Vec<(bool, usize, usize)> {
         let mut found = Vec::new();
         let (mut at, mut formula) = (0, Formula::default());
         while at < line.len() {

@@ -31,7 +31,7 @@ fn leading_digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
 
 /// Parses `[+-]digits[.digits]` at `at`; correctly rounded.
 #[inline(always)]
-pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
+pub(crate) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
     let rest = line.get(at..)?;
     let (negative, text) = match rest {
         [b'-', text @ ..] => (true, text),
@@ -63,7 +63,7 @@ pub(super) fn parse_number(line: &[u8], at: usize) -> Option<(Number, usize)> {
 
 /// How a register's numbers are read.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Read {
+pub(crate) struct Read {
     format: NumberFormat,
     /// A number without a point has an implied one.
     implied: bool,
@@ -78,7 +78,7 @@ pub(super) struct Read {
 
 impl Read {
     /// For one of the formats of a register; what is odd about a negative value, and about a written point.
-    pub(super) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
+    pub(crate) fn new(format: NumberFormat, (sign, pointed): (u8, u8)) -> Self {
         let power = |digits: u8| POW10.get(usize::from(digits)).copied().unwrap_or(f64::INFINITY);
         let implied = format.point == Point::Omit;
         let room = power(format.whole);
@@ -88,7 +88,7 @@ impl Read {
 
     /// Value of a number, and what is odd about it, bit by bit.
     #[inline(always)]
-    pub(super) fn value(&self, number: Number) -> (f64, u8) {
+    pub(crate) fn value(&self, number: Number) -> (f64, u8) {
         let value = if number.point || !self.implied { number.value } else { implied(number, &self.format) };
         let too_long = number.value.abs() >= if number.point { self.room } else { self.room_without_point };
         let digits = u8::from(too_long) * odd::DIGITS;

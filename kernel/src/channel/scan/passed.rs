@@ -10,7 +10,7 @@ use crate::state::block::{Block, odd};
 impl Scanner {
     /// A copy of the line with comments, skipped portions and skip marks blanked out, for the pre-processor. Inside
     /// brackets and in statements a skip character after the first word is a division.
-    pub(in crate::channel) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
+    pub(crate) fn strip(&self, line: &[u8], out: &mut Vec<u8>, block: &mut Block) {
         block.clear();
         out.clear();
         out.extend_from_slice(line);
@@ -30,7 +30,7 @@ impl Scanner {
     }
 
     /// Position after a comment, message, skip mark with its portion, or end-of-block character at `at`.
-    pub(super) fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
+    pub(crate) fn skip(&self, line: &[u8], at: usize, byte: u8, block: &mut Block) -> Option<usize> {
         // The same start for both means a comment.
         for (delimiters, message) in [(&self.comment, false), (&self.message, true)] {
             let Some((start, end)) = delimiters else { continue };
@@ -59,7 +59,7 @@ impl Scanner {
     }
 
     /// Level of the mark at `at`, and where it ends. On controls with a pre-processor of their own 0 is no level.
-    pub(super) fn mark(&self, line: &[u8], at: usize) -> (u8, usize) {
+    pub(crate) fn mark(&self, line: &[u8], at: usize) -> (u8, usize) {
         match line.get(at + 1) {
             Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
             Some(b'0') if self.foreign.is_some() => (self.opskip_default, at + 2),
@@ -87,17 +87,17 @@ impl Scanner {
     }
 
     /// The character that ends blocks.
-    pub(in crate::channel) fn eob(&self) -> Option<u8> {
+    pub(crate) fn eob(&self) -> Option<u8> {
         self.eob
     }
 
     /// Place of the first character that ends a block, outside comments and messages.
-    pub(in crate::channel) fn block_end(&self, line: &[u8]) -> Option<usize> {
+    pub(crate) fn block_end(&self, line: &[u8]) -> Option<usize> {
         spot::block_end(line, self.eob, self.delimiters())
     }
 
     /// Where the blocks of a line begin.
-    pub(in crate::channel) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
+    pub(crate) fn block_starts(&self, line: &[u8]) -> impl Iterator<Item = usize> {
         spot::starts(line, self.eob, self.delimiters())
     }
 
@@ -106,16 +106,16 @@ impl Scanner {
     }
 
     /// Position after the comment or message that begins at `at`: a mark inside is none.
-    pub(super) fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
+    pub(crate) fn comment_end(&self, line: &[u8], at: usize) -> Option<usize> {
         spot::remark_end(line, at, self.delimiters())
     }
 
-    pub(super) fn starts_comment(&self, line: &[u8], at: usize) -> bool {
+    pub(crate) fn starts_comment(&self, line: &[u8], at: usize) -> bool {
         self.delimiters()
             .any(|(start, _)| !start.is_empty() && line.get(at..).is_some_and(|rest| rest.starts_with(start)))
     }
 }
 
-pub(super) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
+pub(crate) fn find(line: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     memchr::memmem::find(line.get(from..)?, what).map(|at| at + from)
 }

@@ -110,7 +110,7 @@ impl Polar {
     }
 
     /// Coordinates instead of the axes.
-    pub(super) fn to_program(self, place: &Place, point: &mut Position) {
+    pub(crate) fn to_program(self, place: &Place, point: &mut Position) {
         if !self.cartesian {
             return;
         }
@@ -124,7 +124,7 @@ impl Polar {
     }
 
     /// The axes instead of coordinates.
-    pub(super) fn to_axes(self, place: &Place, point: &mut Position) {
+    pub(crate) fn to_axes(self, place: &Place, point: &mut Position) {
         if !self.cartesian {
             return;
         }

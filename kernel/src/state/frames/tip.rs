@@ -70,7 +70,7 @@ impl Place {
 
 impl Tip {
     /// The linear axes at a point of the work frame; `machine` has the rotary axes already.
-    pub(super) fn to_machine(&self, place: &Place, work: &Position, machine: &mut Position) {
+    pub(crate) fn to_machine(&self, place: &Place, work: &Position, machine: &mut Position) {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool));
         let part = plus(place.geometry(work), fixture);
         let angles = *machine;
@@ -79,7 +79,7 @@ impl Tip {
     }
 
     /// The point of the work frame where the axes are.
-    pub(super) fn to_work(&self, place: &Place, machine: &Position, work: &mut Position) {
+    pub(crate) fn to_work(&self, place: &Place, machine: &Position, work: &mut Position) {
         let fixture = place.geometry(&place.less(&place.shift, &self.tool)).map(|value| -value);
         let linear = place.geometry(machine);
         let tip = self.chain.tip(linear, place.geometry(&self.tool), |axis| at(machine, axis));

@@ -1,0 +1,132 @@
+//! What is read off the events of one channel alone: its fingerprint, times, bars and path.
+//!
+//! Invariant: a lane needs nothing of other channels, so kernels may feed their lanes each on its own thread.
+
+use std::sync::Arc;
+
+use crate::digest::Digest;
+use crate::meetings::Stay;
+use crate::spans::Spans;
+use crate::summary::tally::Tally;
+use crate::timeline::bars::Bars;
+use crate::told::Told;
+use crate::toolpath::Track;
+use crate::tools::Tools;
+use counterpoint_event::event::{Event, FileId, Kind, MotionKind, Phase, Work};
+use counterpoint_event::info::{self, Info};
+
+/// One channel of the results in the making.
+#[derive(Debug)]
+pub struct Lane {
+    /// Number of the channel.
+    pub number: u16,
+    info: Arc<Info>,
+    pub(super) digest: Digest,
+    pub(super) tally: Tally,
+    pub(super) bars: Bars,
+    pub(super) track: Track,
+    /// The wait it stands at.
+    pub(super) wait: Option<Stay>,
+    /// Stays that have ended.
+    pub(super) stays: Vec<Stay>,
+    /// What was told while the lane was fed on its own.
+    pub(super) told: Vec<Told>,
+    /// Start of the latest event.
+    pub(super) last_ns: i64,
+    /// Its tools.
+    pub(super) tools: Tools,
+    /// When they were in work.
+    pub(super) spans: Spans,
+    /// File that the kernel started with, when it is not the one given to it by the job.
+    pub(super) program: Option<FileId>,
+}
+
+impl Lane {
+    pub(super) fn new(info: &Arc<Info>, channel: &info::Channel) -> Self {
+        Self {
+            number: channel.number,
+            info: info.clone(),
+            digest: Digest::new(),
+            tally: Tally::default(),
+            bars: Bars::new(info.room.bars),
+            track: Track::new(info, channel),
+            wait: None,
+            stays: Vec::new(),
+            told: Vec::new(),
+            last_ns: 0,
+            tools: Tools::default(),
+            spans: Spans::default(),
+            program: None,
+        }
+    }
+
+    /// The end of the channel's program has been seen.
+    pub fn ended(&self) -> bool {
+        self.tally.ended()
+    }
+
+    /// The next events of the channel's own stream; those of the master that came up in it are put aside.
+    pub fn feed(&mut self, events: &[Event]) {
+        for event in events {
+            match event.kind {
+                Kind::Block(_) | Kind::Motion(_) => {}
+                _ => self.told.extend(Told::of(event)),
+            }
+            if event.channel == self.number {
+                self.event(event);
+            }
+        }
+    }
+
+    /// The next event of the channel.
+    #[inline]
+    pub(super) fn event(&mut self, event: &Event) {
+        self.digest.event(event);
+        self.last_ns = self.last_ns.max(event.t_ns);
+        match &event.kind {
+            Kind::Block(block) => self.tally.blocks = self.tally.blocks.max(block.number),
+            Kind::Motion(motion) => {
+                let work = if motion.kind == MotionKind::Rapid { Work::Rapid } else { Work::Feed };
+                self.work(work, event);
+                self.track.motion(motion, (event.file, event.line));
+            }
+            _ => self.other(event),
+        }
+    }
+
+    #[inline]
+    fn work(&mut self, work: Work, event: &Event) {
+        if event.dur_ns > 0 {
+            self.tally.work(work, event);
+            self.bars.push(work, event.t_ns, event.dur_ns, event.line);
+        }
+    }
+
+    fn other(&mut self, event: &Event) {
+        match &event.kind {
+            Kind::Wait(wait) => self.wait = Some(Stay::new(wait, event.t_ns, (event.file, event.line))),
+            Kind::Release(release) => {
+                let stay = self.wait.take().unwrap_or_else(|| Stay::unseen(release, (event.file, event.line)));
+                self.tally.add(Work::Wait, event.t_ns.saturating_sub(release.since_ns));
+                self.bars.wait(release.since_ns, event.t_ns, &stay);
+                self.stays.push(stay.ended(release, event.t_ns));
+            }
+            Kind::Lifecycle(phase) => {
+                let own = self.info.channel(self.number).filter(|c| !c.program.is_empty()).map(|c| c.file);
+                if *phase == Phase::ProgramStart && own != Some(event.file) && !self.tally.has_run() {
+                    self.program = Some(event.file);
+                }
+                self.tally.life(*phase, event.t_ns);
+            }
+            kind => {
+                self.tools.event(kind);
+                if let Some(tool) = self.spans.event(event) {
+                    self.track.tool(tool);
+                }
+                if let Some(work) = kind.work() {
+                    self.work(work, event);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The meetings of a job: who arrived where and when, and when all went on.
+//!
+//! Put together from the stays of the channels when somebody asks for them. Invariant: completed meetings come in order
+//! of their number, then the waits that never came true in order of their first arrival; arrivals ascend by channel.
+
+use std::fmt;
+use std::ops::Deref;
+use std::sync::{Arc, LazyLock};
+
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use counterpoint_event::event::{FileId, Primitive, Release, Wait};
+use counterpoint_event::info::{BLOCK_TEXT, Info};
+
+/// One meeting, or a wait that never came true.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Meeting {
+    /// Mark as shown to people.
+    pub key: Arc<str>,
+    /// Primitive.
+    pub kind: Primitive,
+    /// When everybody went on, ns; `None`: never.
+    pub release_ns: Option<i64>,
+    /// Who arrived, ascending channel.
+    pub arrivals: Vec<Arrival>,
+}
+
+/// Arrival of one channel.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Arrival {
+    /// Channel number.
+    pub channel: u16,
+    /// When, ns.
+    pub t_ns: i64,
+    /// File name.
+    pub file: Arc<str>,
+    /// Line.
+    pub line: u32,
+    /// Text of the block.
+    pub block: Arc<str>,
+}
+
+type Source = Box<dyn FnOnce() -> Vec<Meeting> + Send>;
+
+/// All meetings of a job, as a slice; copies share one list, which is made at the first look.
+#[derive(Clone)]
+pub struct Waits(Arc<LazyLock<Vec<Meeting>, Source>>);
+
+impl Waits {
+    fn new(source: impl FnOnce() -> Vec<Meeting> + Send + 'static) -> Self {
+        Self(Arc::new(LazyLock::new(Box::new(source))))
+    }
+}
+
+impl Deref for Waits {
+    type Target = [Meeting];
+
+    fn deref(&self) -> &[Meeting] {
+        &self.0
+    }
+}
+
+impl fmt::Debug for Waits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
+impl PartialEq for Waits {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl Serialize for Waits {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (**self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Waits {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Vec::deserialize(deserializer).map(|meetings| Self::new(|| meetings))
+    }
+}
+
+/// A stay of a channel at a wait.
+#[derive(Debug)]
+pub struct Stay {
+    wait: Arc<Wait>,
+    pub(super) since_ns: i64,
+    file: FileId,
+    pub(super) line: u32,
+    /// Number of the meeting that ended it and when it did; both 0: none yet.
+    met: (u64, i64),
+}
+
+impl Stay {
+    /// A channel arrives.
+    pub(super) fn new(wait: &Arc<Wait>, since_ns: i64, (file, line): (FileId, u32)) -> Self {
+        Self { wait: wait.clone(), since_ns, file, line, met: (0, 0) }
+    }
+
+    /// Of a release whose wait is not in the log.
+    pub(super) fn unseen(release: &Release, place: (FileId, u32)) -> Self {
+        let wait = Wait { key: release.key.clone(), primitive: release.primitive, participants: [].into() };
+        Self::new(&Arc::new(wait), release.since_ns, place)
+    }
+
+    /// The channel goes on.
+    pub(super) fn ended(self, release: &Release, t_ns: i64) -> Self {
+        Self { since_ns: release.since_ns, met: (release.meeting, t_ns), ..self }
+    }
+
+    /// How long it was, once it has ended.
+    pub(super) fn ns(&self) -> i64 {
+        self.met.1.saturating_sub(self.since_ns)
+    }
+
+    /// Mark as shown to people.
+    pub(super) fn key(&self) -> Arc<str> {
+        self.wait.key.clone()
+    }
+}
+
+/// A meeting of which at least one channel has gone on.
+#[derive(Debug)]
+struct Met {
+    number: u64,
+    release_ns: i64,
+    /// Ascending channel.
+    stays: Vec<(u16, Stay)>,
+}
+
+impl Met {
+    /// A channel that stands at a wait takes part, but has not gone on.
+    fn misses(&self, channel: u16, stay: &Stay) -> bool {
+        let wait = &stay.wait;
+        self.stays.first().is_some_and(|(_, first)| {
+            self.stays.len() < first.wait.participants.len()
+                && (&first.wait.key, first.wait.primitive) == (&wait.key, wait.primitive)
+        }) && self.release_ns >= stay.since_ns
+            && self.stays.iter().all(|(other, _)| *other != channel && wait.participants.contains(other))
+    }
+}
+
+/// Collects the meetings of a log.
+#[derive(Debug)]
+pub(crate) struct Meetings {
+    info: Arc<Info>,
+    /// Stays that have ended.
+    ended: Vec<(u16, Vec<Stay>)>,
+    /// Stays without an end.
+    open: Vec<(u16, Stay)>,
+    /// Of a log that was cut: what became of those that have ended.
+    met: Vec<Met>,
+}
+
+impl Meetings {
+    pub(crate) fn new(info: &Arc<Info>) -> Self {
+        Self { info: info.clone(), ended: Vec::new(), open: Vec::new(), met: Vec::new() }
+    }
+
+    /// The stays of a channel, and the one without an end.
+    pub(crate) fn take(&mut self, channel: u16, ended: Vec<Stay>, open: Option<Stay>) {
+        self.ended.push((channel, ended));
+        self.open.extend(open.map(|stay| (channel, stay)));
+    }
+
+    /// Ends stays whose partner has been seen going on into the meeting: the log was cut between their releases.
+    /// `ended` hears of them.
+    pub(crate) fn complete_cut(&mut self, mut ended: impl FnMut(u16, &Stay)) {
+        if self.open.is_empty() {
+            return;
+        }
+        self.met = met(std::mem::take(&mut self.ended));
+        for (channel, stay) in std::mem::take(&mut self.open) {
+            match self.met.iter_mut().rfind(|met| met.misses(channel, &stay)) {
+                Some(met) => {
+                    let stay = Stay { met: (met.number, met.release_ns), ..stay };
+                    ended(channel, &stay);
+                    met.stays.push((channel, stay));
+                    met.stays.sort_by_key(|(channel, _)| *channel);
+                }
+                None => self.open.push((channel, stay)),
+            }
+        }
+    }
+
+    /// The stay of a channel that has no end.
+    pub(crate) fn standing(&self, channel: u16) -> Option<&Stay> {
+        self.open.iter().find(|(c, _)| *c == channel).map(|(_, stay)| stay)
+    }
+
+    /// Completed meetings, then waits that never came true.
+    pub(crate) fn finish(self) -> Waits {
+        Waits::new(move || self.all())
+    }
+
+    fn all(mut self) -> Vec<Meeting> {
+        self.met.extend(met(self.ended));
+        let mut places = Places { info: &self.info, known: FxHashMap::default() };
+        let mut all = Vec::with_capacity(self.met.len());
+        for Met { release_ns, stays, .. } in self.met {
+            let Some((_, first)) = stays.first() else { continue };
+            let (key, kind, release_ns) = (first.key(), first.wait.primitive, Some(release_ns));
+            let arrivals = stays.iter().map(|(channel, stay)| places.arrival(*channel, stay)).collect();
+            all.push(Meeting { key, kind, release_ns, arrivals });
+        }
+        self.open.sort_by_key(|(channel, stay)| (stay.since_ns, *channel));
+        let mut open: Vec<(Arc<Wait>, Meeting)> = Vec::new();
+        for (channel, stay) in self.open {
+            let arrival = places.arrival(channel, &stay);
+            match open.iter_mut().find(|(wait, _)| **wait == *stay.wait) {
+                Some((_, meeting)) => {
+                    meeting.arrivals.push(arrival);
+                    meeting.arrivals.sort_by_key(|a| a.channel);
+                }
+                None => {
+                    let (key, kind) = (stay.key(), stay.wait.primitive);
+                    open.push((stay.wait, Meeting { key, kind, release_ns: None, arrivals: vec![arrival] }));
+                }
+            }
+        }
+        all.extend(open.into_iter().map(|(_, meeting)| meeting));
+        all
+    }
+}
+
+/// Brings the stays of all channels together.
+fn met(ended: Vec<(u16, Vec<Stay>)>) -> Vec<Met> {
+    let stays = ended.into_iter().flat_map(|(channel, stays)| stays.into_iter().map(move |stay| (channel, stay)));
+    let mut stays: Vec<(u16, Stay)> = stays.collect();
+    stays.sort_by_key(|(channel, stay)| (stay.met.0, *channel));
+    let mut all: Vec<Met> = Vec::new();
+    for (channel, stay) in stays {
+        let (number, release_ns) = stay.met;
+        match all.last_mut().filter(|met| met.number == number) {
+            Some(met) => met.stays.push((channel, stay)),
+            None => all.push(Met { number, release_ns, stays: vec![(channel, stay)] }),
+        }
+    }
+    all
+}
+
+/// Names of files and texts of blocks: loops wait at the same lines again and again.
+struct Places<'a> {
+    info: &'a Info,
+    known: FxHashMap<(FileId, u32), (Arc<str>, Arc<str>)>,
+}
+
+impl Places<'_> {
+    fn arrival(&mut self, channel: u16, stay: &Stay) -> Arrival {
+        let (info, line) = (self.info, stay.line);
+        let (file, block) = self.known.entry((stay.file, line)).or_insert_with(|| {
+            let name = if line == 0 { "" } else { info.file_name(stay.file) };
+            (name.into(), info.block_text(stay.file, line, BLOCK_TEXT).into())
+        });
+        Arrival { channel, t_ns: stay.since_ns, file: file.clone(), line, block: block.clone() }
+    }
+}

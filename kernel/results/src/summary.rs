@@ -1,0 +1,272 @@
+//! The summary of a job: how it ended, how long everything took, who waited for whom.
+//!
+//! Facts: reference control-emulator.md 6.9 (classes of time). Invariant: for every channel
+//! `feed_ns + rapid_ns + misc_ns + wait_ns` is its `end_ns`; durations are cut where the log was cut, and a wait
+//! that never came true counts up to where its channel ends.
+
+pub mod tally;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+pub use crate::meetings::{Arrival, Meeting, Waits};
+pub use crate::tools::Tool;
+
+use crate::told::{Told, What};
+use counterpoint_event::event::{FileId, Origin, VerdictKind};
+use counterpoint_event::info::{self, BLOCK_TEXT, Info};
+use tally::Tally;
+
+/// Diagnostics that a summary lists; the log holds them all.
+pub const MAX_DIAGNOSTICS: usize = 10_000;
+
+/// How a job ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum State {
+    /// Every program came to its end without an error.
+    Succeeded,
+    /// A verdict, a diagnostic of severity 8 or more, or a channel that did not come to its end.
+    Failed,
+    /// Cancelled before its end.
+    Cancelled,
+}
+
+/// How a channel ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum ChannelState {
+    /// Its program has ended.
+    Ended,
+    /// It stands on an alarm.
+    Alarmed,
+    /// It stands at a wait that never came true.
+    Blocked,
+    /// It has no program.
+    NotStarted,
+    /// It was stopped by a limit, an alarm of the machine or a cancel.
+    Stopped,
+}
+
+/// Summary of a job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How it ended.
+    pub state: State,
+    /// Highest severity of all diagnostics, 0 without any.
+    pub highest_severity: u8,
+    /// When the last channel came to its end, ns.
+    pub makespan_ns: i64,
+    /// Fingerprint of the log.
+    pub log_digest: String,
+    /// Channels, ascending.
+    pub channels: Vec<Channel>,
+    /// Meetings in order of their number, then waits that never came true.
+    pub waits: Waits,
+    /// Why channels can never go on.
+    pub verdict: Option<Verdict>,
+    /// Diagnostics in log order, [`MAX_DIAGNOSTICS`] at most.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A channel in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Number.
+    pub channel: u16,
+    /// Name.
+    pub name: String,
+    /// Its program, empty when it has none.
+    pub program: String,
+    /// How it ended.
+    pub state: ChannelState,
+    /// Blocks read.
+    pub blocks: u64,
+    /// When it ended, ns: of a blocked channel its arrival at the wait.
+    pub end_ns: i64,
+    /// Straight feed, arcs, threads, ns.
+    pub feed_ns: i64,
+    /// Positioning, ns.
+    pub rapid_ns: i64,
+    /// Dwell, tool changes, run-up, functions, ns.
+    pub misc_ns: i64,
+    /// Standing at meeting points, ns.
+    pub wait_ns: i64,
+    /// Its tools, in the order of the tooling tables; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tools: Vec<Tool>,
+}
+
+/// The verdict in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Its class.
+    pub kind: VerdictKind,
+    /// When it became certain, ns.
+    pub at_ns: i64,
+    /// The story for people.
+    pub text: String,
+    /// Channels concerned, ascending.
+    pub members: Vec<Member>,
+}
+
+/// A channel in the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Channel number.
+    pub channel: u16,
+    /// File name, empty when it stands at no line.
+    pub file: String,
+    /// Line, 0 when it stands at none.
+    pub line: u32,
+    /// Text of the block.
+    pub block: String,
+    /// Channels it waits for.
+    pub waiting_for: Vec<u16>,
+}
+
+/// A diagnostic in the summary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Diagnostic {
+    /// Stable number.
+    pub number: u32,
+    /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
+    pub severity: u8,
+    /// Channel, 0 = master.
+    pub channel: u16,
+    /// File name, empty without a line.
+    pub file: String,
+    /// Line, 0 = none.
+    pub line: u32,
+    /// Text of the block.
+    pub block: String,
+    /// Text for people.
+    pub text: String,
+    /// Name of the operation as macros have set it, left out without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub operation: String,
+    /// Name of the kernel as macros have set it, left out while it is that of the channel.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub kernel: String,
+    /// The statement of a macro that raised it, left out if no macro did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Box<Origin>>,
+    /// When, ns.
+    pub t_ns: i64,
+}
+
+/// What people were told in the course of a log.
+#[derive(Debug)]
+pub struct Findings {
+    info: Arc<Info>,
+    verdict: Option<Verdict>,
+    diagnostics: Vec<Diagnostic>,
+    highest_severity: u8,
+}
+
+impl Channel {
+    /// From the times of a channel, its state and where it ended.
+    pub fn new(channel: &info::Channel, tally: &Tally, (state, end_ns): (ChannelState, i64)) -> Self {
+        Self {
+            channel: channel.number,
+            name: channel.name.clone(),
+            program: channel.program.clone(),
+            state,
+            blocks: tally.blocks,
+            end_ns,
+            feed_ns: tally.feed_ns,
+            rapid_ns: tally.rapid_ns,
+            misc_ns: tally.misc_ns,
+            wait_ns: tally.wait_ns,
+            tools: Vec::new(),
+        }
+    }
+}
+
+impl Findings {
+    /// For a job that has not logged anything yet.
+    pub fn new(info: &Arc<Info>) -> Self {
+        Self { info: info.clone(), verdict: None, diagnostics: Vec::new(), highest_severity: 0 }
+    }
+
+    /// The next one in the order of the log.
+    pub fn take(&mut self, told: &Told) {
+        match &told.what {
+            What::Diagnostic(diagnostic) => self.diagnostic(told, diagnostic),
+            What::Verdict(verdict) if self.verdict.is_none() => self.verdict = Some(self.judged(verdict)),
+            What::Verdict(_) => {}
+        }
+    }
+
+    /// The log is complete; `log_digest` is its fingerprint. `cut_short`: a program did not come to its end.
+    pub fn finish(
+        self,
+        channels: Vec<Channel>,
+        waits: Waits,
+        (cancelled, cut_short): (bool, bool),
+        log_digest: String,
+    ) -> Summary {
+        let state = if cancelled {
+            State::Cancelled
+        } else if self.verdict.is_some() || self.highest_severity >= 8 || cut_short {
+            State::Failed
+        } else {
+            State::Succeeded
+        };
+        Summary {
+            state,
+            highest_severity: self.highest_severity,
+            makespan_ns: channels.iter().map(|c| c.end_ns).max().unwrap_or(0),
+            log_digest,
+            channels,
+            waits,
+            verdict: self.verdict,
+            diagnostics: self.diagnostics,
+        }
+    }
+
+    fn diagnostic(&mut self, told: &Told, diagnostic: &counterpoint_event::event::Diagnostic) {
+        self.highest_severity = self.highest_severity.max(diagnostic.severity);
+        if self.diagnostics.len() >= MAX_DIAGNOSTICS {
+            return;
+        }
+        let (file, block) = self.place(told.file, told.line);
+        self.diagnostics.push(Diagnostic {
+            number: diagnostic.number,
+            severity: diagnostic.severity,
+            channel: told.channel,
+            file,
+            line: told.line,
+            block,
+            text: diagnostic.text.to_string(),
+            operation: diagnostic.operation.to_string(),
+            kernel: diagnostic.kernel.to_string(),
+            origin: diagnostic.origin.clone(),
+            t_ns: told.t_ns,
+        });
+    }
+
+    fn judged(&self, verdict: &counterpoint_event::event::Verdict) -> Verdict {
+        let member = |m: &counterpoint_event::event::Member| {
+            let (file, block) = self.place(m.file, m.line);
+            Member { channel: m.channel, file, line: m.line, block, waiting_for: m.waiting_for.clone() }
+        };
+        Verdict {
+            kind: verdict.kind,
+            at_ns: verdict.at_ns,
+            text: verdict.text.to_string(),
+            members: verdict.members.iter().map(member).collect(),
+        }
+    }
+
+    /// File name and block text of a line.
+    fn place(&self, file: FileId, line: u32) -> (String, String) {
+        if line == 0 {
+            return (String::new(), String::new());
+        }
+        (self.info.file_name(file).to_owned(), self.info.block_text(file, line, BLOCK_TEXT).into_owned())
+    }
+}

@@ -1,0 +1,101 @@
+//! The times of one channel.
+//!
+//! Invariant: what is counted adds up to where the channel ends; only its last event can be cut by a stop.
+
+use super::ChannelState;
+use counterpoint_event::event::Work;
+use counterpoint_event::event::{Event, Phase};
+
+/// Times of one channel while the log goes by.
+#[derive(Debug, Default)]
+pub struct Tally {
+    end: Option<(ChannelState, i64)>,
+    /// Its program has begun.
+    begun: bool,
+    /// Blocks read.
+    pub blocks: u64,
+    /// Time of feed moves, ns.
+    pub feed_ns: i64,
+    /// Time of rapid moves, ns.
+    pub rapid_ns: i64,
+    /// Time of dwells, tools and functions, ns.
+    pub misc_ns: i64,
+    /// Time spent waiting, ns.
+    pub wait_ns: i64,
+    /// Class and end of the last event that took time: the only one that a stop can cut.
+    last: Option<(Work, i64)>,
+}
+
+impl Tally {
+    /// Counts time by what it was spent on.
+    pub fn add(&mut self, work: Work, ns: i64) {
+        let sum = match work {
+            Work::Feed => &mut self.feed_ns,
+            Work::Rapid => &mut self.rapid_ns,
+            Work::Wait => &mut self.wait_ns,
+            Work::Tool | Work::Dwell | Work::Misc => &mut self.misc_ns,
+        };
+        *sum = sum.saturating_add(ns);
+    }
+
+    /// An event that took time.
+    #[inline]
+    pub fn work(&mut self, work: Work, event: &Event) {
+        self.add(work, event.dur_ns);
+        self.last = Some((work, event.t_ns.saturating_add(event.dur_ns)));
+    }
+
+    /// A phase in the life of its kernel.
+    pub fn life(&mut self, phase: Phase, t_ns: i64) {
+        self.begun |= phase == Phase::ProgramStart;
+        if let Some(state) = terminal(phase) {
+            self.end = Some((state, t_ns));
+        } else if let Some((_, before)) = self.end.take_if(|_| phase == Phase::ProgramStart) {
+            // Started again: it stood idle in between.
+            self.add(Work::Wait, t_ns.saturating_sub(before));
+        }
+    }
+
+    /// Its kernel has had a program before.
+    pub fn has_run(&self) -> bool {
+        self.end.is_some_and(|(state, _)| state != ChannelState::NotStarted)
+    }
+
+    /// Its program came to an end or stands on an alarm.
+    pub fn ended(&self) -> bool {
+        matches!(self.end, Some((ChannelState::Ended | ChannelState::Alarmed, _)))
+    }
+
+    /// A program that has begun and, by the state of its channel, did not come to its end.
+    pub fn is_cut_short(&self, state: ChannelState) -> bool {
+        self.begun && matches!(state, ChannelState::Alarmed | ChannelState::Blocked | ChannelState::Stopped)
+    }
+
+    /// How the channel ended when the log ends at `end_ns`; `since_ns`: it stands at a wait since then.
+    pub fn close(&mut self, since_ns: Option<i64>, end_ns: i64, cancelled: bool) -> (ChannelState, i64) {
+        let (state, end_ns) = match (self.end, since_ns) {
+            (Some((ChannelState::Blocked, _)), Some(since)) => return (ChannelState::Blocked, since),
+            (Some(end), _) => end,
+            (None, Some(since)) if !cancelled => return (ChannelState::Blocked, since),
+            (None, _) => (ChannelState::Stopped, end_ns),
+        };
+        if let Some((work, over)) = self.last.filter(|(_, until)| *until > end_ns) {
+            self.add(work, end_ns - over);
+        }
+        if let Some(since) = since_ns {
+            self.add(Work::Wait, (end_ns - since).max(0));
+        }
+        (state, end_ns)
+    }
+}
+
+fn terminal(phase: Phase) -> Option<ChannelState> {
+    match phase {
+        Phase::ProgramEnd => Some(ChannelState::Ended),
+        Phase::Alarmed => Some(ChannelState::Alarmed),
+        Phase::NotStarted => Some(ChannelState::NotStarted),
+        Phase::Stopped => Some(ChannelState::Stopped),
+        Phase::Blocked => Some(ChannelState::Blocked),
+        Phase::MachineStart | Phase::ProgramStart | Phase::MachineEnd => None,
+    }
+}

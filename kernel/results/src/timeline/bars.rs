@@ -1,0 +1,141 @@
+//! The bars of one channel.
+//!
+//! Invariant: never more than twice [`MOST`] bars in memory, [`MOST`] at the end; less when the memory of the job has no
+//! room for them. Beyond that the shortest neighbours
+//! become one bar, of the kind that took the largest part of it.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::meetings::Stay;
+use counterpoint_event::event::Work;
+
+/// Bars a channel has at most.
+pub const MOST: usize = 20_000;
+
+/// Bars that are looked at to find the grain.
+const SAMPLES: usize = 2000;
+
+/// A stretch of time spent on one thing.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Bar {
+    /// What the time was spent on.
+    pub kind: Work,
+    /// Start, ns.
+    pub t_ns: i64,
+    /// Duration, ns.
+    pub dur_ns: i64,
+    /// Line of its first block.
+    pub line: u32,
+    /// Line of its last block.
+    pub end_line: u32,
+    /// Mark of a wait.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<Arc<str>>,
+    /// Time of the kind, when shorter ones of other kinds are inside.
+    #[serde(skip)]
+    pub(super) own_ns: i64,
+}
+
+impl Bar {
+    /// End, ns.
+    #[must_use]
+    pub fn end_ns(&self) -> i64 {
+        self.t_ns.saturating_add(self.dur_ns)
+    }
+
+    fn absorb(&mut self, next: &mut Self) {
+        self.dur_ns = next.end_ns() - self.t_ns;
+        self.end_line = next.end_line;
+        if next.kind == self.kind {
+            self.own_ns += next.own_ns;
+        } else if next.own_ns > self.own_ns {
+            (self.kind, self.own_ns) = (next.kind, next.own_ns);
+            self.label = next.label.take();
+        }
+    }
+}
+
+/// Collects bars.
+#[derive(Debug)]
+pub struct Bars {
+    bars: Vec<Bar>,
+    /// At the end.
+    most: usize,
+    /// Bars shorter than this are joined with the next one.
+    grain_ns: i64,
+}
+
+impl Bars {
+    /// No bar yet; all of them may take so many bytes.
+    pub fn new(room: u64) -> Self {
+        let most = usize::try_from(room / (2 * size_of::<Bar>() as u64)).unwrap_or(MOST).min(MOST);
+        Self { bars: Vec::new(), most, grain_ns: 0 }
+    }
+
+    /// A stretch of work that follows all others.
+    #[inline]
+    pub fn push(&mut self, kind: Work, t_ns: i64, dur_ns: i64, line: u32) {
+        if let Some(last) = self.bars.last_mut()
+            && (last.kind == kind || last.dur_ns < self.grain_ns)
+            && kind != Work::Wait
+            && last.kind != Work::Wait
+            && last.end_ns() == t_ns
+        {
+            last.absorb(&mut Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
+            return;
+        }
+        self.add(Bar { kind, t_ns, dur_ns, line, end_line: line, label: None, own_ns: dur_ns });
+    }
+
+    /// A wait that is over.
+    pub fn wait(&mut self, since_ns: i64, t_ns: i64, stay: &Stay) {
+        let (dur_ns, line) = (t_ns.saturating_sub(since_ns), stay.line);
+        if dur_ns > 0 {
+            let label = Some(stay.key());
+            self.add(Bar { kind: Work::Wait, t_ns: since_ns, dur_ns, line, end_line: line, label, own_ns: dur_ns });
+        }
+    }
+
+    fn add(&mut self, bar: Bar) {
+        self.bars.push(bar);
+        if self.bars.len() >= 2 * self.most {
+            self.thin();
+        }
+    }
+
+    /// Bars up to the end of the channel.
+    pub fn finish(mut self, end_ns: i64) -> Vec<Bar> {
+        self.thin();
+        while let Some(last) = self.bars.last_mut()
+            && last.end_ns() > end_ns
+        {
+            last.dur_ns = end_ns - last.t_ns;
+            if last.dur_ns > 0 {
+                break;
+            }
+            self.bars.pop();
+        }
+        self.bars
+    }
+
+    fn thin(&mut self) {
+        while self.bars.len() > self.most {
+            // Some of them are enough to tell what is short, and are done with in a moment: others wait meanwhile.
+            let step = self.bars.len().div_ceil(SAMPLES);
+            let mut durations: Vec<i64> = self.bars.iter().step_by(step).map(|b| b.dur_ns).collect();
+            let middle = durations.len() / 2;
+            let (_, median, _) = durations.select_nth_unstable(middle);
+            self.grain_ns = self.grain_ns.saturating_mul(2).max(median.saturating_add(1));
+            let grain = self.grain_ns;
+            self.bars.dedup_by(|next, last| {
+                let joins = last.dur_ns < grain;
+                if joins {
+                    last.absorb(next);
+                }
+                joins
+            });
+        }
+    }
+}

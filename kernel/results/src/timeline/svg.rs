@@ -1,0 +1,105 @@
+//! The timeline as a picture: a row for each channel with its tools above, the time below, lines where channels met.
+//!
+//! Invariant: the size of the picture depends on its width in pixels, not on the length of the log.
+
+mod meetings;
+mod rows;
+mod scale;
+mod tools;
+
+use std::fmt::Write as _;
+
+use super::Timeline;
+use crate::summary::ChannelState;
+use crate::svg::{fit, open, text, width};
+use counterpoint_event::event::Work;
+use scale::{Scale, time_text};
+
+const WIDTH: f64 = 1200.0;
+/// Where the bars begin.
+const LEFT: f64 = 150.0;
+/// Where the picture's plot ends.
+const RIGHT: f64 = WIDTH - 24.0;
+/// Top of the first row.
+const TOP: f64 = 84.0;
+const BAR: f64 = 30.0;
+/// Between the bars of a row and the tools of the next one, room for the marks of meetings.
+const GAP: f64 = 26.0;
+/// Height of the tools above the bars.
+const STRIP: f64 = 16.0;
+const INK: &str = "#1f2933";
+const SOFT: &str = "#66727f";
+const RED: &str = "#d62839";
+
+const KINDS: [(Work, &str, &str); 6] = [
+    (Work::Feed, "feed", "#2f7fc1"),
+    (Work::Rapid, "rapid", "#f2b134"),
+    (Work::Tool, "tool", "#8e5ea2"),
+    (Work::Dwell, "dwell", "#8593a0"),
+    (Work::Misc, "misc", "#3fa796"),
+    (Work::Wait, "wait", "url(#wait)"),
+];
+
+fn style(kind: Work) -> (&'static str, &'static str) {
+    KINDS.iter().find(|(k, ..)| *k == kind).map_or(("misc", "#3fa796"), |(_, name, color)| (name, color))
+}
+
+/// Top of the bar of a row.
+fn row_top(index: usize) -> f64 {
+    TOP + STRIP + index as f64 * (BAR + GAP + STRIP)
+}
+
+pub(super) fn draw(timeline: &Timeline) -> String {
+    let bottom = row_top(timeline.channels.len()) - GAP - STRIP + 12.0;
+    let mut out = String::with_capacity(64 * 1024);
+    open(&mut out, WIDTH, bottom + 44.0);
+    out.push_str(concat!(
+        r#"<defs><pattern id="wait" width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">"#,
+        r##"<rect width="6" height="6" fill="#edf0f3"/><rect width="2" height="6" fill="#a9b4bf"/></pattern></defs>"##,
+        "\n"
+    ));
+    // Room for what has no end, and for the word behind a channel that did not end well.
+    let open_ended = timeline
+        .channels
+        .iter()
+        .any(|c| matches!(c.state, ChannelState::Blocked | ChannelState::Alarmed | ChannelState::Stopped));
+    let right = if open_ended { RIGHT - 100.0 } else { RIGHT };
+    let scale = Scale::new(timeline.makespan_ns, LEFT, right);
+    title(&mut out, timeline);
+    legend(&mut out, open_ended);
+    scale.draw(&mut out, TOP - 10.0, bottom);
+    for (index, channel) in timeline.channels.iter().enumerate() {
+        rows::draw(&mut out, timeline, channel, row_top(index), &scale);
+        tools::draw(&mut out, channel, row_top(index) - STRIP, &scale);
+    }
+    meetings::draw(&mut out, timeline, &scale);
+    out.push_str("</svg>\n");
+    out
+}
+
+fn title(out: &mut String, timeline: &Timeline) {
+    let mut programs: Vec<&str> =
+        timeline.channels.iter().map(|c| c.program.as_str()).filter(|p| !p.is_empty()).collect();
+    programs.dedup();
+    let mut total = format!("cycle time {}", time_text(timeline.makespan_ns, 1_000_000));
+    let meetings = timeline.waits.iter().filter(|w| w.release_ns.is_some()).count();
+    if meetings > 0 {
+        let _ = write!(total, ", {meetings} sync point{}", if meetings == 1 { "" } else { "s" });
+    }
+    let machine = format!("{}{}", if programs.is_empty() { "" } else { " on " }, timeline.machine);
+    let machine = fit(&machine, 17, 360.0);
+    let room = RIGHT - 16.0 - width(&total, 15) - 24.0 - width(&machine, 17);
+    let line = format!("{}{machine}", fit(&programs.join(" + "), 17, room));
+    text(out, (16.0, 27.0), 17, "start", INK, &line);
+    text(out, (RIGHT, 27.0), 15, "end", INK, &total);
+}
+
+fn legend(out: &mut String, open_ended: bool) {
+    let mut x = LEFT;
+    let blocked = (open_ended).then_some(("blocked", RED));
+    for (name, color) in KINDS.iter().map(|(_, name, color)| (*name, *color)).chain(blocked) {
+        let _ = writeln!(out, r#"<rect x="{x:.0}" y="42" width="14" height="12" fill="{color}"/>"#);
+        text(out, (x + 19.0, 52.5), 12, "start", SOFT, name);
+        x += 34.0 + 7.0 * name.len() as f64;
+    }
+}

@@ -1,0 +1,183 @@
+//! Tests of the timeline.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::testing::*;
+use counterpoint_event::event::{Dwell, Event, Kind, MotionKind, Phase, ToolAction, ToolChange};
+
+const S: i64 = 1_000_000_000;
+
+fn timeline(info: &Arc<Info>, events: &[Event]) -> Timeline {
+    results(info, events, &outcome(events.len())).timeline
+}
+
+#[test]
+fn neighbours_of_one_kind_are_one_bar() {
+    let line = |line, t, kind| at(1, line, t * S, S, Kind::Motion(motion(kind, &[0.0], &[1.0])));
+    let events = [
+        line(1, 0, MotionKind::Linear),
+        line(2, 1, MotionKind::ArcCw),
+        line(3, 2, MotionKind::Rapid),
+        at(1, 4, 3 * S, S, Kind::Tool(ToolChange { action: ToolAction::Load, tool: 1, offset: 1 })),
+        at(1, 5, 4 * S, S, Kind::Dwell(Dwell)),
+        wait(1, 6, 5 * S, "M101", &[1, 2]),
+        release(1, 6, 5 * S, 7 * S, "M101", 1),
+        line(7, 7, MotionKind::Thread),
+        line(8, 9, MotionKind::Thread),
+        life(1, 10 * S, Phase::ProgramEnd),
+    ];
+    let timeline = timeline(&lathe(&["x"]), &events);
+    let json = serde_json::to_value(&timeline).unwrap();
+    let bar = |kind: &str, t: i64, dur: i64, line: u32, end: u32| serde_json::json!({"kind": kind, "t_ns": t * S, "dur_ns": dur * S, "line": line, "end_line": end});
+    let mut wait = bar("wait", 5, 2, 6, 6);
+    wait["label"] = "M101".into();
+    let bars = [
+        bar("feed", 0, 2, 1, 2),
+        bar("rapid", 2, 1, 3, 3),
+        bar("tool", 3, 1, 4, 4),
+        bar("dwell", 4, 1, 5, 5),
+        wait,
+        bar("feed", 7, 1, 7, 7),
+        bar("feed", 9, 1, 8, 8),
+    ];
+    assert_eq!(json["channels"][0]["bars"], serde_json::Value::from(bars.to_vec()));
+    assert_eq!((json["unit"].as_str(), json["makespan_ns"].as_i64()), (Some("ns"), Some(10 * S)));
+    assert_eq!(json["waits"][0]["release_ns"], 7 * S);
+    assert_eq!(json.as_object().unwrap().len(), 4);
+    assert_eq!(json["channels"][0].as_object().unwrap().len(), 4);
+    let tools = serde_json::json!([
+        {"tool": 1, "operation": "", "t_ns": 3 * S, "end_ns": 10 * S, "file": "jobs/p1.nc", "line": 4}
+    ]);
+    assert_eq!(json["channels"][0]["tools"], tools);
+}
+
+#[test]
+fn a_blocked_channel_has_no_bar_for_its_stand_and_a_stop_cuts() {
+    let events = [
+        at(1, 1, 0, 3 * S, Kind::Dwell(Dwell)),
+        at(2, 1, 0, S, Kind::Dwell(Dwell)),
+        wait(2, 2, S, "M101", &[1, 2]),
+        at(1, 2, 3 * S, 9 * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0]))),
+        life(0, 5 * S, Phase::MachineEnd),
+    ];
+    let timeline = timeline(&lathe(&["x", "y"]), &events);
+    assert_eq!(timeline.makespan_ns, 5 * S);
+    assert_eq!(timeline.channels[0].bars.iter().map(|b| b.dur_ns).collect::<Vec<_>>(), [3 * S, 2 * S]);
+    assert_eq!((timeline.channels[1].bars.len(), timeline.channels[1].state), (1, ChannelState::Blocked));
+    assert!(timeline.svg().contains("waits at M101"));
+}
+
+#[test]
+fn the_number_of_bars_is_bounded_and_their_time_kept() {
+    let mut events = Vec::new();
+    let mut t = 0;
+    for n in 0..100_000_u32 {
+        let dur = if n % 1000 == 0 { S } else { 1000 + i64::from(n % 7) };
+        let kind = if n % 2 == 0 { MotionKind::Linear } else { MotionKind::Rapid };
+        events.push(at(1, n, t, dur, Kind::Motion(motion(kind, &[0.0], &[1.0]))));
+        t += dur;
+    }
+    events.push(life(1, t, Phase::ProgramEnd));
+    let timeline = timeline(&lathe(&["x"]), &events);
+    let bars = &timeline.channels[0].bars;
+    assert!(bars.len() <= bars::MOST && bars.len() > 1000, "{}", bars.len());
+    assert_eq!(bars.iter().map(|b| b.dur_ns).sum::<i64>(), t);
+    assert!(bars.windows(2).all(|w| w[0].end_ns() == w[1].t_ns));
+    assert!(timeline.svg().len() < 40_000, "{}", timeline.svg().len());
+}
+
+#[test]
+fn texts_in_the_picture_are_escaped() {
+    let mut info = Arc::into_inner(lathe(&["x", "y"])).unwrap();
+    info.machine = "<a&b>".into();
+    info.channels[0].name = "\"U\u{1}\"".into();
+    let events = [
+        wait(1, 1, 0, "<M1>", &[1, 2]),
+        wait(2, 1, S, "<M1>", &[1, 2]),
+        release(1, 1, 0, S, "<M1>", 1),
+        release(2, 1, S, S, "<M1>", 1),
+    ];
+    let svg = timeline(&Arc::new(info), &events).svg();
+    assert!(svg.contains("&lt;a&amp;b&gt;") && svg.contains("&lt;M1&gt;") && !svg.contains("<M1>"));
+    assert!(svg.ends_with("</svg>\n"));
+}
+
+#[test]
+fn a_job_without_time_is_still_a_picture() {
+    assert!(timeline(&lathe(&["x"]), &[]).svg().contains("cycle time 0.000 s"));
+}
+
+/// `x` and width of the marks of meetings.
+fn marks(svg: &str) -> Vec<(f64, f64, String)> {
+    let of = |rect: &str, key: &str| rect.split(key).nth(1).and_then(|r| r.split('"').next()).unwrap().parse().unwrap();
+    let all = svg.split("<rect ").skip(1).filter(|rect| rect.contains("rx=\"3\""));
+    all.map(|rect| {
+        let text = rect.split("</text>").next().and_then(|r| r.rsplit('>').next()).unwrap_or_default();
+        (of(rect, "x=\""), of(rect, "width=\""), text.to_owned())
+    })
+    .collect()
+}
+
+#[test]
+fn marks_of_meetings_stay_inside_and_off_each_other() {
+    let info = lathe(&["x", "y"]);
+    let long = "MEET_AT_A_VERY_LONG_NAME_OF_A_MARK_THAT_NO_PICTURE_HAS_ROOM_FOR";
+    // The first at the very begin, two next to each other, the last at the very end.
+    let meetings = [(0, "M100 P12"), (50, "M101 P12"), (51, "M102 P12"), (70, long), (100, "M199 P12")];
+    let mut events = Vec::new();
+    for (number, (t, key)) in (1..).zip(meetings) {
+        for channel in [1, 2] {
+            events.push(wait(channel, number, t * S, key, &[1, 2]));
+            events.push(release(channel, number, t * S, t * S, key, u64::from(number)));
+        }
+    }
+    events.extend([life(1, 100 * S, Phase::ProgramEnd), life(2, 100 * S, Phase::ProgramEnd)]);
+    let svg = timeline(&info, &events).svg();
+    let marks = marks(&svg);
+    let texts: Vec<&str> = marks.iter().map(|(_, _, text)| text.as_str()).collect();
+    assert_eq!(texts[..2], ["M100 P12", "M101 P12"], "of two near ones the first stays: {texts:?}");
+    assert!(texts.len() == 4 && texts[2].starts_with("MEET_AT_A_") && texts[2].ends_with('…'), "{texts:?}");
+    assert!(marks.iter().all(|(x, width, _)| *x >= 0.0 && x + width <= 1200.0), "{marks:?}");
+    assert!(marks.windows(2).all(|w| w[0].0 + w[0].1 < w[1].0), "{marks:?}");
+    assert!(
+        svg.contains("<title>M102 P12, 51.000 s; UPPER jobs/p1.nc line 3; LOWER jobs/p2.nc line 3</title>"),
+        "{svg}"
+    );
+}
+
+#[test]
+fn tools_and_operations_are_above_the_bars_and_names_are_cut() {
+    let mut info = Arc::into_inner(lathe(&["T0101 (OD ROUGH)\nG1 X1.\nT0202 (THE NEXT ONE)\nG1 X1.\n"])).unwrap();
+    info.channels[0].name = "AN UPPER TURRET WITH A LONG NAME".into();
+    let load =
+        |line, t, tool| at(1, line, t * S, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }));
+    let cut = |line, t, dur| at(1, line, t * S, dur * S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0])));
+    let events = [load(1, 0, 1), cut(2, 0, 96), load(3, 96, 2), cut(4, 96, 4), life(1, 100 * S, Phase::ProgramEnd)];
+    let svg = timeline(&Arc::new(info), &events).svg();
+    assert!(
+        svg.contains(">T1 OD ROUGH</text>") && svg.contains(">T2…</text>") || svg.contains(">T2 T…</text>"),
+        "{svg}"
+    );
+    assert!(svg.contains("<title>T2 THE NEXT ONE, 4.000 s, jobs/p1.nc line 3</title>"), "{svg}");
+    assert!(svg.contains("<title>feed, 100.000 s, lines 2 to 4, T1 OD ROUGH, T2 THE NEXT ONE</title>"), "{svg}");
+    assert!(svg.contains(">1 AN UPPER TU…</text>") && !svg.contains("LONG NAME</text>"), "{svg}");
+}
+
+#[test]
+fn a_channel_with_many_tools_and_meetings_is_a_small_picture() {
+    let mut events = Vec::new();
+    for n in 0..100_000_u32 {
+        let t = i64::from(n) * S;
+        events.push(at(1, n, t, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool: n % 20 + 1, offset: 0 })));
+        events.push(at(1, n, t, S, Kind::Motion(motion(MotionKind::Linear, &[0.0], &[1.0]))));
+        for channel in [1, 2] {
+            events.push(wait(channel, n, t + S, "M101", &[1, 2]));
+            events.push(release(channel, n, t + S, t + S, "M101", u64::from(n) + 1));
+        }
+    }
+    let timeline = timeline(&lathe(&["x", "y"]), &events);
+    let svg = timeline.svg();
+    assert!(svg.len() < 400_000, "{}", svg.len());
+    assert!(timeline.channels[0].tools.len() <= 10_000);
+}

@@ -1,0 +1,47 @@
+//! What people are told, and what the master says in the stream of a channel: the few events that results need in the
+//! order of the whole log.
+//!
+//! Invariant: kept whole; everything else is read off each channel alone ([`super::lane`]).
+
+use counterpoint_event::event::{Diagnostic, Event, FileId, Kind, Verdict};
+
+/// One such event.
+#[derive(Debug)]
+pub struct Told {
+    pub t_ns: i64,
+    pub micro: u32,
+    pub channel: u16,
+    pub file: FileId,
+    pub line: u32,
+    pub what: What,
+}
+
+/// Its content.
+#[derive(Debug)]
+pub enum What {
+    Diagnostic(Box<Diagnostic>),
+    Verdict(Box<Verdict>),
+}
+
+impl Told {
+    /// `None` for events that only their channel is concerned with.
+    pub fn of(event: &Event) -> Option<Self> {
+        let what = match &event.kind {
+            Kind::Diagnostic(diagnostic) => What::Diagnostic(diagnostic.clone()),
+            Kind::Verdict(verdict) => What::Verdict(verdict.clone()),
+            _ => return None,
+        };
+        let Event { t_ns, micro, channel, file, line, .. } = *event;
+        Some(Self { t_ns, micro, channel, file, line, what })
+    }
+
+    /// The event it was.
+    pub fn event(&self) -> Event {
+        let Self { t_ns, micro, channel, file, line, .. } = *self;
+        let kind = match &self.what {
+            What::Diagnostic(diagnostic) => Kind::Diagnostic(diagnostic.clone()),
+            What::Verdict(verdict) => Kind::Verdict(verdict.clone()),
+        };
+        Event { t_ns, micro, dur_ns: 0, channel, file, line, kind }
+    }
+}

@@ -1,0 +1,294 @@
+//! The toolpath of a job in the work frame.
+//!
+//! Lathes (a channel with a diameter axis X and a Z) are seen as turners draw: Z to the right, X up as a radius.
+//! Everything else is X Y Z, seen from above and from the front. Invariant: a channel holds [`store::MOST`] moves at
+//! most; beyond that the path gets coarser, and a path that cannot be thinned ends early and says so.
+//!
+//! As JSON: `{unit, view: "zx" | "xyz", channels: [{channel, name, side, tools, truncated, segments}]}`. `side` is
+//! `lower` for a channel that works from below the turning axis; its coordinates are as programmed all the same. `tools`
+//! are those that moved, `{tool, name}`. A segment is either
+//! `{kind: rapid | feed | thread, points}` with the coordinates of a polyline one after the other (two or three for
+//! each point, by the view), or `{kind: arc_cw | arc_ccw, points, plane, center, turns}` with start and end in
+//! `points`, the centre by the two axes of `plane`, and full turns in addition. A circle in space, or
+//! one whose plane is not seen, is a polyline with the points where a coordinate turns back. Coordinates are rounded to
+//! 0.0001. Every segment has `tool` (0 before the first one), `file` and `lines`: the line of each of its moves.
+
+mod json;
+pub mod store;
+mod svg;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::geometry::{Loop, Sweep, scale};
+use crate::spans::Span;
+use counterpoint_event::event::{FileId, Motion, MotionKind, Position};
+use counterpoint_event::info::{self, Info, Unit};
+use store::{Curve, Move, Path, Stroke};
+
+/// Longest chord of a circle in space, radians.
+const CHORD: f64 = std::f64::consts::TAU / 120.0;
+
+/// Chords of a circle with many turns that is seen from its side.
+const MOST_CHORDS: f64 = 4000.0;
+
+/// Tools that are told apart.
+const MOST_TOOLS: usize = 500;
+
+/// How the path is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum View {
+    /// Turning: Z and the radius X.
+    Zx,
+    /// X, Y and Z.
+    Xyz,
+}
+
+impl View {
+    /// Letters of the coordinates.
+    fn letters(self) -> &'static [char] {
+        match self {
+            Self::Zx => &['z', 'x'],
+            Self::Xyz => &['x', 'y', 'z'],
+        }
+    }
+}
+
+/// Toolpath of a job.
+#[derive(Debug, Clone, Serialize)]
+pub struct Toolpath {
+    /// `mm` or `inch`.
+    pub unit: &'static str,
+    /// How it is seen, and what the coordinates are.
+    pub view: View,
+    /// Channels with a program, ascending.
+    pub channels: Vec<Channel>,
+    /// Machine, for the title of the picture.
+    #[serde(skip)]
+    pub machine: String,
+}
+
+/// A channel in the toolpath.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    /// Number.
+    pub channel: u16,
+    /// Name.
+    pub name: String,
+    /// Program, for the title of the picture.
+    pub program: String,
+    /// Its path.
+    pub path: Path,
+    /// It works from below the turning axis.
+    pub lower: bool,
+    /// Names of its tools, by number, in the order of their first motion.
+    pub tools: Vec<(u32, String)>,
+    view: View,
+    info: Arc<Info>,
+}
+
+/// Where a channel's coordinates come from.
+#[derive(Debug)]
+struct Eyes {
+    /// Index of the axis and factor to a radius value, for each coordinate.
+    axes: [Option<(usize, f64)>; 3],
+}
+
+impl Eyes {
+    fn new(channel: &info::Channel, view: View) -> Self {
+        let axis = |letter: &str| {
+            let index = channel.axes.iter().position(|a| a.name == letter)?;
+            Some((index, scale(channel.axes.get(index)?)))
+        };
+        Self {
+            axes: match view {
+                View::Zx => [axis("Z"), axis("X"), None],
+                View::Xyz => [axis("X"), axis("Y"), axis("Z")],
+            },
+        }
+    }
+
+    fn point(&self, position: &[f64]) -> [f64; 3] {
+        self.axes.map(|a| a.and_then(|(index, scale)| Some(position.get(index)? * scale)).unwrap_or(0.0))
+    }
+
+    /// The coordinate that an axis of the channel is.
+    fn coordinate(&self, axis: usize) -> Option<usize> {
+        self.axes.iter().position(|a| a.is_some_and(|(index, _)| index == axis))
+    }
+
+    /// The arc by coordinates instead of axes; `None` when one of its axes is not seen.
+    fn curve(&self, sweep: &Sweep, motion: &Motion) -> Option<Curve> {
+        let [first, second] = sweep.axes.map(|axis| self.coordinate(axis));
+        let plane = [first? as u8, second? as u8];
+        Some(Curve {
+            plane,
+            center: sweep.center,
+            radius: sweep.radius,
+            start: sweep.start,
+            angle: sweep.angle,
+            turns: motion.turns,
+        })
+    }
+}
+
+/// The path of one channel in the making.
+#[derive(Debug)]
+pub struct Track {
+    axes: Vec<info::Axis>,
+    eyes: Eyes,
+    path: Path,
+    /// Tool in work.
+    tool: u32,
+    /// Where the last motion ended.
+    end: Option<Position>,
+}
+
+/// How the paths of a job are seen.
+fn view(info: &Info) -> View {
+    let turns =
+        |c: &info::Channel| c.axes.iter().any(|a| a.name == "X" && a.diameter) && c.axes.iter().any(|a| a.name == "Z");
+    if info.channels.iter().any(turns) { View::Zx } else { View::Xyz }
+}
+
+impl Track {
+    /// For a channel that has not moved yet.
+    pub fn new(info: &Info, channel: &info::Channel) -> Self {
+        let (first, last) = channel.lines;
+        let lines = if channel.program.is_empty() { 0 } else { last.saturating_sub(first) };
+        Self {
+            axes: channel.axes.clone(),
+            eyes: Eyes::new(channel, view(info)),
+            path: Path::with_capacity(lines as usize, info.room.path),
+            tool: 0,
+            end: None,
+        }
+    }
+
+    /// A tool has been loaded.
+    pub fn tool(&mut self, tool: u32) {
+        self.tool = tool;
+    }
+
+    /// The next motion, and the file and line of its block.
+    #[inline]
+    pub fn motion(&mut self, motion: &Motion, (file, line): (FileId, u32)) {
+        self.path.mark(self.tool, file);
+        let (stroke, curve) = match motion.kind {
+            MotionKind::Rapid => (Stroke::Rapid, None),
+            MotionKind::Thread => (Stroke::Thread, None),
+            MotionKind::Linear => (Stroke::Feed, None),
+            MotionKind::ArcSpace => {
+                self.around(motion, line);
+                (Stroke::Feed, None)
+            }
+            MotionKind::ArcCw | MotionKind::ArcCcw => {
+                let sweep = Sweep::of(motion, &self.axes);
+                let curve = sweep.as_ref().and_then(|sweep| self.eyes.curve(sweep, motion));
+                if let (Some(sweep), None) = (&sweep, &curve) {
+                    self.aside(motion, sweep, line);
+                }
+                (Stroke::Feed, curve)
+            }
+        };
+        self.begin(motion, line);
+        self.end = Some(motion.to);
+        self.path.push(Move::new(stroke, self.eyes.point(&motion.to), line), curve);
+    }
+}
+
+impl Track {
+    /// The path goes on where the motion begins.
+    #[inline(always)]
+    fn begin(&mut self, motion: &Motion, line: u32) {
+        if self.end != Some(motion.from) {
+            self.path.begin(self.eyes.point(&motion.from), line);
+            self.end = Some(motion.from);
+        }
+    }
+
+    /// A circle whose plane is not seen up to its end: chords, with the points where a coordinate turns back.
+    #[cold]
+    fn aside(&mut self, motion: &Motion, sweep: &Sweep, line: u32) {
+        self.begin(motion, line);
+        let parts = (sweep.angle.abs() / CHORD).ceil().clamp(1.0, MOST_CHORDS);
+        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
+        shares.extend(sweep.turning_points());
+        shares.sort_by(f64::total_cmp);
+        for share in shares {
+            let mut position = motion.to;
+            for ((slot, to), from) in position.iter_mut().zip(motion.to).zip(motion.from) {
+                *slot = from + (to - from) * share;
+            }
+            for (axis, value) in sweep.axes.into_iter().zip(sweep.at(share)) {
+                if let (Some(slot), Some(own)) = (position.get_mut(axis), self.axes.get(axis)) {
+                    *slot = value / scale(own);
+                }
+            }
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&position), line), None);
+        }
+    }
+
+    /// A circle in space up to its end: chords, with the points where a coordinate turns back.
+    #[cold]
+    fn around(&mut self, motion: &Motion, line: u32) {
+        let Some(space) = Loop::of(motion, &self.axes) else { return };
+        self.begin(motion, line);
+        let parts = (space.circle.sweep / CHORD).ceil().max(1.0);
+        let mut shares: Vec<f64> = (1..parts as u32).map(|part| f64::from(part) / parts).collect();
+        shares.extend((0..3).flat_map(|side| space.circle.turning_points(side)).flatten());
+        shares.sort_by(f64::total_cmp);
+        for share in shares {
+            self.path.push(Move::new(Stroke::Feed, self.eyes.point(&space.at(motion, share)), line), None);
+        }
+    }
+}
+
+/// Tools that moved, with the name that each has when it is first loaded.
+fn tools(path: &Path, spans: &[Span]) -> Vec<(u32, String)> {
+    let mut all: Vec<(u32, String)> = Vec::new();
+    for mark in &path.marks {
+        if all.len() < MOST_TOOLS && all.iter().all(|(tool, _)| *tool != mark.tool) {
+            let name = spans.iter().find(|span| span.tool == mark.tool).map(|span| span.operation.to_string());
+            all.push((mark.tool, name.unwrap_or_default()));
+        }
+    }
+    all
+}
+
+impl Toolpath {
+    /// From the tracks of all channels and the times of their tools.
+    pub fn new(info: &Arc<Info>, tracks: Vec<(Track, &[Span])>) -> Self {
+        let view = view(info);
+        let channel = |(channel, (track, spans)): (&info::Channel, (Track, &[Span]))| Channel {
+            channel: channel.number,
+            name: channel.name.clone(),
+            program: channel.program.clone(),
+            lower: channel.lower && view == View::Zx,
+            tools: tools(&track.path, spans),
+            path: track.path,
+            view,
+            info: info.clone(),
+        };
+        let all = info.channels.iter().zip(tracks).map(channel);
+        Self {
+            unit: match info.unit {
+                Unit::Mm => "mm",
+                Unit::Inch => "inch",
+            },
+            view,
+            channels: all.filter(|c| !c.program.is_empty()).collect(),
+            machine: info.machine.clone(),
+        }
+    }
+
+    /// The toolpath as a picture of 1200 px width.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        svg::draw(self)
+    }
+}

@@ -1,0 +1,266 @@
+//! Tests of the toolpath.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::fold::Folds;
+use crate::testing::*;
+use counterpoint_event::event::{Kind, ToolAction, ToolChange};
+
+fn of(info: &Arc<Info>, motions: impl Iterator<Item = Motion>) -> Toolpath {
+    let mut folds = Folds::new(info);
+    (1..).zip(motions).for_each(|(line, m)| folds.event(&at(1, line, 0, 1, Kind::Motion(m))));
+    folds.finish(&outcome(1)).toolpath
+}
+
+/// All motions in one block.
+fn block(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
+    let mut folds = Folds::new(info);
+    motions.iter().for_each(|m| folds.event(&at(1, 1, 0, 1, Kind::Motion(*m))));
+    folds.finish(&outcome(1)).toolpath
+}
+
+fn toolpath(info: &Arc<Info>, motions: &[Motion]) -> Toolpath {
+    of(info, motions.iter().copied())
+}
+
+fn arc(kind: MotionKind, from: &[f64], to: &[f64], plane_axes: [u8; 2], center: [f64; 2]) -> Motion {
+    Motion { center, plane_axes, ..motion(kind, from, to) }
+}
+
+#[test]
+fn a_lathe_is_seen_by_z_and_radius() {
+    let path = toolpath(
+        &lathe(&["x"]),
+        &[
+            motion(MotionKind::Rapid, &[100.0, 50.0], &[20.0, 2.0]),
+            motion(MotionKind::Linear, &[20.0, 2.0], &[20.0, 0.0]),
+            motion(MotionKind::Linear, &[20.0, 0.0], &[20.0, -10.0]),
+            arc(MotionKind::ArcCw, &[20.0, -10.0], &[30.0, -15.0], [1, 0], [-10.0, 30.0]),
+            motion(MotionKind::Thread, &[30.0, -15.0], &[30.0, -20.00004]),
+            motion(MotionKind::Rapid, &[40.0, 0.0], &[50.0, 0.0]),
+        ],
+    );
+    assert_eq!(
+        serde_json::to_string(&path).unwrap(),
+        concat!(
+            r#"{"unit":"mm","view":"zx","channels":[{"channel":1,"name":"UPPER","side":"upper","#,
+            r#""tools":[{"tool":0,"name":""}],"truncated":false,"segments":["#,
+            r#"{"kind":"rapid","points":[50.0,50.0,2.0,10.0],"tool":0,"file":"jobs/p1.nc","lines":[1]},"#,
+            r#"{"kind":"feed","points":[2.0,10.0,0.0,10.0,-10.0,10.0],"tool":0,"file":"jobs/p1.nc","lines":[2,3]},"#,
+            r#"{"kind":"arc_cw","points":[-10.0,10.0,-15.0,15.0],"plane":"zx","center":[-10.0,15.0],"turns":0,"#,
+            r#""tool":0,"file":"jobs/p1.nc","lines":[4]},"#,
+            r#"{"kind":"thread","points":[-15.0,15.0,-20.0,15.0],"tool":0,"file":"jobs/p1.nc","lines":[5]},"#,
+            r#"{"kind":"rapid","points":[0.0,20.0,0.0,25.0],"tool":0,"file":"jobs/p1.nc","lines":[6]}]}]}"#
+        )
+    );
+}
+
+#[test]
+fn a_mill_is_seen_in_three_coordinates() {
+    let path = toolpath(
+        &mill("x"),
+        &[
+            motion(MotionKind::Linear, &[0.0, 0.0, 5.0], &[10.0, 0.0, 5.0]),
+            arc(MotionKind::ArcCcw, &[10.0, 0.0, 5.0], &[10.0, 0.0, 5.0], [0, 1], [0.0, 0.0]),
+        ],
+    );
+    let json = serde_json::to_value(&path).unwrap();
+    assert_eq!(json["view"], "xyz");
+    assert_eq!(json["channels"][0]["segments"][0]["points"], serde_json::json!([0.0, 0.0, 5.0, 10.0, 0.0, 5.0]));
+    assert_eq!(json["channels"][0]["segments"][1]["plane"], "xy");
+}
+
+#[test]
+fn a_circle_out_of_sight_is_chords_with_its_extremes() {
+    // In a plane of Z and an axis that is not seen: half a turn about the origin, by way of Z10.
+    let side = arc(MotionKind::ArcCcw, &[40.0, 0.0, -10.0], &[40.0, 0.0, 10.0], [1, 2], [0.0, 0.0]);
+    let json = serde_json::to_value(toolpath(&lathe(&["x"]), &[side])).unwrap();
+    let points = json["channels"][0]["segments"][0]["points"].as_array().unwrap();
+    let along: Vec<f64> = points.iter().step_by(2).map(|z| z.as_f64().unwrap()).collect();
+    assert!(points.iter().skip(1).step_by(2).all(|x| x.as_f64() == Some(20.0)), "{points:?}");
+    assert!(along.len() > 60 && along.contains(&10.0), "{along:?}");
+    assert_eq!((along[0], along[along.len() - 1]), (0.0, 0.0));
+}
+
+#[test]
+fn a_circle_in_space_is_chords_with_its_extremes() {
+    // From X10 to X-10 over the top: along the chord u is −Z, so the middle is at −10 u.
+    let over = Motion { center: [-10.0, 0.0], ..motion(MotionKind::ArcSpace, &[10.0, 0.0, 0.0], &[-10.0, 0.0, 0.0]) };
+    let json = serde_json::to_value(toolpath(&mill("x"), &[over])).unwrap();
+    let segment = &json["channels"][0]["segments"][0];
+    let points: Vec<f64> = segment["points"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let points: Vec<&[f64]> = points.chunks(3).collect();
+    assert_eq!(segment["kind"], "feed");
+    assert!(points.len() > 60 && points.contains(&&[0.0, 0.0, 10.0][..]), "{points:?}");
+    assert!(points.iter().all(|p| (p[0].hypot(p[2]) - 10.0).abs() < 1e-3 && p[1] == 0.0), "{points:?}");
+    assert_eq!(points.last(), Some(&&[-10.0, 0.0, 0.0][..]));
+}
+
+/// The `d` of the paths drawn in the first view.
+fn drawn(svg: &str) -> Vec<&str> {
+    let group = svg.split("url(#view0)").nth(1).and_then(|g| g.split("<text").next()).expect("a view");
+    group.split(" d=\"").skip(1).filter_map(|d| d.split('"').next()).collect()
+}
+
+#[test]
+fn arcs_are_arcs_and_turn_the_right_way() {
+    // With Z right and X up, clockwise from left to right goes over the top.
+    let over = arc(MotionKind::ArcCw, &[0.0, -10.0], &[0.0, 10.0], [1, 0], [0.0, 0.0]);
+    let d = drawn(&toolpath(&lathe(&["x"]), &[over]).svg())[0].to_owned();
+    assert!(d.contains(" 0 0 1 ") && !d.contains(" 0 0 0") && d.matches('a').count() == 2, "{d}");
+    let under = Motion { kind: MotionKind::ArcCcw, ..over };
+    let d = drawn(&toolpath(&lathe(&["x"]), &[under]).svg())[0].to_owned();
+    assert!(d.contains(" 0 0 0 ") && !d.contains(" 0 0 1"), "{d}");
+    let circle = Motion { turns: 3, ..arc(MotionKind::ArcCw, &[20.0, 0.0], &[20.0, 0.0], [1, 0], [0.0, 0.0]) };
+    let d = drawn(&toolpath(&lathe(&["x"]), &[circle]).svg())[0].to_owned();
+    assert!((2..=5).contains(&d.matches('a').count()), "{d}");
+}
+
+#[test]
+fn points_on_a_line_are_not_drawn_but_corners_are() {
+    let mut motions: Vec<Motion> = (0..1000_u32)
+        .map(|n| f64::from(n) * 0.1)
+        .map(|x| motion(MotionKind::Linear, &[x, 0.0], &[x + 0.1, 0.0]))
+        .collect();
+    motions.push(motion(MotionKind::Linear, &[100.0, 0.0], &[100.0, 50.0]));
+    motions.push(motion(MotionKind::Linear, &[100.0, 50.0], &[100.0, 20.0]));
+    let svg = block(&mill("x"), &motions).svg();
+    let d = drawn(&svg)[0];
+    let numbers = d.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter(|n| !n.is_empty()).count();
+    assert_eq!(numbers, 8, "{d}");
+}
+
+#[test]
+fn a_path_is_bounded() {
+    let step = |n: u32| {
+        let at = |n: u32| (f64::from(n) * 0.01).sin_cos();
+        let ((a, b), (c, d)) = (at(n), at(n + 1));
+        motion(MotionKind::Linear, &[a, b, 0.0], &[c, d, 0.0])
+    };
+    let path = of(&mill("x"), (0..700_000).map(step));
+    assert!(path.channels[0].path.moves.len() <= store::MOST);
+    let zigzag = |n: u32| {
+        let kind = if n.is_multiple_of(2) { MotionKind::Rapid } else { MotionKind::Linear };
+        let (from, to) = (f64::from(n % 2) * 100.0, f64::from((n + 1) % 2) * 100.0);
+        motion(kind, &[from, 0.0], &[to, 0.0])
+    };
+    let path = of(&mill("x"), (0..600_000).map(zigzag));
+    assert!(path.channels[0].path.truncated && path.channels[0].path.moves.len() <= store::MOST);
+    let svg = path.svg();
+    assert!(svg.contains("not to its end") && svg.len() < 20_000, "{}", svg.len());
+}
+
+#[test]
+fn nothing_to_draw_is_still_a_picture() {
+    assert!(toolpath(&mill("x"), &[]).svg().ends_with("</svg>\n"));
+    let svg = toolpath(&lathe(&["x"]), &[motion(MotionKind::Rapid, &[1.0], &[1.0])]).svg();
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+}
+
+#[test]
+fn a_cut_that_goes_in_and_out_on_one_line_is_drawn() {
+    let groove = [
+        motion(MotionKind::Linear, &[44.0, -38.0], &[34.0, -38.0]),
+        motion(MotionKind::Linear, &[34.0, -38.0], &[44.0, -38.0]),
+        motion(MotionKind::Linear, &[44.0, -38.0], &[44.0, -42.0]),
+        motion(MotionKind::Linear, &[44.0, -42.0], &[36.0, -42.0]),
+        motion(MotionKind::Linear, &[36.0, -42.0], &[44.0, -42.0]),
+    ];
+    let depth = |d: &str| {
+        let numbers = d.split(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-'))).filter(|n| !n.is_empty());
+        numbers.filter_map(|n| n.rsplit('-').next()?.parse::<f64>().ok()).fold(0.0, f64::max)
+    };
+    for svg in [block(&lathe(&["x"]), &groove).svg(), toolpath(&lathe(&["x"]), &groove).svg()] {
+        // The view is five times as wide as a groove is deep.
+        let deep: f64 = drawn(&svg).iter().map(|d| depth(d.split('l').nth(1).unwrap_or_default())).fold(0.0, f64::max);
+        assert!(deep > 300.0, "{deep} {:?}", drawn(&svg));
+    }
+    let hole = [
+        motion(MotionKind::Linear, &[0.0, 0.0, 5.0], &[0.0, 0.0, -20.0]),
+        motion(MotionKind::Linear, &[0.0, 0.0, -20.0], &[0.0, 0.0, 5.0]),
+    ];
+    let svg = block(&mill("x"), &hole).svg();
+    let side = svg.split("url(#view1)").nth(1).unwrap();
+    assert!(side.contains(" d=\"M"), "the hole is seen from the front: {side}");
+}
+
+/// Two channels, the second one below the axis, each with a tool.
+fn turrets() -> Toolpath {
+    let info = lathe(&["O1\nT0101 (OD ROUGH)\nG1 X20.\nG1 Z-10.\n", "O2\nT0202\nG1 Z-10.\n"]);
+    let mut folds = Folds::new(&info);
+    let load = |channel: u16, tool| {
+        at(channel, 2, 0, 0, Kind::Tool(ToolChange { action: ToolAction::Load, tool, offset: tool }))
+    };
+    let cut = |channel: u16, line, from: &[f64], to: &[f64]| {
+        at(channel, line, 0, 1, Kind::Motion(motion(MotionKind::Linear, from, to)))
+    };
+    for event in [
+        load(1, 1),
+        cut(1, 3, &[30.0, 0.0], &[20.0, 0.0]),
+        cut(1, 4, &[20.0, 0.0], &[20.0, -10.0]),
+        load(2, 2),
+        cut(2, 3, &[40.0, 0.0], &[40.0, -10.0]),
+    ] {
+        folds.event(&event);
+    }
+    folds.finish(&outcome(5)).toolpath
+}
+
+#[test]
+fn tools_have_colours_names_and_lines() {
+    let toolpath = turrets();
+    let json = serde_json::to_value(&toolpath).unwrap();
+    let [upper, lower] = [0, 1].map(|index| &json["channels"][index]);
+    assert_eq!((&upper["side"], &lower["side"]), (&"upper".into(), &"lower".into()));
+    assert_eq!(upper["tools"], serde_json::json!([{"tool": 1, "name": "OD ROUGH"}]));
+    assert_eq!(upper["segments"][0]["lines"], serde_json::json!([3, 4]));
+    assert_eq!((&lower["segments"][0]["tool"], &lower["segments"][0]["points"][1]), (&2.into(), &20.0.into()));
+    let svg = toolpath.svg();
+    assert!(svg.contains(">1 UPPER T1 OD ROUGH</text>") && svg.contains(">2 LOWER T2</text>"), "{svg}");
+    assert!(svg.contains("<title>UPPER T1, jobs/p1.nc line 4: G1 Z-10.</title>"), "{svg}");
+    let colors: Vec<&str> = svg.split("<g stroke=\"").skip(1).filter_map(|g| g.split('"').next()).collect();
+    assert!(colors.len() == 2 && colors[0] != colors[1], "{colors:?}");
+}
+
+#[test]
+fn the_lower_turret_is_below_the_axis_and_scales_show_diameters() {
+    let svg = turrets().svg();
+    let axis: f64 = svg.split("stroke-dasharray=\"14 3 3 3\" d=\"").nth(1).unwrap().split('M').nth(2).unwrap()[..]
+        .split([' ', 'H'])
+        .nth(1)
+        .unwrap()
+        .parse()
+        .unwrap();
+    let top = |d: &str| d.split(['M', ' ', 'l', '-']).nth(2).unwrap().parse::<f64>().unwrap();
+    let paths = drawn(&svg);
+    assert!(top(paths[0]) < axis && top(paths[2]) > axis, "{axis} {paths:?}");
+    assert!(svg.contains(">X (diameter) / mm, lower turret below the axis</text>"), "{svg}");
+    let labels = svg.matches("text-anchor=\"end\" fill=\"#66727f\">40</text>").count();
+    let negative = svg.contains("text-anchor=\"end\" fill=\"#66727f\">-");
+    assert!(labels >= 1 && !negative, "diameters count in both directions: {svg}");
+}
+
+#[test]
+fn a_long_path_has_a_bounded_number_of_pieces() {
+    // Rapid and feed in turn, a tool change every ten blocks.
+    let mut folds = Folds::new(&mill("x"));
+    for n in 0..100_000_u32 {
+        if n % 10 == 0 {
+            folds.event(&at(
+                1,
+                n,
+                0,
+                0,
+                Kind::Tool(ToolChange { action: ToolAction::Load, tool: n / 10 + 1, offset: 0 }),
+            ));
+        }
+        let kind = if n % 2 == 0 { MotionKind::Rapid } else { MotionKind::Linear };
+        let place = |n: u32| [f64::from(n % 317), f64::from(n / 317), f64::from(n % 7)];
+        folds.event(&at(1, n + 1, 0, 1, Kind::Motion(motion(kind, &place(n), &place(n + 1)))));
+    }
+    let svg = folds.finish(&outcome(1)).toolpath.svg();
+    assert!(svg.matches("<title>").count() < 20_000, "{}", svg.matches("<title>").count());
+    assert!(svg.len() < 6_000_000, "{}", svg.len());
+    assert!(svg.contains(" more tools</text>"));
+}

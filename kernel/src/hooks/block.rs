@@ -1,0 +1,308 @@
+//! A block on a kernel with macros: embedded code, pre-processor and block macros around what every kernel does.
+//!
+//! Facts: reference control-emulator.md 2.2, 2.3, 4.1, 5.3. Invariants: the text of a block is made only for a macro that
+//! asks for it; it is split into words again only when somebody has changed it.
+
+use counterpoint_fault::{Acted, Halt};
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::channel::hook_points::Edited;
+use crate::channel::scan::Scanner;
+use crate::diag;
+use crate::machine::ident::data;
+use crate::machine::macros::model::Hook;
+use crate::machine::model::Point;
+use crate::macros::calls::Task;
+use crate::trace::{self, Stage};
+
+impl Kernel<'_> {
+    /// A text becomes the block: a line of the file, or what EXEC issued.
+    pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
+        let machine = self.channel.env.machine;
+        let runtime = &mut *self.macros;
+        if text.is_some() && runtime.reading.unmarked.is_none() {
+            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+        }
+        runtime.block.begin(text);
+        runtime.variables.store.number = 0;
+    }
+
+    /// Block delete around embedded code, embedded code before the pre-processor, Pre-Processor Startup.
+    pub(crate) fn edit_block(&mut self) -> Result<Edited, Halt> {
+        self.note_mark();
+        self.delete_around_code();
+        if self.embedded(0)? && self.text_bytes().trim_ascii().is_empty() {
+            return Ok(Edited::Dropped);
+        }
+        let preprocess = self.plan.scanner.has_preprocessor();
+        let preprocess = preprocess && self.block_macro(Hook::PreprocessorStartup)? != Verdict::Drop;
+        self.macros.block.preprocessed = preprocess;
+        Ok(if preprocess { Edited::Preprocess } else { Edited::Plain })
+    }
+
+    /// Pre-Processor Shutdown after a block of plain words.
+    pub(crate) fn after_preprocessor(&mut self) -> Acted {
+        if self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited {
+            self.split_again();
+        }
+        Ok(())
+    }
+
+    /// The text of the block, if it is not the line of the file.
+    pub(crate) fn own_text(&self) -> Option<Arc<String>> {
+        self.macros.block.text.clone()
+    }
+
+    /// Pre-Processor Shutdown behind a statement that left no words; the text that the macro gives is the block.
+    pub(crate) fn consumed_block(&mut self) -> Acted {
+        let made = std::mem::take(&mut self.macros.block.made);
+        if made || self.hook(Hook::PreprocessorShutdown).is_none() {
+            return Ok(());
+        }
+        self.macros.block.text = Some(Arc::default());
+        let edited = self.block_macro(Hook::PreprocessorShutdown)? == Verdict::Edited;
+        if !edited || self.text_bytes().trim_ascii().is_empty() {
+            return Ok(());
+        }
+        self.split_again();
+        self.words()
+    }
+
+    /// Keeps the level of the first mark of optional skip, on machines that have a row for it.
+    fn note_mark(&mut self) {
+        if !self.knows_data(data::OPSKIP) {
+            return;
+        }
+        let level = match self.block_scanner() {
+            Some(scanner) => scanner.first_mark(&self.text_bytes()),
+            None => self.plan.scanner.first_mark(&self.text_bytes()),
+        };
+        self.macros.block.mark = level;
+    }
+
+    /// Pre-Processor Shutdown for words that the pre-processor made: they become text if a macro or embedded code sees them.
+    pub(crate) fn words_as_text(&mut self) -> Acted {
+        self.macros.block.made = true;
+        let wanted = [Hook::PreprocessorShutdown, Hook::BlockStartup].into_iter().any(|hook| self.hook(hook).is_some());
+        if wanted || self.has_embedded(1) {
+            self.write_block();
+            self.block_macro(Hook::PreprocessorShutdown)?;
+            self.split_again();
+        }
+        Ok(())
+    }
+
+    /// Pre-Processor Shutdown for a text that the pre-processor left.
+    pub(crate) fn text_block(&mut self, text: &str) -> Acted {
+        self.macros.block.made = true;
+        self.macros.block.text = Some(Arc::new(text.to_owned()));
+        self.block_macro(Hook::PreprocessorShutdown)?;
+        self.split_again();
+        self.words()
+    }
+
+    /// Words as text: what the pre-processor made of its template.
+    fn write_block(&mut self) {
+        let mut text = String::new();
+        if let Some(number) = self.channel.block.sequence {
+            let register =
+                self.plan.scanner.sequence().and_then(|at| self.channel.env.machine.registers.get(usize::from(at)));
+            let name = register.map_or("N", |register| register.name.as_str());
+            text.push_str(&format!("{name}{number} "));
+        }
+        for word in &self.channel.block.words {
+            let Some(register) = self.channel.env.machine.registers.get(usize::from(word.register)) else { continue };
+            let before = match &register.second {
+                Some(second) if word.incremental => second,
+                _ => &register.before,
+            };
+            text.push_str(&format!("{before}{}", word.value));
+            if word.value.fract() == 0.0 && register.format.frac > 0 && register.format.point != Point::Fractional {
+                text.push('.');
+            }
+            text.push_str(&register.after);
+            text.push(' ');
+        }
+        for &row in &self.channel.block.texts {
+            if let Some(literal) = self.literal_of(row) {
+                text.push_str(literal);
+                text.push(' ');
+            }
+        }
+        let line = self.text_bytes();
+        for &(start, end) in &self.channel.block.unknown {
+            let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
+            text.push_str(&String::from_utf8_lossy(part));
+            text.push(' ');
+        }
+        text.truncate(text.trim_end().len());
+        self.macros.block.text = Some(Arc::new(text));
+    }
+
+    /// The scanner to be used in place of the plan's, once a macro has switched a level of optional skip.
+    #[inline]
+    pub(crate) fn switched_scanner(&self) -> Option<Arc<Scanner>> {
+        self.macros.reading.switched.clone()
+    }
+
+    /// The scanner for the text of the block in process, if not the plan's: what EXEC issued undergoes no block delete.
+    #[inline]
+    pub(crate) fn block_scanner(&self) -> Option<Arc<Scanner>> {
+        self.plan.hooks?;
+        let runtime = &*self.macros;
+        match &self.plan.unmarked {
+            _ if runtime.block.issued => runtime.reading.unmarked.clone(),
+            Some(scanner) if runtime.block.made => Some(Arc::clone(scanner)),
+            _ => runtime.reading.switched.clone(),
+        }
+    }
+
+    /// `$OPSKIPL`: switches a level of optional skip from the next block on.
+    pub(crate) fn switch_level(&mut self, level: u8, on: bool) {
+        let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
+        let wanted = if on { before | 1 << level } else { before & !(1 << level) };
+        let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
+        let machine = self.channel.env.machine;
+        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, &levels)));
+        // Lines compiled before have the parts that were skipped then.
+        self.flow.compiled.clear();
+        self.flow.pairs.clear();
+    }
+
+    /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
+    pub(crate) fn before_codes(&mut self) -> Result<bool, Halt> {
+        if self.text_bytes().trim_ascii().is_empty() {
+            return Ok(false);
+        }
+        let changed = self.embedded(1)?;
+        match self.block_macro(Hook::BlockStartup)? {
+            Verdict::Drop => return Ok(false),
+            Verdict::Edited => {
+                self.split_again();
+                self.trace('E', |kernel| {
+                    trace::edited(Stage::BlockMacro, &String::from_utf8_lossy(&kernel.text_bytes()))
+                });
+            }
+            Verdict::Go if changed => self.split_again(),
+            Verdict::Go => {}
+        }
+        Ok(!self.text_bytes().trim_ascii().is_empty())
+    }
+
+    /// Runs a macro with the arguments of block macros: flag, text, number of the block.
+    fn block_macro(&mut self, hook: Hook) -> Result<Verdict, Halt> {
+        let runtime = &*self.macros;
+        let Some(code) = runtime.ready(hook) else { return Ok(Verdict::Go) };
+        let asks = runtime.calls.uses(code, 2);
+        let text = if asks { self.text_value() } else { Value::Null };
+        let given = if let Value::Text(text) = &text { Some(Arc::clone(text)) } else { None };
+        let mut arguments = [Value::Real(1.0), text, Value::Real(f64::from(self.channel.at.line))];
+        self.run_macro(code, Task::None, &mut arguments)?;
+        let [flag, text, _] = arguments;
+        let drops = flag.as_real() == Some(0.0);
+        let verdict = match (given, text) {
+            (Some(given), Value::Text(text)) if !Arc::ptr_eq(&given, &text) && given != text => {
+                let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
+                if length > limit {
+                    let text = format!("$P2 of the {} has {length} bytes, a block may have {limit}", hook.title());
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
+                self.macros.block.text = Some(text);
+                Verdict::Edited
+            }
+            (Some(_), Value::Text(_)) | (None, _) => Verdict::Go,
+            (Some(_), other) => {
+                let text =
+                    format!("$P2 of the {} is {}, not a text; it is passed over", hook.title(), other.kind_name());
+                self.diagnose(&diag::MACRO_RESULT, text);
+                Verdict::Go
+            }
+        };
+        Ok(if drops { Verdict::Drop } else { verdict })
+    }
+
+    /// Left-over text after the codes: the block shutdown macro may change it.
+    pub(crate) fn block_shutdown(&mut self) -> Acted {
+        let runtime = &*self.macros;
+        let Some(code) = runtime.ready(Hook::BlockShutdown) else { return Ok(()) };
+        self.left_name();
+        let runtime = &*self.macros;
+        let asks = runtime.calls.uses(code, 2);
+        let left = if asks { self.left_text() } else { String::new() };
+        let mut arguments =
+            [Value::Real(1.0), Value::text(left.as_str()), Value::Real(f64::from(self.channel.at.line))];
+        self.run_macro(code, Task::None, &mut arguments)?;
+        match &arguments[1] {
+            Value::Text(text) if **text != left => {
+                let (length, limit) = (text.len(), self.channel.env.options.limits.block_length);
+                if length > limit {
+                    let title = Hook::BlockShutdown.title();
+                    let text = format!("$P2 of the {title} has {length} bytes, a block may have {limit}");
+                    return Err(self.alarm(&diag::BLOCK_TOO_LONG, text));
+                }
+                self.set_left(text.as_ref().clone());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Text of the block in process.
+    pub(crate) fn text_bytes(&self) -> std::borrow::Cow<'_, [u8]> {
+        match self.macros.block.text.as_ref() {
+            Some(text) => text.as_bytes().into(),
+            None => self.current_text().into(),
+        }
+    }
+
+    /// The same for a macro.
+    pub(crate) fn text_value(&mut self) -> Value {
+        let (sources, file, line) = (self.channel.env.sources, self.channel.at.file, self.channel.at.line);
+        let runtime = &mut *self.macros;
+        if let Some(text) = &runtime.block.text {
+            return Value::Text(Arc::clone(text));
+        }
+        let as_read = || sources.get(file).map_or(&[][..], |source| source.line(line));
+        let bytes = self.channel.text.edited.as_deref().unwrap_or_else(as_read);
+        Value::Text(runtime.arguments.texts.with(|text| {
+            text.clear();
+            match std::str::from_utf8(bytes) {
+                Ok(line) => text.push_str(line),
+                Err(_) => text.push_str(&String::from_utf8_lossy(bytes)),
+            }
+        }))
+    }
+
+    /// Text that nothing has recognised, or what a macro left in its place.
+    pub(crate) fn left_text(&self) -> String {
+        if let Some(text) = self.macros.block.unrecognised.as_ref() {
+            return text.as_ref().clone();
+        }
+        let parts: Vec<String> = self.channel.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        parts.join(" ")
+    }
+
+    /// Replaces the left-over text.
+    pub(crate) fn set_left(&mut self, text: String) {
+        self.channel.block.unknown.clear();
+        if !text.trim().is_empty() {
+            // Any span will do: the text comes from here.
+            self.channel.block.unknown.push((0, 0));
+        }
+        self.macros.block.unrecognised = Some(Arc::new(text));
+    }
+}
+
+/// What a block macro decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    /// The block goes on as it is.
+    Go,
+    /// Its text has changed.
+    Edited,
+    /// It is dropped, or the pre-processor skipped.
+    Drop,
+}

@@ -1,0 +1,274 @@
+//! Event macros of motions and tools: the event takes place where its macro says OUTPUT.
+//!
+//! Facts: reference control-emulator.md 4.3. Decision: the end of a straight move and rapid or linear may be changed;
+//! circles and threads stay as they are.
+
+use counterpoint_fault::Acted;
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::host::tools::column;
+use crate::log::event::{Kind, Motion, MotionKind, Position, ToolAction, ToolChange};
+use crate::log::geometry::Loop;
+use crate::machine::macros::model::Hook;
+use crate::macros::calls::Task;
+use crate::macros::store::names;
+
+/// Rows of the tool table with the dummy tool (reference system-variables.md 13).
+const MOST_TOOLS: usize = 200;
+
+impl Kernel<'_> {
+    /// A motion on a kernel with macros.
+    #[inline(never)]
+    pub(crate) fn motion_event(&mut self, seconds: f64, motion: &Motion) -> Acted {
+        let Some(code) = self.hook(Hook::Motion) else { return self.move_to(seconds, motion) };
+        let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
+        let kind = match motion.kind {
+            MotionKind::ArcCw | MotionKind::ArcCcw | MotionKind::ArcSpace => 1.0,
+            MotionKind::Thread => 2.0,
+            MotionKind::Rapid => 4.0,
+            MotionKind::Linear => 5.0,
+        };
+        let mut arguments: [Value; 8] = std::array::from_fn(|_| Value::Null);
+        arguments[0] = Value::Real(kind);
+        arguments[1] = self.ends(code, motion);
+        if round {
+            let [center, normal, plane] = self.circle(motion);
+            arguments[2] = center;
+            arguments[3] = normal;
+            arguments[5] = Value::Real(if motion.kind == MotionKind::ArcCw { 1.0 } else { 2.0 });
+            arguments[6] = plane;
+        }
+        if motion.kind == MotionKind::ArcSpace {
+            let [center, normal, middle] = self.loop_in_space(motion);
+            (arguments[2], arguments[3], arguments[4]) = (center, normal, middle);
+            (arguments[5], arguments[6]) = (Value::Real(2.0), Value::Real(0.0));
+        }
+        arguments[7] = self.coded(code, motion);
+        self.run_macro(code, Task::Motion(seconds, Box::new(*motion)), &mut arguments).map(|_| ())
+    }
+
+    /// `$P2`: the end by the six elements of `$AXES`.
+    fn ends(&mut self, code: u16, motion: &Motion) -> Value {
+        let preset = self.channel.state.place.preset;
+        let runtime = &mut *self.macros;
+        if !runtime.calls.uses(code, 2) {
+            return Value::Null;
+        }
+        let slots = runtime.arguments.slots;
+        Value::Sequence(runtime.arguments.positions.with(|values| {
+            values.clear();
+            values.extend(slots.map(|axis| {
+                let at = |of: &Position| axis.and_then(|axis| of.get(axis)).copied().unwrap_or(0.0);
+                Value::Real(at(&motion.to) + at(&preset))
+            }));
+        }))
+    }
+
+    /// `$P8`: axes coded on the block.
+    fn coded(&mut self, code: u16, motion: &Motion) -> Value {
+        let runtime = &mut *self.macros;
+        if !runtime.calls.uses(code, 8) {
+            return Value::Null;
+        }
+        let slots = runtime.arguments.slots;
+        Value::Sequence(runtime.arguments.flags.with(|values| {
+            values.clear();
+            values.extend(slots.map(|axis| {
+                let coded = axis.is_some_and(|axis| axis < 8 && motion.moving & 1 << axis != 0);
+                Value::Real(f64::from(u8::from(coded)))
+            }));
+        }))
+    }
+
+    /// Centre, plane normal and number of the plane of a circle.
+    fn circle(&self, motion: &Motion) -> [Value; 3] {
+        let [first, second] = motion.plane_axes.map(usize::from);
+        let cartesian = self.channel.state.place.cartesian.map(|axis| axis.map(usize::from));
+        let preset = |axis: usize| self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
+        let center: Vec<f64> = cartesian
+            .iter()
+            .map(|axis| match *axis {
+                Some(axis) if axis == first => motion.center[0] + preset(axis),
+                Some(axis) if axis == second => motion.center[1] + preset(axis),
+                Some(axis) => motion.to.get(axis).copied().unwrap_or(0.0) + preset(axis),
+                None => 0.0,
+            })
+            .collect();
+        let [x, y, z] = cartesian;
+        let has = |axis: Option<usize>| axis.is_some_and(|axis| axis == first || axis == second);
+        let (normal, plane) = match (has(x), has(y), has(z)) {
+            (true, true, _) => ([0.0, 0.0, 1.0], 1.0),
+            (true, _, true) => ([0.0, 1.0, 0.0], 2.0),
+            _ => ([1.0, 0.0, 0.0], 3.0),
+        };
+        [Value::numbers(&center), Value::numbers(&normal), Value::Real(plane)]
+    }
+
+    /// Centre, normal and middle of a circle in space, which is counter-clockwise about its normal.
+    fn loop_in_space(&self, motion: &Motion) -> [Value; 3] {
+        let axes =
+            self.channel.env.info.channel(self.channel.at.channel).map_or(&[][..], |channel| channel.axes.as_slice());
+        let Some(space) = Loop::of(motion, axes) else { return std::array::from_fn(|_| Value::Null) };
+        let programmed = |point: [f64; 3]| {
+            let mut values = [0.0; 3];
+            for (axis, value) in space.seen.values(point) {
+                if let Some(slot) = space.seen.coordinate(axis).and_then(|side| values.get_mut(side)) {
+                    *slot = value + self.channel.state.place.preset.get(axis).copied().unwrap_or(0.0);
+                }
+            }
+            Value::numbers(&values)
+        };
+        [programmed(space.circle.center), Value::numbers(&space.circle.normal), programmed(space.circle.at(0.5))]
+    }
+
+    /// OUTPUT of the motion macro.
+    pub(crate) fn output_motion(
+        &mut self,
+        seconds: f64,
+        motion: &Motion,
+        kind: Option<&Value>,
+        end: Option<&Value>,
+    ) -> Acted {
+        if !matches!(motion.kind, MotionKind::Rapid | MotionKind::Linear) {
+            return self.move_to(seconds, motion);
+        }
+        let rapid = match kind.and_then(Value::as_real) {
+            Some(4.0) => true,
+            Some(5.0) => false,
+            _ => motion.kind == MotionKind::Rapid,
+        };
+        let to = self.changed_end(motion, end);
+        if to == motion.to && rapid == (motion.kind == MotionKind::Rapid) {
+            return self.move_to(seconds, motion);
+        }
+        (self.plan.actions.change_straight)(self, motion, rapid, to)
+    }
+
+    /// The end of a motion with what the macro has changed.
+    fn changed_end(&mut self, motion: &Motion, end: Option<&Value>) -> Position {
+        let mut to = motion.to;
+        let runtime = &*self.macros;
+        let (slots, preset) = (runtime.arguments.slots, self.channel.state.place.preset);
+        let values = match end {
+            None => return to,
+            Some(Value::Sequence(values)) if values.len() == 6 => values,
+            Some(_) => {
+                self.diagnose(&diag::MACRO_RESULT, "$P2 of a motion macro is not a sequence of six numbers");
+                return to;
+            }
+        };
+        for (axis, value) in slots.into_iter().zip(values.iter()) {
+            let (Some(axis), Value::Real(value)) = (axis, value) else { continue };
+            let shift = preset.get(axis).copied().unwrap_or(0.0);
+            if let Some(slot) = to.get_mut(axis)
+                && *slot + shift != *value
+                && value.is_finite()
+            {
+                *slot = value - shift;
+            }
+        }
+        to
+    }
+
+    /// A tool change on a kernel with macros.
+    pub(crate) fn tool_event(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
+        let Some(code) = self.hook(Hook::Tool) else { return self.change_tool(action, tool, offset, ns) };
+        let kind = if action == ToolAction::Select { 1.0 } else { 2.0 };
+        let mut arguments = [Value::Real(kind), Value::Real(0.0), Value::Real(f64::from(tool))];
+        self.run_macro(code, Task::Tool(action, tool, offset, ns), &mut arguments).map(|_| ())
+    }
+
+    /// Tools and heads have a macro that is on.
+    pub(crate) fn has_tool_macro(&self) -> bool {
+        self.hook(Hook::Tool).is_some()
+    }
+
+    /// A head is selected (1) or loaded (2): the tool event macro sees it with `$P2` 1.
+    pub(crate) fn head_event(&mut self, kind: f64, id: u32) -> Acted {
+        let Some(code) = self.hook(Hook::Tool) else { return self.load_head(kind, id) };
+        let mut arguments = [Value::Real(kind), Value::Real(1.0), Value::Real(f64::from(id))];
+        self.run_macro(code, Task::Head(kind, id), &mut arguments).map(|_| ())
+    }
+
+    /// The event itself: only the listing shows it.
+    pub(crate) fn load_head(&mut self, kind: f64, id: u32) -> Acted {
+        let verb = if kind == 1.0 { "select" } else { "load" };
+        self.emit(0, Kind::mode(format!("{verb} head n={id}")));
+        Ok(())
+    }
+
+    /// Gives a loaded tool its row of the tool table, with the name that waits for it.
+    fn tool_row(&mut self, tool: u32) {
+        let clock = self.channel.at.clock;
+        let runtime = &mut *self.macros;
+        let known = runtime.tools.loaded.iter().position(|known| *known == tool);
+        let at = known.unwrap_or(runtime.tools.loaded.len());
+        if known.is_none() {
+            if at + 1 >= MOST_TOOLS {
+                let text = format!("the tool table is full: it has {MOST_TOOLS} rows");
+                return self.diagnose(&diag::TOOL_TABLE, text);
+            }
+            runtime.tools.loaded.push(tool);
+            self.fill_tool_row(tool, at as i64 + 2);
+        }
+        let runtime = &mut *self.macros;
+        let (names, store) = (names(), &mut runtime.variables.store);
+        let row = at as i64 + 2;
+        runtime.books.tool_sums.switch(at + 2, clock);
+        store.set(names.tool_row, Value::Real(row as f64));
+        store.set(names.tool_rows, Value::Real(runtime.tools.loaded.len() as f64 + 1.0));
+        let name = store.get(names.tool_name).clone();
+        if name.as_text().is_some_and(|name| !name.trim().is_empty()) {
+            store.set_element(names.tool_table, (column::NAME, row), name);
+        }
+        store.set(names.tool_name, Value::text(""));
+        let length = store.element(names.tool_table, (column::LENGTH, row)).and_then(Value::as_real);
+        store.set(names.tool_length, Value::Real(length.unwrap_or(0.0)));
+        self.sort_tools();
+    }
+
+    /// Writes a loaded tool down, and the one before it.
+    fn book_tool(&mut self, tool: u32, before: u32) {
+        let store = &mut self.macros.variables.store;
+        store.set(names().last_tool, Value::Real(f64::from(before)));
+        if store.get(names().first_tool).as_real() == Some(0.0) {
+            store.set(names().first_tool, Value::Real(f64::from(tool)));
+        }
+        self.tool_row(tool);
+        self.operation_of_tool();
+    }
+
+    /// Writes a motion down for the tables of tools and operations.
+    pub(crate) fn book_motion(&mut self, seconds: f64, motion: &Motion) {
+        let runtime = &mut *self.macros;
+        runtime.arguments.before = self.channel.state.place.position;
+        let rapid = usize::from(motion.kind == MotionKind::Rapid);
+        if let Some(time) = runtime.variables.store.times.get_mut(rapid) {
+            *time += seconds;
+        }
+        runtime.variables.store.moving += crate::state::channel::nanoseconds(seconds);
+        self.sum_motion(rapid == 1, seconds, motion.length);
+        self.note_travel(motion);
+    }
+
+    /// The tool event itself.
+    pub(crate) fn change_tool(&mut self, action: ToolAction, tool: u32, offset: u32, ns: i64) -> Acted {
+        if action == ToolAction::Select {
+            self.channel.state.place.selected = tool;
+            self.emit(0, Kind::Tool(ToolChange { action, tool, offset }));
+            return Ok(());
+        }
+        let before = self.channel.state.place.tool;
+        if tool != 0 {
+            self.channel.state.place.tool = tool;
+        }
+        if action == ToolAction::Load && self.plan.hooks.is_some() {
+            self.book_tool(tool, before);
+        }
+        self.emit(ns, Kind::Tool(ToolChange { action, tool: self.channel.state.place.tool, offset }));
+        self.channel.advance(ns);
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Blocks that macros issue: EXEC processes one within the block in process, EXEC/NEXT leaves one for later.
+//!
+//! *Invariant:* what is left on the block around them stays. Facts: reference control-emulator.md 4.4.
+
+use std::sync::Arc;
+
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::channel::flow::Pending;
+use crate::channel::hook_points::Origin;
+use crate::diag;
+use crate::log::event::{Kind, Trace};
+use crate::macros::context::BlockContext;
+use crate::macros::issued::Later;
+use crate::macros::values::{code_id, data_id};
+use crate::state::block::Block;
+use crate::state::burden;
+use crate::state::channel::Acting;
+use crate::trace;
+
+/// A block that another one within it interrupts.
+struct Outer {
+    block: Block,
+    context: BlockContext,
+    acting: Acting,
+    /// What it asks for at its end.
+    pending: Option<Pending>,
+}
+
+impl Kernel<'_> {
+    /// Processes a block that EXEC/NEXT left, in place of reading one; none if nothing was left.
+    pub(crate) fn next_issued(&mut self) -> Option<Acted> {
+        let block = self.macros.issued.later.pop_front()?;
+        self.name_block(&block);
+        let done = self.begin_block().and_then(|()| self.process_later(block));
+        Some(done.and_then(|()| self.follow()))
+    }
+
+    /// Processes a text as a block.
+    pub(crate) fn issued_block(&mut self, text: Arc<String>) -> Acted {
+        self.begin_text(Some(text));
+        self.block(&[])
+    }
+
+    /// Tells the listing what such a block is: no line of a file has it.
+    fn name_block(&mut self, block: &Later) {
+        let text = match block {
+            Later::Text(text, _) => text.to_string(),
+            Later::Items(items, _) => self.listed(items),
+        };
+        let text = format!("{}{}", trace::BLOCK, burden::shortened(&text)).into();
+        self.emit(0, Kind::Trace(Trace { letter: trace::LISTING, text }));
+    }
+
+    /// Processes such a block.
+    fn process_later(&mut self, block: Later) -> Acted {
+        let (Later::Text(_, matching) | Later::Items(_, matching)) = block;
+        let set = |kernel: &mut Self, matching| {
+            kernel.macros.hooks.matching = matching;
+        };
+        set(self, matching);
+        let done = match block {
+            Later::Text(text, _) => self.issued_block(text),
+            Later::Items(items, _) => {
+                self.channel.block.clear();
+                self.item_block(&items)
+            }
+        };
+        set(self, true);
+        done
+    }
+
+    /// Processes a block inside another one, which keeps what is left on it.
+    pub(crate) fn nested_block(&mut self, process: impl FnOnce(&mut Self) -> Acted) -> Acted {
+        let outer = self.enter_block();
+        // A block within a block is one, too.
+        let begun = self.work(burden::BLOCK).and_then(|()| self.check_limits());
+        let done = begun.and_then(|()| process(self)).and_then(|()| self.call_at_once());
+        self.leave_block(outer);
+        // The rest of that block is dropped, not that of the one around it.
+        if done == Err(Halt::Dropped) { Ok(()) } else { done }
+    }
+
+    /// Puts the block in process aside for one within it.
+    fn enter_block(&mut self) -> Outer {
+        let mut inner = self.macros.issued.spares.pop().unwrap_or_default();
+        inner.clear();
+        Outer {
+            block: std::mem::replace(&mut self.channel.block, inner),
+            context: self.macros.block.enter(),
+            acting: Acting { as_data: self.channel.acting.as_data.take(), ..self.channel.acting },
+            pending: self.flow.pending.take(),
+        }
+    }
+
+    /// Continues with the block that was put aside.
+    fn leave_block(&mut self, outer: Outer) {
+        let Outer { block, context, acting, pending } = outer;
+        self.channel.acting = acting;
+        // An end waits for the end of the block that was interrupted.
+        match std::mem::replace(&mut self.flow.pending, pending) {
+            Some(own) if self.flow.pending.is_some() => self.ask(own),
+            Some(own) => self.flow.pending = Some(own),
+            None => {}
+        }
+        let nested = std::mem::replace(&mut self.channel.block, block);
+        self.macros.issued.spares.push(nested);
+        self.macros.block = context;
+    }
+
+    /// A block given as identifiers and values: straight to the code loop.
+    pub(crate) fn item_block(&mut self, items: &[Value]) -> Acted {
+        self.macros.block.text = Some(Arc::default());
+        let mut items = items.iter();
+        while let Some(item) = items.next() {
+            if let Some(id) = code_id(item) {
+                if !self.add_code(id, 0.0) {
+                    self.no_such_code(id);
+                }
+            } else if let Some(id) = data_id(item) {
+                match items.next().and_then(Value::as_real) {
+                    Some(value) if self.knows_data(id) => self.channel.block.added.push((id, value)),
+                    Some(_) => {
+                        let text = format!("this machine has no word for {}", self.channel.env.machine.data_name(id));
+                        self.diagnose(&diag::DATA_MISSING, text);
+                    }
+                    None => {
+                        let text = format!("EXEC needs a number behind {}", self.channel.env.machine.data_name(id));
+                        self.diagnose(&diag::MACRO_RESULT, text);
+                    }
+                }
+            } else {
+                let text = format!("EXEC takes codes, and data with their values, not {}", item.kind_name());
+                self.diagnose(&diag::MACRO_RESULT, text);
+            }
+        }
+        self.codes(Origin::Items)
+    }
+
+    /// Says that EXEC or OUTPUT named a code without a row.
+    pub(crate) fn no_such_code(&mut self, id: crate::machine::ident::CodeId) {
+        let name = self.channel.env.machine.code_name(id).to_owned();
+        self.diagnose(&diag::CODE_NOT_HERE, format!("this machine has no {name}, it cannot act"));
+    }
+}

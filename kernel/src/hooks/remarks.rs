@@ -1,0 +1,119 @@
+//! Comments and operator messages as codes, on a kernel with macros.
+//!
+//! Facts: reference control-emulator.md 5.4, 5.6: both act before everything else on their block (order 100). A
+//! pre-processor that works on the block takes them off, unless `$FCEPP` says otherwise; a message is shown all the
+//! same. Decision: they need no row of the code table, the delimiters of the machine's format are enough. Invariant:
+//! `$TPRINT` or `$DISPLY` holds the text before a macro of the code runs.
+
+use std::sync::Arc;
+
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::log::event::{Kind, Message};
+use crate::machine::ident::{CodeId, codes};
+use crate::macros::calls::Task;
+use crate::macros::values::{code_id, code_value};
+use crate::state::block::PendingCode;
+use crate::state::burden::shortened;
+use counterpoint_fault::Acted;
+
+impl Kernel<'_> {
+    /// Comments and messages of a block that is split into words.
+    pub(crate) fn remarks_of_block(&mut self) -> Acted {
+        if !self.may_have_remarks() {
+            return Ok(());
+        }
+        let text = self.text_bytes().into_owned();
+        self.remarks(&text)
+    }
+
+    /// Those of a statement.
+    pub(crate) fn remarks_of_statement(&mut self, text: &[u8]) -> Acted {
+        if self.may_have_remarks() || self.plan.scanner.has_messages() { self.remarks(text) } else { Ok(()) }
+    }
+
+    /// The block has messages, or comments and messages fire codes.
+    fn may_have_remarks(&self) -> bool {
+        !self.channel.block.messages.is_empty() || self.remarks_fire().contains(&true)
+    }
+
+    /// Whether comments, messages fire codes: where no pre-processor takes them off.
+    fn remarks_fire(&self) -> [bool; 2] {
+        let runtime = &*self.macros;
+        runtime.variables.store.preprocessor.taken_off.map(|off| !(off && runtime.block.preprocessed))
+    }
+
+    /// Comments and messages of a text, from left to right.
+    fn remarks(&mut self, text: &[u8]) -> Acted {
+        let fires = self.remarks_fire();
+        self.channel.block.messages.clear();
+        for (is_message, start, end) in self.plan.scanner.remarks(text) {
+            let remark = String::from_utf8_lossy(text.get(start..end).unwrap_or_default()).trim().to_owned();
+            match (is_message, fires) {
+                (false, [true, _]) => self.fire_remark(codes::COMMENT, Arc::new(remark))?,
+                (true, [_, true]) => self.fire_remark(codes::DISPLY, Arc::new(remark))?,
+                (true, _) => self.display(&remark),
+                (false, _) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// A message to the operator.
+    pub(crate) fn display(&mut self, text: &str) {
+        let text = shortened(text);
+        self.show_display(text);
+        self.trace('C', |_| crate::trace::code("CODE_DISPLY"));
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+    }
+
+    fn fire_remark(&mut self, id: CodeId, text: Arc<String>) -> Acted {
+        self.keep_remark(id, &text);
+        let outer = self.set_code(Some(id));
+        let done = match self.matching_macro(id) {
+            Some(code) => {
+                let mut arguments = [code_value(Some(id)), Value::Text(Arc::clone(&text))];
+                self.run_macro(code, Task::Remark(id, text), &mut arguments).map(|_| ())
+            }
+            None if id == codes::DISPLY => {
+                self.display(&text);
+                Ok(())
+            }
+            None => {
+                self.trace_ignored(id);
+                Ok(())
+            }
+        };
+        self.set_code(outer);
+        done?;
+        self.pending_halt()
+    }
+
+    /// OUTPUT in the macro of a remark: the code that `$P1` holds now.
+    pub(crate) fn output_remark(&mut self, id: CodeId, text: Arc<String>, wanted: Option<&Value>) -> Acted {
+        let target = wanted.map_or(Some(id), code_id);
+        match target {
+            None => Ok(()),
+            Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
+            Some(target) => match self.row_of_code(target) {
+                Some(row) => self.output_code(
+                    PendingCode { order: 0, row, value: 0.0, implied: false, fragile: false },
+                    target,
+                    None,
+                ),
+                None => {
+                    self.no_such_code(target);
+                    Ok(())
+                }
+            },
+        }
+    }
+
+    fn keep_remark(&mut self, id: CodeId, text: &Arc<String>) {
+        if id == codes::DISPLY {
+            return self.show_display(text);
+        }
+        self.store(crate::macros::store::names().comment, || Value::Text(Arc::clone(text)));
+    }
+}

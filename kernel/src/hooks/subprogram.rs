@@ -1,0 +1,183 @@
+//! Subprogram startup and shutdown macros, once for each pass, and calls and returns inside macros.
+//!
+//! Facts: reference control-emulator.md 4.1, 5.7. A call of a range of blocks has type 1 and the sequence numbers or
+//! labels in `$P3` and `$P4`; a call of a program has type 2 and its number in `$P2`. Decisions: `$P2` is the number
+//! or name of the program, `$P10` counts lines before the program, so that 0 is the top of the file, and `$P9` is the
+//! file of the machine's placement where a missing program was looked for; a startup macro can send a call to any file of the job.
+
+use counterpoint_fault::{Acted, Halt};
+
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::channel::flow::{Called, Callee, Pending};
+use crate::diag;
+use crate::log::event::FileId;
+use crate::log::info::File;
+use crate::machine::macros::model::Hook;
+use crate::machine::model::{MainReturn, StoredFile};
+use crate::macros::calls::{TICKS, Task};
+use crate::mcd::program::Range;
+
+/// Where a subprogram is, if anywhere.
+type Found = Option<(FileId, Range)>;
+
+impl Kernel<'_> {
+    /// What the block in process calls.
+    pub(crate) fn called(&self, what: Callee, passes: u32) -> Called {
+        let block = self.plan.hooks.is_some().then(|| String::from_utf8_lossy(&self.text_bytes()).trim().into());
+        Called { what, passes, block }
+    }
+
+    /// Runs the startup macro for a pass: none if the call is to be passed over, else where the subprogram is.
+    pub(crate) fn subprogram_startup(
+        &mut self,
+        called: &Called,
+        pass: u32,
+        found: Found,
+        level: usize,
+    ) -> Result<Option<Found>, Halt> {
+        let Some(code) = self.hook(Hook::SubprogramStartup) else { return Ok(Some(found)) };
+        let mut arguments = self.call_arguments(called, pass, found, level);
+        let (file, offset) = (arguments[8].clone(), arguments[9].clone());
+        self.run_macro(code, Task::None, &mut arguments)?;
+        match arguments[0].as_real() {
+            Some(0.0) => return Ok(None),
+            Some(-1.0) => return Ok(Some(None)),
+            _ => {}
+        }
+        let same = arguments[8].equals(&file) == Some(true) && arguments[9].equals(&offset) == Some(true);
+        if same {
+            return Ok(Some(found));
+        }
+        let wanted = arguments[8].as_text().unwrap_or("").trim().to_owned();
+        let line = arguments[9].as_real().filter(|offset| (0.0..=f64::from(u32::MAX - 1)).contains(offset));
+        let Some(line) = line.map(|offset| offset as u32 + 1) else { return Ok(Some(None)) };
+        self.place_in_file(&wanted, line).map(Some)
+    }
+
+    /// Runs the shutdown macro of a pass.
+    pub(crate) fn subprogram_shutdown(
+        &mut self,
+        called: &Called,
+        pass: u32,
+        place: (FileId, Range),
+        level: usize,
+    ) -> Acted {
+        let Some(code) = self.hook(Hook::SubprogramShutdown) else { return Ok(()) };
+        let mut arguments = self.call_arguments(called, pass, Some(place), level);
+        self.run_macro(code, Task::None, &mut arguments).map(|_| ())
+    }
+
+    /// Between two passes of a subprogram.
+    pub(crate) fn next_pass(&mut self) -> Acted {
+        let Some(frame) = self.flow.frames.last() else { return Ok(()) };
+        let (called, here) = (frame.called.clone(), (frame.file, frame.range));
+        let pass = called.passes.saturating_sub(frame.repeats + 1);
+        let level = self.flow.frames.len() - 1;
+        self.subprogram_shutdown(&called, pass.saturating_sub(1), here, level)?;
+        match self.subprogram_startup(&called, pass, Some(here), level)? {
+            Some(Some((file, range))) => {
+                if let Some(frame) = self.flow.frames.last_mut() {
+                    (frame.file, frame.range, frame.next) = (file, range, range.first);
+                }
+                Ok(())
+            }
+            Some(None) => {
+                let text = format!("{} is missing, as the startup macro says", called.what);
+                Err(self.alarm(&diag::SUBPROGRAM_MISSING, text))
+            }
+            // Passed over, and the passes after it with it: a macro asked billions of times would never end.
+            None => {
+                if let Some(frame) = self.flow.frames.last_mut() {
+                    frame.repeats = 0;
+                }
+                self.give_back(None)
+            }
+        }
+    }
+
+    fn call_arguments(&self, called: &Called, pass: u32, found: Found, level: usize) -> [Value; 10] {
+        let (file, offset) = match found {
+            Some((file, range)) => {
+                (self.channel.env.info.file_name(file).to_owned(), f64::from(range.first.saturating_sub(1)))
+            }
+            None => (self.looked_for(&called.what), -1.0),
+        };
+        let (kind, number, (first, last)) = match &called.what {
+            Callee::Program(number) => (2.0, number.to_string(), (0, 0)),
+            Callee::Named(name) => (2.0, name.to_string(), (0, 0)),
+            Callee::Blocks(first, last) | Callee::Labels(first, last) => (1.0, String::new(), (*first, *last)),
+        };
+        [
+            Value::Real(kind),
+            Value::text(number),
+            Value::Real(f64::from(first)),
+            Value::Real(f64::from(last)),
+            Value::Real(f64::from(called.passes.saturating_sub(1))),
+            Value::text(called.block.as_deref().unwrap_or_default()),
+            Value::Real(level as f64),
+            Value::Real(f64::from(pass)),
+            Value::text(file),
+            Value::Real(offset),
+        ]
+    }
+
+    /// The program around a line of a file of the job.
+    pub(crate) fn place_in_file(&mut self, name: &str, line: u32) -> Result<Found, Halt> {
+        // Files stored with the machine are found whatever the letter case.
+        let stored =
+            name.get(..StoredFile::ROOT.len()).is_some_and(|start| start.eq_ignore_ascii_case(StoredFile::ROOT));
+        let is = |file: &File| file.name == name || stored && file.name.eq_ignore_ascii_case(name);
+        let Some(file) = self.channel.env.info.files.iter().position(is) else { return Ok(None) };
+        let file = file as FileId;
+        self.load(file)?;
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file).filter(|source| line <= source.lines()) else {
+            return Ok(None);
+        };
+        let around = source.programs().iter().find(|range| (range.first..=range.last).contains(&line));
+        let last = around.map_or(source.lines(), |range| range.last);
+        Ok(Some((file, Range { number: around.and_then(|range| range.number), first: line, last })))
+    }
+
+    /// Carries out the call or return that a block inside another one asks for, before the macro continues: the whole
+    /// subprogram, or the way back to the caller.
+    pub(crate) fn call_at_once(&mut self) -> Acted {
+        use Pending::{Call, CallRange, CallText, Return};
+        match self.flow.pending {
+            Some(Call { .. } | CallRange { .. } | CallText(_)) => {}
+            Some(Return(target)) if self.may_return_at_once(target) => {}
+            _ => return Ok(()),
+        }
+        let level = self.flow.frames.len();
+        let place = (self.channel.at.file, self.channel.at.line, self.channel.text.edited.clone());
+        let runtime = &mut *self.macros;
+        let later = std::mem::take(&mut runtime.issued.later);
+        let matching = std::mem::replace(&mut runtime.hooks.matching, true);
+        let ticks = runtime.calls.ticks(None);
+        let mut done = self.follow();
+        while done.is_ok() && self.flow.frames.len() > level {
+            // Its blocks are blocks of the program: they do not use up what the macro that calls may take.
+            self.macros.calls.ticks(Some(TICKS));
+            done = self.step();
+        }
+        (self.channel.at.file, self.channel.at.line, self.channel.text.edited) = place;
+        let runtime = &mut *self.macros;
+        runtime.calls.ticks(ticks);
+        runtime.hooks.matching = matching;
+        // What its last block left for later comes after what was left before.
+        let own = std::mem::replace(&mut runtime.issued.later, later);
+        runtime.issued.later.extend(own);
+        done
+    }
+
+    /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
+    /// block that was interrupted.
+    fn may_return_at_once(&self, target: Option<u32>) -> bool {
+        let has_interpreter = crate::dialect::concerns(self.channel.env.machine.preprocessor).is_some();
+        let reading = has_interpreter && self.dialect.interpreter.is_none();
+        let ends = self.flow.frames.len() <= 1 && self.channel.env.machine.subprograms.main_return == MainReturn::End;
+        !reading && (!ends || target.is_some())
+    }
+}

@@ -1,0 +1,248 @@
+//! A running kernel as the host of its macros.
+//!
+//! Invariant: everything a macro reads or changes is the state of the kernel itself; what belongs to several kernels is
+//! reached through shared operations only. Facts: reference control-emulator.md 4, system-variables.md, functions.md.
+
+mod block;
+mod commands;
+mod diagnostics;
+mod dialogs;
+mod files;
+mod functions;
+mod kinematics;
+pub(crate) mod operations;
+pub(crate) mod preprocessor;
+mod rotary;
+mod search;
+pub(crate) mod sums;
+mod system;
+pub(crate) mod tools;
+mod trace;
+pub(crate) mod travel;
+pub(crate) mod variables;
+
+use counterpoint_lang::diag::{Diagnostic, Number};
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::format::{Register, Registers};
+use counterpoint_lang::host::{Command, Host, HostFn, Step};
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::{Scale, State};
+
+use crate::channel::Kernel;
+use crate::machine::ident::{codes, data};
+use crate::machine::macros::model::Hook;
+use crate::macros::calls::unwinding;
+use crate::macros::issued::Later;
+use crate::macros::values::{code_id, data_id};
+use crate::multi::shared::Shared;
+use crate::state::burden::weight;
+
+impl Shared {
+    /// A global variable that all kernels share.
+    fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
+        if self.globals.len() <= index {
+            self.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(value) = self.globals.get_mut(index) {
+            access(value);
+        }
+    }
+
+    /// Counts a change of what all kernels share; true if it has become too much.
+    pub(crate) fn grown(&mut self, bytes: usize, limit: u64) -> bool {
+        let Self { hoard, globals, named, files, .. } = self;
+        let bytes_of_files = files.bytes() as u64;
+        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
+            let names: usize = named.keys().map(|name| name.len() + 60).sum();
+            weight(globals.iter().chain(named.values())) + names as u64
+        })
+    }
+}
+
+impl Registers for Kernel<'_> {
+    fn code_name(&self, code: u32) -> String {
+        match code_id(&Value::Code(code)) {
+            Some(id) if usize::from(id.0) < codes::TABLE.len() + self.channel.env.machine.custom_codes.len() => {
+                self.channel.env.machine.code_name(id).to_owned()
+            }
+            _ => "CODE_NONE".to_owned(),
+        }
+    }
+
+    fn register_name(&self, register: u32) -> String {
+        match data_id(&Value::Register(register)) {
+            Some(id) if usize::from(id.0) < data::TABLE.len() + self.channel.env.machine.custom_data.len() => {
+                self.channel.env.machine.data_name(id).to_owned()
+            }
+            _ => "REG_NONE".to_owned(),
+        }
+    }
+
+    fn register_text(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+        self.register_word(register, value, word)
+    }
+}
+
+impl Host for Kernel<'_> {
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+        self.read_variable(index, indices)
+    }
+
+    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+        self.write_variable(index, indices, value)
+    }
+
+    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value)) {
+        let limit = self.channel.shares().common;
+        let runtime = &mut *self.macros;
+        if runtime.variables.first_shared.is_some_and(|first| index >= first) {
+            let place = index as usize;
+            let done = self.shared(|order| {
+                order.shared.global(place, access);
+                growth > 0 && order.shared.grown(growth, limit)
+            });
+            match done {
+                Ok(false) => {}
+                Ok(true) => {
+                    let halt = self.out_of_memory("GLOBAL variables and files of macros take most of it");
+                    self.keep_halt(halt);
+                }
+                Err(halt) => self.keep_halt(halt),
+            }
+            return;
+        }
+        if let Some(value) = self.own_global(index) {
+            access(value);
+        }
+    }
+
+    fn own_global(&mut self, index: u32) -> Option<&mut Value> {
+        let runtime = &mut *self.macros;
+        if runtime.variables.first_shared.is_some_and(|first| index >= first) {
+            return None;
+        }
+        let index = index as usize;
+        if runtime.variables.globals.len() <= index {
+            runtime.variables.globals.resize(index + 1, Value::Unset);
+        }
+        runtime.variables.globals.get_mut(index)
+    }
+
+    fn held(&self, scale: &mut Scale) {
+        let runtime = &*self.macros;
+        let mut part = |name: &str, values: &mut dyn Iterator<Item = &Value>| {
+            let from = scale.bytes;
+            values.for_each(|value| scale.add(value));
+            scale.held_by(from, || name.to_owned());
+        };
+        part("GLOBAL variables", &mut runtime.variables.globals.iter());
+        part("system variables", &mut runtime.variables.store.all());
+        let from = scale.bytes;
+        for later in &runtime.issued.later {
+            scale.weigh(match later {
+                Later::Text(text, _) => text.len() + 64,
+                Later::Items(items, _) => items.len() * 16 + 64,
+            });
+        }
+        scale.held_by(from, || "blocks of EXEC/NEXT".to_owned());
+    }
+
+    fn stopped(&self) -> bool {
+        self.ports.control.cancelled()
+    }
+
+    fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        self.going_on(state)?;
+        self.macro_command(state, command)
+    }
+
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+        self.going_on(state)?;
+        self.macro_function(state, function, arguments)
+    }
+
+    fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
+        if self.macros.calls.ending || self.ports.control.cancelled() {
+            return;
+        }
+        let number = diagnostic.number;
+        // The verdict of the job says it.
+        if number == Number::MEMORY || state.is_over_memory() {
+            return;
+        }
+        let stops = number == Number::TICKS || self.channel.env.machine.diagnostics.stops(number.0) == Some(true);
+        if !self.has_room(stops) {
+            return;
+        }
+        if stops {
+            self.channel.stop_here();
+        }
+        let origin = (self.origin_of(&diagnostic), stops);
+        let shown = self.customised_of_macro(number, (diagnostic.severity, stops), diagnostic.message);
+        let Some((severity, message)) = shown else { return };
+        let what = (number.0, severity);
+        if self.hook(Hook::Diagnostic).is_none() {
+            return self.issue(what, message, origin);
+        }
+        // Whatever stops the run here is met again by the next thing the macro asks for.
+        let _ = self.meanwhile(state, |kernel| {
+            kernel.issue(what, message, origin);
+            Ok(())
+        });
+    }
+
+    fn diagnostic(&self, number: u32) -> Option<(u8, String)> {
+        self.diagnostic_entry(number)
+    }
+
+    fn trace(&mut self, step: Step<'_>) {
+        self.trace_step(step);
+    }
+
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.openable(state, path)
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.file_writable(path)
+    }
+
+    fn read_file(&mut self, path: &str) -> Option<String> {
+        self.file_text(path)
+    }
+
+    fn write_file(&mut self, path: &str, text: &str) -> bool {
+        self.keep_file(path, text)
+    }
+}
+
+impl Kernel<'_> {
+    /// Refuses everything once the kernel has to leave its program.
+    fn going_on(&mut self, state: &mut State) -> Outcome<()> {
+        if self.macros.calls.ending || self.ports.control.cancelled() { Err(unwinding(state)) } else { Ok(()) }
+    }
+
+    /// Says that something is not possible in this kind of macro.
+    fn not_here<T>(what: &str) -> Outcome<T> {
+        Err(Fault::new(Number::NOT_HERE, format!("{what} is not available in this macro")))
+    }
+
+    /// The innermost running macro is one of those for which no block has been split into codes and data yet.
+    fn before_block(&self) -> bool {
+        let hooks = [
+            Hook::Declaration,
+            Hook::MachineStartup,
+            Hook::ProgramStartup,
+            Hook::PreprocessorStartup,
+            Hook::BlockStartup,
+        ];
+        hooks.into_iter().any(|hook| self.inside(hook))
+    }
+
+    /// The innermost running macro is the one of this hook.
+    fn inside(&self, hook: Hook) -> bool {
+        let code = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.hook(hook));
+        let running = self.macros.calls.running.last().map(|call| call.code);
+        code.is_some() && code == running
+    }
+}

@@ -1,0 +1,206 @@
+//! The block in process as macros see it: its codes, its data, the active codes.
+//!
+//! Facts: reference functions.md 9. Invariant: what a macro takes is gone for the actions, what it adds they find.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::ident;
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::machine::ident::{CodeId, DataId};
+use crate::machine::model::CodeForm;
+use crate::macros::values::{code_id, code_value, data_id};
+use crate::state::block::PendingCode;
+
+/// Codes and data that macros may add to one block.
+const MOST_ADDED: usize = 1000;
+
+impl Kernel<'_> {
+    /// The first row of a code that is switched on.
+    pub(crate) fn row_of_code(&self, id: CodeId) -> Option<u16> {
+        self.plan.rows_of_code.get(usize::from(id.0)).copied().flatten()
+    }
+
+    /// Makes a code the active one of its group, without acting; the one that was.
+    pub(crate) fn activate_code(&mut self, id: CodeId) -> Option<CodeId> {
+        let row = self.row_of_code(id)?;
+        let group =
+            self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.group).filter(|group| *group != 0)?;
+        let before = self.channel.state.modal.code(group);
+        self.channel.state.modal.activate(group, id, row);
+        self.channel.follow_cycle();
+        self.channel.follow_spindle();
+        self.channel.follow_clamps();
+        before
+    }
+
+    /// `$FCEADD`
+    pub(crate) fn add_item(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
+        if self.channel.block.added.len() + self.channel.block.firings.len() >= MOST_ADDED {
+            return Err(Fault::new(Number::SIZE, format!("a block has more than {MOST_ADDED} codes and data")));
+        }
+        let value = match arguments.get(1) {
+            None => 0.0,
+            Some(value) => value.as_real().ok_or_else(|| Fault::kind("a number", value))?,
+        };
+        if let Value::Code(_) = item {
+            return Ok(Value::Logical(code_id(item).is_some_and(|id| self.add_code(id, value))));
+        }
+        let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
+        let known = data_id(item).filter(|id| self.knows_data(*id));
+        if let Some(id) = known {
+            self.channel.block.added.push((id, value));
+        }
+        Ok(Value::Logical(known.is_some()))
+    }
+
+    /// Some row of the machine has this data.
+    pub(crate) fn knows_data(&self, id: DataId) -> bool {
+        !self.channel.env.machine.tables.data(id).is_empty()
+    }
+
+    /// Puts a code where its order says among those that have not acted yet.
+    pub(crate) fn add_code(&mut self, id: CodeId, value: f64) -> bool {
+        let Some(row) = self.row_of_code(id) else { return false };
+        let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
+        // The value is what the row's factor makes of it.
+        let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
+        let firing = PendingCode { order: facts.order, row, value, implied: false, fragile: false };
+        let next = self.channel.block.next.min(self.channel.block.firings.len());
+        let rest = self.channel.block.firings.get(next..).unwrap_or(&[]);
+        let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
+        self.channel.block.firings.insert(at, firing);
+        true
+    }
+
+    /// Position of a code that has not acted yet.
+    fn waiting_code(&self, id: CodeId) -> Option<usize> {
+        let firings = self.channel.block.firings.iter().enumerate().skip(self.channel.block.next);
+        let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == Some(id));
+        found.next().map(|(at, _)| at)
+    }
+
+    pub(crate) fn id_of_row(&self, row: u16) -> Option<CodeId> {
+        self.channel.env.machine.codes.get(usize::from(row)).map(|row| row.id)
+    }
+
+    /// Value of a code as macros see it: of its word with the factor of its row, 0 for a literal text.
+    pub(crate) fn code_number(&self, firing: PendingCode) -> f64 {
+        match self.channel.env.machine.codes.get(usize::from(firing.row)) {
+            Some(row) if matches!(row.form, CodeForm::Register { .. } | CodeForm::RegisterAsData { .. }) => {
+                firing.value * row.mul + row.add
+            }
+            _ => firing.value,
+        }
+    }
+
+    /// A code that acts now or will act is on the block.
+    pub(crate) fn has_code(&self, id: CodeId) -> bool {
+        self.waiting_code(id).is_some()
+    }
+
+    /// Data are on the block.
+    pub(crate) fn has_data(&self, id: DataId) -> bool {
+        let registers = self.plan.data.registers_of.get(usize::from(id.0)).copied().unwrap_or(0);
+        self.channel.block.present & registers != 0
+            || self.channel.block.added.iter().any(|(other, _)| *other == id)
+            || self.channel.acting.as_data.is_some_and(|(other, _)| other == id)
+    }
+
+    /// `$FCEGET` and `$FCESEEK`
+    pub(crate) fn get_item(&mut self, arguments: &[Value], take: bool) -> Outcome<Value> {
+        let Some(item) = arguments.first() else { return Ok(Value::Null) };
+        if let Value::Code(_) = item {
+            let Some(at) = code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
+            let firing = self.channel.block.firings.get(at).copied();
+            if take {
+                self.channel.block.firings.remove(at);
+            }
+            return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
+        }
+        let Value::Register(_) = item else { return Err(Fault::kind("a code or data identifier", item)) };
+        let Some(id) = data_id(item) else { return Ok(Value::Null) };
+        let named = |code: &i32| ident::minor_name(*code).filter(|name| ["MODAL", "LAST"].contains(name));
+        let mode = match arguments.get(1) {
+            None => "",
+            Some(Value::Keyword(code)) => {
+                named(code).ok_or_else(|| Fault::kind("MODAL or LAST", &Value::Keyword(*code)))?
+            }
+            Some(other) => return Err(Fault::kind("MODAL or LAST", other)),
+        };
+        if mode != "LAST"
+            && let Some(value) = self.data_on_block(id, take)
+        {
+            return Ok(Value::Real(value));
+        }
+        if mode.is_empty() {
+            return Ok(Value::Null);
+        }
+        let rows = self
+            .channel
+            .env
+            .machine
+            .tables
+            .data(id)
+            .iter()
+            .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+        let factor = rows.map(|row| self.channel.unit_factor(row.dimension)).next().unwrap_or(1.0);
+        Ok(self.channel.state.modal.value(id).map_or(Value::Null, |value| Value::Real(value / factor)))
+    }
+
+    /// Value of data of this block, before any change of units.
+    fn data_on_block(&mut self, id: DataId, take: bool) -> Option<f64> {
+        if let Some((data, value)) = self.channel.acting.as_data
+            && data == id
+        {
+            if take {
+                self.channel.acting.as_data = None;
+            }
+            return Some(value);
+        }
+        let plan = self.plan;
+        for source in plan.data.sources.get(usize::from(id.0)).map_or(&[][..], Vec::as_slice) {
+            let word =
+                if take { self.channel.block.take(source.register) } else { self.channel.block.look(source.register) };
+            if let Some(word) = word {
+                return Some(word.value * source.mul + source.add);
+            }
+        }
+        let at = self.channel.block.added.iter().position(|(other, _)| *other == id)?;
+        let value = self.channel.block.added.get(at).map(|(_, value)| *value);
+        if take {
+            self.channel.block.added.remove(at);
+        }
+        value
+    }
+
+    /// `$FCEGAC`, `$FCESAC`
+    pub(crate) fn active_code(&mut self, arguments: &[Value], set: bool) -> Value {
+        let Some(id) = arguments.first().and_then(code_id) else { return Value::Code(0) };
+        let Some(row) = self.row_of_code(id) else { return Value::Code(0) };
+        let group = self.channel.env.machine.codes.get(usize::from(row)).map_or(0, |row| row.group);
+        let before = self.channel.state.modal.code(group).filter(|_| group != 0);
+        if set {
+            self.activate_code(id);
+        }
+        code_value(before)
+    }
+
+    /// `$FCEDAC`: data that fire the modal code of a group, or no longer.
+    pub(crate) fn data_as_code(&mut self, arguments: &[Value]) -> Value {
+        let id = arguments.first().and_then(data_id).filter(|id| self.knows_data(*id));
+        let group = arguments.get(1).and_then(Value::as_real).unwrap_or(-1.0);
+        let Some(id) = id else { return Value::Logical(false) };
+        let modes = &mut self.macros.modes;
+        if group != -1.0 && !(1.0..=999.0).contains(&group) {
+            return Value::Logical(false);
+        }
+        modes.data_codes.retain(|(other, _)| *other != id);
+        if group != -1.0 {
+            modes.data_codes.push((id, group as u16));
+        }
+        Value::Logical(true)
+    }
+}

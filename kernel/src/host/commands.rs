@@ -1,0 +1,237 @@
+//! Commands of macros: OUTPUT, EXEC, reading ahead, modal states.
+//!
+//! Facts: reference control-emulator.md 4.4, macro-language.md 3.2, 3.3. Decisions: docs/emulation.md.
+
+use std::sync::Arc;
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::host::Command;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::State;
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::log::event::{Kind, Message, Trace};
+use crate::machine::ident::{CodeId, codes};
+use crate::machine::macros::model::Hook;
+use crate::macros::calls::Task;
+use crate::macros::issued::{Later, MOST_QUEUED};
+use crate::macros::store::names;
+use crate::state::burden::shortened;
+use crate::state::modal::group;
+
+/// Steps that processing a block costs the macro that asks for it.
+const BLOCK_TICKS: usize = 500;
+
+/// Empty lines of one LPRINT.
+const MOST_SKIPPED: i64 = 1000;
+
+/// Modal states that may be pushed.
+const MOST_SAVED: usize = 100;
+
+/// A fault with one of the kernel's own numbers.
+pub(crate) fn fault(facts: &diag::Facts, text: impl Into<String>) -> Fault {
+    Fault::new(Number(facts.number), text)
+}
+
+impl Kernel<'_> {
+    /// Makes codes active again that were saved.
+    pub(crate) fn put_modes_back(&mut self, saved: &[(u16, CodeId, u16)]) {
+        self.channel.state.modal.restore(saved);
+        self.channel.follow_cycle();
+        self.channel.follow_spindle();
+        self.channel.follow_clamps();
+        self.channel.state.secondary = self.channel.state.modal.code(group::UNITS) == Some(codes::UNITS_SECONDARY);
+    }
+
+    pub(crate) fn macro_command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
+        match command {
+            Command::Match(on) => {
+                if let Some(call) = self.macros.calls.innermost() {
+                    call.matching = on;
+                }
+            }
+            Command::Output(arguments) => self.output(state, arguments)?,
+            Command::ExecBlock(now, text) => self.exec_text(state, now, text)?,
+            Command::ExecItems(now, items) => self.exec_items(state, now, items)?,
+            Command::TapeRead => self.tape_read(state)?,
+            Command::TapeWrite => {
+                let text = self.stored_text(names().mcdrd);
+                self.exec_text(state, true, &text)?;
+            }
+            Command::Search(number) => self.search_record(state, number)?,
+            Command::SaveModal => {
+                let groups = self.channel.state.modal.saved();
+                let runtime = &mut *self.macros;
+                if runtime.modes.saved.len() >= MOST_SAVED {
+                    let text = format!("more than {MOST_SAVED} modal states are saved");
+                    return Err(fault(&diag::MODAL_STACK, text));
+                }
+                runtime.modes.saved.push(groups);
+            }
+            Command::RestoreModal => {
+                let saved = self.macros.modes.saved.pop();
+                let Some(groups) = saved else {
+                    return Err(fault(&diag::MODAL_STACK, "there is no saved modal state to restore"));
+                };
+                self.put_modes_back(&groups);
+            }
+            Command::Listing(on) => self.control_listing(if on { "on" } else { "off" }.into()),
+            Command::Skip(lines) if lines > 0 => {
+                state.spend(usize::try_from(lines.min(MOST_SKIPPED)).unwrap_or(0))?;
+                self.control_listing(lines.min(MOST_SKIPPED).to_string().into());
+            }
+            Command::Skip(_) => {}
+            Command::Print(text) => {
+                self.emit(0, Kind::Message(Message { text: shortened(text).into(), printed: true }))
+            }
+            Command::System(text) => return self.system_command(state, text),
+        }
+        Ok(0)
+    }
+
+    /// LPRINT goes along as a line of the trace that is there without a trace.
+    fn control_listing(&mut self, text: Box<str>) {
+        self.emit(0, Kind::Trace(Trace { letter: crate::trace::LISTING, text }));
+    }
+
+    fn output(&mut self, state: &mut State, arguments: &[(u8, Value)]) -> Outcome<()> {
+        state.spend(BLOCK_TICKS)?;
+        let task = match self.macros.calls.innermost() {
+            Some(call) => {
+                call.outputs += 1;
+                call.task.clone()
+            }
+            None => Task::None,
+        };
+        let argument = |number: u8| arguments.iter().find(|(at, _)| *at == number).map(|(_, value)| value);
+        match task {
+            Task::None => Self::not_here("OUTPUT"),
+            Task::Code(firing, id) => {
+                let wanted = argument(1).cloned();
+                self.meanwhile(state, |kernel| kernel.output_code(firing, id, wanted.as_ref()))
+            }
+            Task::Remark(id, text) => {
+                let wanted = argument(1).cloned();
+                self.meanwhile(state, |kernel| kernel.output_remark(id, text, wanted.as_ref()))
+            }
+            Task::Motion(seconds, motion) => {
+                let (kind, end) = (argument(1).cloned(), argument(2).cloned());
+                self.meanwhile(state, |kernel| kernel.output_motion(seconds, &motion, kind.as_ref(), end.as_ref()))
+            }
+            Task::Tool(action, tool, offset, ns) => {
+                self.meanwhile(state, |kernel| kernel.change_tool(action, tool, offset, ns))
+            }
+            Task::Head(kind, id) => self.meanwhile(state, |kernel| kernel.load_head(kind, id)),
+            Task::Cycle(hole) => {
+                let heights = [3, 4, 5, 6].map(|at| argument(at).and_then(Value::as_real));
+                self.meanwhile(state, |kernel| kernel.output_cycle(*hole, heights))
+            }
+            Task::Diagnostic(came) => {
+                let [number, severity, text] = &*came;
+                let values =
+                    [(2, number), (3, severity), (5, text)].map(|(at, came)| argument(at).unwrap_or(came).clone());
+                self.output_diagnostic(&values)
+            }
+        }
+    }
+
+    /// Diagnostics are no place for blocks: they may be raised in the middle of anything.
+    fn may_exec(&self, state: &mut State) -> Outcome<()> {
+        state.spend(BLOCK_TICKS)?;
+        if self.inside(Hook::Diagnostic) { Self::not_here("EXEC") } else { Ok(()) }
+    }
+
+    fn exec_text(&mut self, state: &mut State, now: bool, text: &str) -> Outcome<()> {
+        self.may_exec(state)?;
+        let limit = self.channel.env.options.limits.block_length;
+        if text.len() > limit {
+            return Err(fault(
+                &diag::BLOCK_TOO_LONG,
+                format!("EXEC of {} bytes, a block may have {limit}", text.len()),
+            ));
+        }
+        let text = Arc::new(text.replace(['\n', '\r'], " "));
+        self.trace_exec_text(now, &text);
+        if now {
+            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.issued_block(text)));
+        }
+        state.grow(text.len() + 64);
+        self.leave_for_later(|matching| Later::Text(text, matching))
+    }
+
+    fn exec_items(&mut self, state: &mut State, now: bool, items: &[Value]) -> Outcome<()> {
+        self.may_exec(state)?;
+        self.trace_exec_items(now, items);
+        if now {
+            return self.meanwhile(state, |kernel| kernel.nested_block(|kernel| kernel.item_block(items)));
+        }
+        let items: Arc<[Value]> = items.into();
+        state.grow(items.len() * 16 + 64);
+        self.leave_for_later(|matching| Later::Items(items, matching))
+    }
+
+    fn leave_for_later(&mut self, block: impl FnOnce(bool) -> Later) -> Outcome<()> {
+        let runtime = &mut *self.macros;
+        if runtime.course.closing {
+            return Ok(());
+        }
+        if runtime.issued.later.len() >= MOST_QUEUED {
+            let text = format!("more than {MOST_QUEUED} blocks of EXEC/NEXT are waiting");
+            return Err(fault(&diag::EXEC_QUEUE, text));
+        }
+        let matching = runtime.calls.innermost().is_none_or(|call| call.matching);
+        runtime.issued.later.push_back(block(matching));
+        Ok(())
+    }
+
+    /// TAPERD: the next block that is not blank.
+    fn tape_read(&mut self, state: &mut State) -> Outcome<()> {
+        let sources = self.channel.env.sources;
+        let found = self.flow.frames.last_mut().and_then(|frame| {
+            let source = sources.get(frame.file)?;
+            let line = (frame.next..=frame.range.last).find(|&line| !source.line(line).trim_ascii().is_empty())?;
+            frame.next = line + 1;
+            Some((line, String::from_utf8_lossy(source.line(line)).into_owned()))
+        });
+        let (number, text) = match found {
+            Some((line, text)) => (line, text),
+            None => {
+                state.warn(Fault::new(Number::PROGRAM_END, "the NC program has no further block"));
+                (0, String::new())
+            }
+        };
+        let store = &mut self.macros.variables.store;
+        store.set(names().mcdrd, Value::text(text));
+        if number > 0 {
+            store.number = number;
+        }
+        Ok(())
+    }
+
+    /// SEARCH: the next block read is this record of the file; the block still in process is not repeated.
+    fn search_record(&mut self, state: &mut State, number: i64) -> Outcome<()> {
+        let Some((first, last)) = self.frame().map(|frame| (frame.range.first, frame.range.last)) else {
+            return Ok(());
+        };
+        let wanted = u32::try_from(number).ok().filter(|line| (first..=last.saturating_add(1)).contains(line));
+        let Some(line) = wanted else {
+            let text = format!("SEARCH for record {number}, the program has {first} to {last}");
+            return Err(Fault::new(Number::OUT_OF_RANGE, text));
+        };
+        if line > self.channel.at.line {
+            if let Some(frame) = self.frame() {
+                frame.next = line;
+            }
+            return Ok(());
+        }
+        if line == self.channel.at.line {
+            if let Some(frame) = self.frame() {
+                frame.next = line + 1;
+            }
+            return Ok(());
+        }
+        self.meanwhile(state, |kernel| kernel.jump_to_line(line))
+    }
+}

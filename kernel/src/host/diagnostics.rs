@@ -1,0 +1,228 @@
+//! Diagnostics on a kernel with macros: severities, switches, counters, and the diagnostic event macro.
+//!
+//! Facts: reference control-emulator.md 4.3, 7.5, functions.md 7. Invariant: what the diagnostic macro itself raises goes
+//! straight to the log.
+
+use std::sync::Arc;
+
+use counterpoint_lang::diag::{self as language, Number, TABLE};
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::log::event::{Diagnostic, Kind, Origin};
+use crate::machine::macros::model::Hook;
+use crate::macros::calls::Task;
+use crate::state::burden::{RESULT, shortened};
+
+/// Numbers that `$DIAGLIST` keeps.
+const MOST_LISTED: usize = 10_000;
+
+/// Severity and text of a number in the tables of the product.
+fn shipped(number: u32) -> Option<(u8, &'static str)> {
+    let own = diag::ALL.iter().find(|facts| facts.number == number).map(|facts| (facts.severity, facts.title));
+    own.or_else(|| of_language(number))
+}
+
+/// The same for what the macro language raises.
+fn of_language(number: u32) -> Option<(u8, &'static str)> {
+    TABLE.iter().find(|row| row.number.0 == number).map(|row| (row.severity, row.about))
+}
+
+fn number(value: Option<&Value>) -> Option<u32> {
+    let number = value?.as_real()?;
+    (number.fract() == 0.0 && (0.0..=99_999_999.0).contains(&number)).then_some(number as u32)
+}
+
+impl Kernel<'_> {
+    /// Severity and text of a number as a macro may raise it.
+    pub(crate) fn diagnostic_entry(&self, number: u32) -> Option<(u8, String)> {
+        let (_, text) = self.entry(number)?;
+        let (severity, _) = self.state_of(number)?;
+        Some((severity, text.to_owned()))
+    }
+
+    /// Severity and text of a number on this machine, which may change those of the product and have numbers of its own.
+    fn entry(&self, number: u32) -> Option<(u8, &str)> {
+        let rule = self.channel.env.machine.diagnostics.rule(number);
+        let known = shipped(number);
+        let severity = rule.and_then(|rule| rule.severity).or(known.map(|(severity, _)| severity))?;
+        let text = rule.and_then(|rule| rule.text.as_deref()).or(known.map(|(_, text)| text))?;
+        Some((severity, text))
+    }
+
+    /// What the machine makes of a diagnostic of a macro: severity and text, none if it is not shown. The text of a
+    /// number that ERROR raises is made already.
+    pub(crate) fn customised_of_macro(
+        &mut self,
+        number: Number,
+        (severity, stops): (u8, bool),
+        text: String,
+    ) -> Option<(u8, String)> {
+        let made = of_language(number.0).is_none().then(|| text.clone());
+        let (custom, text) = self.customised(number.0, (severity, stops), text)?;
+        Some(match made {
+            Some(made) => (severity, made),
+            None => (custom, text),
+        })
+    }
+
+    /// The statement that raised a diagnostic. What ends a macro because of an error tells nothing that the error has
+    /// not told.
+    pub(crate) fn origin_of(&self, diagnostic: &language::Diagnostic) -> Option<Box<Origin>> {
+        if diagnostic.number == Number::TERMAC_GENERATED {
+            return None;
+        }
+        let function = diagnostic.macro_name.as_deref().filter(|_| diagnostic.in_function);
+        Some(Box::new(Origin {
+            name: function.or_else(|| self.called_name()).unwrap_or_default().into(),
+            file: diagnostic.file.as_str().into(),
+            line: diagnostic.line,
+            statement: diagnostic.statement.as_deref().unwrap_or_default().into(),
+        }))
+    }
+
+    /// A diagnostic on its way to the log, through everything macros may have changed about it. What `stops` the channel stays in the log whatever they have switched off.
+    pub(crate) fn issue(
+        &mut self,
+        (number, severity): (u32, u8),
+        text: String,
+        (origin, stops): (Option<Box<Origin>>, bool),
+    ) {
+        let enabled = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        let enabled = self.channel.env.machine.diagnostics.is_plain() || enabled();
+        let runtime = &mut *self.macros;
+        if !runtime.variables.store.messages {
+            if stops {
+                self.put_diagnostic((number, severity), &text, origin);
+            }
+            return;
+        }
+        let own = number == Number::AUTHOR.0 || number == Number::TERMAC_GENERATED.0;
+        let (severity, on) = match runtime.diagnostics.severities.get(&number) {
+            Some(&(changed, on)) if !own => (changed, on),
+            _ => (severity, own || enabled),
+        };
+        let count = runtime.diagnostics.counts.entry(number).or_default();
+        *count = count.saturating_add(1);
+        let times = *count;
+        match runtime.ready(Hook::Diagnostic) {
+            Some(code) => {
+                runtime.diagnostics.origin = origin;
+                self.diagnostic_macro(code, (number, severity, on, times), text, stops);
+            }
+            None if on || stops => self.put_diagnostic((number, severity), &text, origin),
+            None => {}
+        }
+    }
+
+    fn diagnostic_macro(
+        &mut self,
+        code: u16,
+        (number, severity, on, times): (u32, u8, bool, u32),
+        text: String,
+        stops: bool,
+    ) {
+        let mut arguments = [
+            Value::Real(f64::from(u8::from(on))),
+            Value::Real(f64::from(number)),
+            Value::Real(f64::from(severity)),
+            Value::Real(f64::from(times)),
+            Value::text(text),
+        ];
+        let [_, number, severity, _, text] = &arguments;
+        let came = Arc::new([number.clone(), severity.clone(), text.clone()]);
+        match self.run_macro(code, Task::Diagnostic(came), &mut arguments) {
+            Err(halt) => self.keep_halt(halt),
+            // OUTPUT has issued it already.
+            Ok(1..) => {}
+            Ok(0) => {
+                let [flag, number, severity, _, text] = &arguments;
+                if stops || flag.as_real() != Some(0.0) {
+                    let values = [number.clone(), severity.clone(), text.clone()];
+                    if let Err(fault) = self.output_diagnostic(&values) {
+                        self.put_diagnostic((fault.number.0, fault.number.severity()), &fault.message, None);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Issues what `$P2`, `$P3` and `$P5` of the diagnostic macro say.
+    pub(crate) fn output_diagnostic(&mut self, [index, severity, text]: &[Value; 3]) -> Outcome<()> {
+        let wrong = |what: &str| Fault::new(Number(diag::MACRO_RESULT.number), format!("{what} of a diagnostic"));
+        let index = number(Some(index)).ok_or_else(|| wrong("this is no number"))?;
+        let severity = number(Some(severity)).filter(|s| *s < 100).ok_or_else(|| wrong("this is no severity"))?;
+        let text = text.as_text().ok_or_else(|| wrong("this is no text"))?;
+        let origin = self.macros.diagnostics.origin.clone();
+        self.put_diagnostic((index, severity as u8), text, origin);
+        Ok(())
+    }
+
+    /// Counts and logs.
+    fn put_diagnostic(&mut self, (number, severity): (u32, u8), text: &str, origin: Option<Box<Origin>>) {
+        self.channel.count_error(severity);
+        self.macros.books.operations.diagnosed(severity);
+        let class = match severity {
+            0..=3 => 0,
+            4..=7 => 1,
+            8..=15 => 2,
+            _ => 3,
+        };
+        let store = &mut self.macros.variables.store;
+        if let Some(count) = store.counts.get_mut(class) {
+            *count += 1.0;
+        }
+        if store.listed.len() < MOST_LISTED {
+            store.listed.push(number);
+        }
+        let text: String = shortened(text).chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let operation = self.operation_name().into();
+        let kernel = self.kernel_name().into();
+        self.channel.burden.result(text.len() + RESULT);
+        let text = text.into();
+        self.emit(0, Kind::Diagnostic(Box::new(Diagnostic { number, severity, text, operation, kernel, origin })));
+    }
+
+    /// `$FERSEV`: severity before the change, −1 for an unknown number.
+    pub(crate) fn severity_of(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
+            return Ok(Value::Real(-1.0));
+        };
+        if arguments.len() > 1 {
+            let wanted = number(arguments.get(1)).filter(|severity| *severity < 100);
+            let wanted = wanted.ok_or_else(|| Fault::new(Number::OUT_OF_RANGE, "a severity is 0 to 99"))?;
+            self.set_state_of(index, (wanted as u8, on));
+        }
+        Ok(Value::Real(f64::from(severity)))
+    }
+
+    /// `$FERSTA`: whether it was on before the change.
+    pub(crate) fn switched(&mut self, arguments: &[Value]) -> Value {
+        let Some((index, (severity, on))) = number(arguments.first()).and_then(|n| Some((n, self.state_of(n)?))) else {
+            return Value::Logical(false);
+        };
+        if let Some(wanted) = arguments.get(1).and_then(Value::as_logical) {
+            self.set_state_of(index, (severity, wanted));
+        }
+        Value::Logical(on)
+    }
+
+    /// `$FERTXT`.
+    pub(crate) fn text_of(&self, arguments: &[Value]) -> Value {
+        let entry = number(arguments.first()).and_then(|number| self.entry(number));
+        Value::text(entry.map_or("", |(_, text)| text))
+    }
+
+    fn state_of(&self, number: u32) -> Option<(u8, bool)> {
+        let (severity, _) = self.entry(number)?;
+        let changed = self.macros.diagnostics.severities.get(&number).copied();
+        let on = || self.channel.env.machine.diagnostics.rule(number).is_none_or(|rule| rule.enable);
+        Some(changed.unwrap_or_else(|| (severity, on())))
+    }
+
+    fn set_state_of(&mut self, number: u32, state: (u8, bool)) {
+        self.macros.diagnostics.severities.insert(number, state);
+    }
+}

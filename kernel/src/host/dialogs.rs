@@ -1,0 +1,167 @@
+//! `$FDIALOG`: the answers of the job go into the variables of the dialog's fields.
+//!
+//! Facts: reference control-emulator.md 7.4. Invariants: what a dialog writes keeps the type of the variable; a
+//! dialog without an answer fails as in the background. Fields are bound to `%G00` to `%G99`, to GLOBAL and OBJECT
+//! variables that are declared by name, and to system variables; the local variables of a macro are its own.
+
+use counterpoint_lang::bytecode::Shared;
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::host::Host;
+use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::vm::State;
+
+use crate::channel::Kernel;
+use crate::dialog::operator::Question;
+use crate::dialog::{self, Dialog, Failure, FieldKind, answers};
+use crate::machine::macros::system;
+
+/// Steps that a dialog costs, and each question to the operator besides the bytes of its texts.
+const DIALOG_TICKS: usize = 100;
+
+/// A variable that a field may be bound to.
+#[derive(Clone, Copy)]
+enum Bound {
+    /// Shared by macros, with its type if it was declared with one.
+    Shared(Shared, Option<Kind>),
+    /// System variable.
+    System(u32),
+}
+
+fn from_dialog(value: answers::Value) -> Value {
+    match value {
+        answers::Value::Flag(flag) => Value::Logical(flag),
+        answers::Value::Number(number) => Value::Real(number),
+        answers::Value::Text(text) => Value::text(text),
+    }
+}
+
+/// Bytes of a text.
+fn length(value: &answers::Value) -> usize {
+    if let answers::Value::Text(text) = value { text.len() } else { 0 }
+}
+
+fn to_dialog(value: &Value) -> Option<answers::Value> {
+    match value {
+        Value::Logical(flag) => Some(answers::Value::Flag(*flag)),
+        Value::Real(number) => Some(answers::Value::Number(*number)),
+        Value::Text(text) => Some(answers::Value::Text(text.as_ref().clone())),
+        _ => None,
+    }
+}
+
+/// A value in the type that the variable has.
+fn typed(value: answers::Value, kind: Option<Kind>) -> Outcome<Value> {
+    let text = value.to_string();
+    let value = from_dialog(value);
+    match kind {
+        Some(kind) if value.kind() == Some(kind) => Ok(value),
+        None => Ok(value),
+        Some(Kind::Text) => Ok(Value::text(text)),
+        Some(Kind::Real) if text.trim().parse::<f64>().is_ok_and(f64::is_finite) => {
+            Ok(Value::Real(text.trim().parse().unwrap_or(0.0)))
+        }
+        Some(kind) => Err(Fault::kind(kind.name(), &value)),
+    }
+}
+
+impl Kernel<'_> {
+    /// Shows a dialog; the answer is the label of its button.
+    pub(crate) fn show_dialog(&mut self, state: &mut State, name: &str) -> Outcome<Value> {
+        let (machine, options) = (self.channel.env.machine, self.channel.env.options);
+        let runtime = &mut *self.macros;
+        let key = dialog::find(&machine.dialogs, name).map_or_else(String::new, |dialog| dialog.name.clone());
+        let shown = runtime.outside.asked.dialogs.entry(key).or_default();
+        let answer = answers::nth(&options.answers, name, *shown);
+        *shown += 1;
+        let fields = dialog::find(&machine.dialogs, name).map_or(&[][..], |dialog| dialog.fields.as_slice());
+        let takes_numbers = |variable: &str| {
+            let field = fields.iter().find(|field| field.variable == variable);
+            field.is_some_and(|field| matches!(field.kind, FieldKind::Number { .. }))
+        };
+        let operator = self.ports.control.operator();
+        let (channel, file, line) =
+            (self.channel.at.channel, self.channel.env.info.file_name(self.channel.at.file), self.channel.at.line);
+        let mut current = |variable: &str| {
+            let value = self.bound(variable).and_then(|at| to_dialog(&self.bound_value(state, at)))?;
+            // A field of numbers may be bound to a text.
+            match &value {
+                answers::Value::Text(text) if takes_numbers(variable) => {
+                    Some(text.trim().parse().map_or(value, answers::Value::Number))
+                }
+                _ => Some(value),
+            }
+        };
+        let mut asked = DIALOG_TICKS;
+        let shown = match operator {
+            Some(operator) if answer.is_none() => {
+                let mut ask = |dialog: &Dialog, values: &[(String, answers::Value)], problem: Option<&str>| {
+                    let answer = operator.ask(&Question { channel, file, line, dialog, values, problem })?;
+                    let values = values.iter().map(|(_, value)| value).chain(answer.values.values());
+                    asked = values.map(length).fold(asked.saturating_add(DIALOG_TICKS), usize::saturating_add);
+                    Some(answer)
+                };
+                dialog::operator::converse(&machine.dialogs, name, &mut ask, &mut current)
+            }
+            _ => dialog::show(&machine.dialogs, name, answer, &mut current),
+        };
+        state.spend(asked)?;
+        let shown = shown.map_err(|failure: Failure| Fault::new(Number::NO_DIALOG, failure.to_string()))?;
+        for (variable, value) in shown.values {
+            let Some(at) = self.bound(&variable) else {
+                let text = format!("the dialog '{name}' sets {variable}, which is no variable shared by macros");
+                return Err(Fault::new(Number::NO_DIALOG, text));
+            };
+            self.set_bound(state, at, value)?;
+        }
+        Ok(Value::text(shown.button))
+    }
+
+    fn bound(&self, variable: &str) -> Option<Bound> {
+        let name = variable.trim().to_ascii_uppercase();
+        if name.starts_with('$') {
+            let at = system::table().iter().position(|row| row.name == name && row.indices.is_empty())?;
+            return u32::try_from(at).ok().map(Bound::System);
+        }
+        let runtime = &*self.macros;
+        if let Some(number) = name.strip_prefix("%G") {
+            let number = number.parse::<u32>().ok().filter(|number| *number < 100)?;
+            return Some(Bound::Shared(Shared::Global(number), None));
+        }
+        let (shared, kind) = runtime.program.shared_variable(&name)?;
+        Some(Bound::Shared(shared, kind))
+    }
+
+    fn bound_value(&mut self, state: &mut State, at: Bound) -> Value {
+        match at {
+            Bound::System(index) => self.read_variable(index, &[]).unwrap_or(Value::Null),
+            Bound::Shared(Shared::Object(index), _) => state.object(index).map_or(Value::Unset, |value| value.clone()),
+            Bound::Shared(Shared::Global(index), _) => {
+                let mut found = Value::Unset;
+                self.global(index, 0, &mut |value| found = value.clone());
+                found
+            }
+        }
+    }
+
+    fn set_bound(&mut self, state: &mut State, at: Bound, value: answers::Value) -> Outcome<()> {
+        let own = match at {
+            Bound::System(index) => system::table().get(index as usize).and_then(|row| row.kind),
+            Bound::Shared(_, kind) => kind,
+        };
+        let value = typed(value, own)?;
+        match at {
+            Bound::System(index) => self.write_variable(index, &[], value)?,
+            Bound::Shared(Shared::Object(index), _) => {
+                if let Some(slot) = state.object(index) {
+                    *slot = value;
+                }
+            }
+            Bound::Shared(Shared::Global(index), _) => {
+                let growth = value.as_text().map_or(0, str::len) + 100;
+                self.global(index, growth, &mut |slot| *slot = value.clone());
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,424 @@
+//! Functions of macros that need the kernel.
+//!
+//! Facts: reference functions.md. Functions of a machine model answer as a control without a model does: nothing, with
+//! one message a run.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::format::{Numeric, Point as Dot, Register, Style, Zeros as Fill, wildcard_text};
+use counterpoint_lang::host::{HostFn, macro_states};
+use counterpoint_lang::pattern::STEPS;
+use counterpoint_lang::value::{Kind, Value};
+use counterpoint_lang::vm::State;
+
+use super::rotary::only_axes;
+use crate::channel::Kernel;
+use crate::log::event::FileId;
+use crate::machine::macros::model::{FIRST_HOOK_ID, Hook, SELECT_TOOL};
+use crate::machine::macros::without;
+use crate::machine::model::{NumberFormat, Point, Register as MachineRegister, Zeros};
+use crate::macros::parts::Restart;
+use crate::macros::store::names;
+use crate::state::frames::offsets::{Radii, Table};
+
+fn text(arguments: &[Value], at: usize) -> &str {
+    arguments.get(at).and_then(Value::as_text).unwrap_or("")
+}
+
+/// What a function answers that has nothing to work on.
+fn nothing(function: HostFn) -> Value {
+    function.result().map_or(Value::Null, Kind::initial)
+}
+
+impl Kernel<'_> {
+    pub(crate) fn macro_function(
+        &mut self,
+        state: &mut State,
+        function: HostFn,
+        arguments: &[Value],
+    ) -> Outcome<Value> {
+        Ok(match function {
+            HostFn::EndOfProgram => Value::Logical(self.at_end()),
+            HostFn::SearchForward => self.search_program(state, arguments, true)?,
+            HostFn::SearchBackward => self.search_program(state, arguments, false)?,
+            HostFn::DiagnosticSeverity => self.severity_of(arguments)?,
+            HostFn::DiagnosticState => self.switched(arguments),
+            HostFn::DiagnosticText => self.text_of(arguments),
+            HostFn::MacroNames => self.macro_ids(state, arguments)?,
+            HostFn::MacroStates => macro_states(arguments, |id, on| self.switch_macro(id, on)),
+            HostFn::RegisterFormat => Value::text(self.register_format(arguments)),
+            HostFn::RegisterPosition => {
+                let at = self
+                    .register_at(arguments.first())
+                    .map(|at| self.channel.env.machine.registers.get(at).map(|r| r.index));
+                at.flatten().map_or(Value::Real(-1.0), |index| Value::Real(f64::from(index)))
+            }
+            HostFn::AddItem | HostFn::TakeItem | HostFn::SeekItem if self.before_block() => {
+                return Self::not_here(function.name());
+            }
+            HostFn::AddItem => self.add_item(arguments)?,
+            HostFn::TakeItem => self.get_item(arguments, true)?,
+            HostFn::SeekItem => self.get_item(arguments, false)?,
+            HostFn::ActiveCode => self.active_code(arguments, false),
+            HostFn::SetActiveCode => self.active_code(arguments, true),
+            HostFn::DataAsCode => self.data_as_code(arguments),
+            HostFn::NcVariable => self.nc_variable(arguments)?,
+            HostFn::SetNcVariable => self.set_nc_variable(arguments)?,
+            HostFn::PreProcessorSetting => self.preprocessor_setting(state, arguments),
+            HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            HostFn::Restart => self.restart_with(state, arguments)?,
+            HostFn::Dialog => self.show_dialog(state, text(arguments, 0))?,
+            HostFn::ForwardKinematics => self.forward(arguments)?,
+            HostFn::InverseKinematics => self.backward(arguments)?,
+            HostFn::ConfigureKinematics => self.configure(only_axes(arguments)?),
+            HostFn::SelectRotaryAxes => self.choose_rotary(only_axes(arguments)?),
+            HostFn::Unwind => self.unwind_named(only_axes(arguments)?),
+            HostFn::CutterDiameter => self.read_radius(Radii::Cutter, arguments)?,
+            HostFn::CornerRadius => self.read_radius(Radii::Corner, arguments)?,
+            HostFn::LengthOffset => self.read_offset(Table::Length, arguments)?,
+            HostFn::WorkOffset => self.read_offset(Table::Work, arguments)?,
+            HostFn::SetCutterDiameter => self.write_radius(Radii::Cutter, arguments)?,
+            HostFn::SetCornerRadius => self.write_radius(Radii::Corner, arguments)?,
+            HostFn::SetLengthOffset => self.write_offset(Table::Length, arguments)?,
+            HostFn::SetWorkOffset => self.write_offset(Table::Work, arguments)?,
+            HostFn::LocalFrame => self.give_frame(arguments)?,
+            HostFn::FileAccess
+            | HostFn::FileStatus
+            | HostFn::CurrentFolder
+            | HostFn::ChangeFolder
+            | HostFn::TemporaryFile
+            | HostFn::MruOpen
+            | HostFn::MruClose
+            | HostFn::MruKey
+            | HostFn::MruKeys
+            | HostFn::MruDeleteKey
+            | HostFn::MruDeleteKeys
+            | HostFn::MruParameter
+            | HostFn::MruParameters
+            | HostFn::MruSetParameter
+            | HostFn::MruDeleteParameter
+            | HostFn::MruDeleteParameters => self.file_function(state, function, arguments)?,
+            HostFn::Pause
+            | HostFn::Document
+            | HostFn::TimeSync
+            | HostFn::Apply
+            | HostFn::ModelNewChannel
+            | HostFn::ModelDeleteChannel
+            | HostFn::ModelActivateChannel
+            | HostFn::ModelBindAxis
+            | HostFn::ModelReleaseAxis
+            | HostFn::ModelControllingChannel
+            | HostFn::ModelMarks
+            | HostFn::ModelPosition
+            | HostFn::ModelJointPositions
+            | HostFn::ModelLocalPositions
+            | HostFn::ModelLimits
+            | HostFn::ModelMapAxes
+            | HostFn::ModelMove
+            | HostFn::ModelFollow
+            | HostFn::ModelUnwind
+            | HostFn::ModelUpdatePositions
+            | HostFn::ModelFrame
+            | HostFn::ModelSetFrame
+            | HostFn::ModelReference
+            | HostFn::ModelSetReference
+            | HostFn::ModelDelay
+            | HostFn::ModelMasterSpindle
+            | HostFn::ModelChuck
+            | HostFn::ModelAttach
+            | HostFn::ModelComponent
+            | HostFn::ModelComponentName
+            | HostFn::ModelComponentType
+            | HostFn::ModelTool
+            | HostFn::ModelHolder
+            | HostFn::ModelPart
+            | HostFn::ModelFixture
+            | HostFn::ModelChips
+            | HostFn::ModelToolPath
+            | HostFn::ModelCamera
+            | HostFn::ModelPicture
+            | HostFn::ModelComponents
+            | HostFn::ModelPocket
+            | HostFn::ModelAddTool
+            | HostFn::ModelBeginToolChange
+            | HostFn::ModelEndToolChange
+            | HostFn::ModelColour
+            | HostFn::ModelGouges
+            | HostFn::ModelExportSurface
+            | HostFn::ModelSetup
+            | HostFn::ModelTransfer
+            | HostFn::ModelProbe
+            | HostFn::ModelProbeComponent
+            | HostFn::ModelProbePosition
+            | HostFn::ModelProbeData
+            | HostFn::ModelClearanceZone
+            | HostFn::ModelLaser
+            | HostFn::ModelNearMisses
+            | HostFn::ModelCollisions
+            | HostFn::ModelAdaptiveFeed
+            | HostFn::ModelMaterialRemoval
+            | HostFn::ModelTolerance => self.without(state, function),
+        })
+    }
+
+    /// The answer of a function that has nothing to work on, which is told once for each function.
+    fn without(&mut self, state: &mut State, function: HostFn) -> Value {
+        let Some(why) = without::why(function) else { return nothing(function) };
+        let asked = &mut self.macros.outside.asked;
+        if !asked.without.contains(&function) {
+            asked.without.push(function);
+            state.warn(Fault::new(Number::NO_MODEL, format!("{} {why}", function.name())));
+        }
+        nothing(function)
+    }
+
+    /// `$FCERST`: the run goes on with another file when the shutdown macro has ended.
+    fn restart_with(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        if !self.inside(Hook::ProgramShutdown) && !self.inside(Hook::MachineShutdown) {
+            return Self::not_here(HostFn::Restart.name());
+        }
+        let name = text(arguments, 0).trim();
+        let line = arguments.get(1).and_then(Value::as_real).unwrap_or(1.0);
+        let reset = arguments.get(2).and_then(Value::as_logical).unwrap_or(false);
+        let file = self.channel.env.info.files.iter().position(|file| file.name == name);
+        let good = (1.0..=f64::from(u32::MAX)).contains(&line);
+        let (Some(file), true) = (file, good) else {
+            state
+                .warn(Fault::new(Number::NO_FILE, format!("the job has no file '{name}' with a line {line} to go on")));
+            return Ok(Value::Logical(false));
+        };
+        self.macros.course.restart = Some(Restart { file: file as FileId, line: line as u32, reset });
+        Ok(Value::Logical(true))
+    }
+
+    /// `$FMACID`: numbers and names of the macros whose name matches, of the running one without an expression.
+    fn macro_ids(&mut self, state: &mut State, arguments: &[Value]) -> Outcome<Value> {
+        let Some(macros) = self.channel.env.machine.macros.as_deref() else { return Ok(Value::sequence(Vec::new())) };
+        let hooks = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..);
+        let hooks = hooks.filter_map(|(hook, id)| Some((macros.hook(hook)?, id, hook.title())));
+        let named = macros.codes.iter().chain(&macros.data).map(|one| (one.code, one.id, one.name.as_str()));
+        let tools = FIRST_HOOK_ID + Hook::Tool as u32;
+        let select = macros.hook(Hook::Tool).map(|code| (code, tools, SELECT_TOOL));
+        let all = named.chain(hooks).chain(select);
+        let expression = text(arguments, 0).trim_end();
+        let mut found = Vec::new();
+        if expression.is_empty() {
+            let call = self.macros.calls.running.last();
+            let running = call.map(|call| call.code);
+            for (_, id, name) in all.filter(|(code, ..)| Some(*code) == running).take(1) {
+                found.extend([Value::Real(f64::from(id)), Value::text(self.called_name().unwrap_or(name))]);
+            }
+            return Ok(Value::sequence(found));
+        }
+        // Ones of the mask ask for macros of the control, tens for those of a model, which is not there.
+        let wanted = arguments.get(1).and_then(Value::as_real).is_none_or(|mask| (mask % 10.0).trunc() == 1.0);
+        let pattern = state.pattern(expression)?;
+        let mut budget = STEPS;
+        for (_, id, name) in all.filter(|_| wanted) {
+            state.spend(1 + name.len())?;
+            if pattern.find(name, 0, &mut budget)?.is_some() {
+                found.extend([Value::Real(f64::from(id)), Value::text(name)]);
+            }
+        }
+        Ok(Value::sequence(found))
+    }
+
+    /// State of a macro before it was switched.
+    fn switch_macro(&mut self, id: f64, on: Option<bool>) -> Option<bool> {
+        let macros = self.channel.env.machine.macros.as_deref()?;
+        let runtime = &mut *self.macros;
+        let is = |other: u32| f64::from(other) == id;
+        let code = macros.codes.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.codes.get_mut(at));
+        let data = macros.data.iter().position(|one| is(one.id)).and_then(|at| runtime.hooks.data.get_mut(at));
+        if let Some(slot) = code.or(data) {
+            return Some(std::mem::replace(slot, on.unwrap_or(*slot)));
+        }
+        let (hook, _) = Hook::ALL.into_iter().zip(FIRST_HOOK_ID..).find(|(_, number)| is(*number))?;
+        let code = macros.hook(hook)?;
+        let slot = runtime.hooks.on.get_mut(hook as usize)?;
+        let before = slot.is_some();
+        *slot = on.unwrap_or(before).then_some(code);
+        if let Some(switch) = runtime.variables.store.switches.get_mut(hook as usize) {
+            *switch = on.unwrap_or(before);
+        }
+        Some(before)
+    }
+
+    /// Register by its number in the list, or by the start of its descriptor.
+    fn register_at(&self, value: Option<&Value>) -> Option<usize> {
+        let registers = &self.channel.env.machine.registers;
+        match value? {
+            Value::Real(index) => registers.iter().position(|register| f64::from(register.index) == *index),
+            Value::Text(text) => {
+                let text = text.trim();
+                let exact = registers.iter().position(|register| register.name == text);
+                let described = |register: &MachineRegister| {
+                    let format = descriptor(&register.format);
+                    format!("{}{}", register.name, format.trim_matches(['!', '(', ')'])).starts_with(text)
+                };
+                exact.or_else(|| registers.iter().position(|register| !text.is_empty() && described(register)))
+            }
+            _ => None,
+        }
+    }
+
+    fn register_format(&self, arguments: &[Value]) -> String {
+        match self.register_at(arguments.first()).and_then(|at| self.channel.env.machine.registers.get(at)) {
+            Some(register) => {
+                descriptor(if self.channel.state.secondary { &register.secondary } else { &register.format })
+            }
+            None => String::new(),
+        }
+    }
+
+    /// A register as text: `!(@n)`, `!(@X)` and their kind.
+    pub(crate) fn register_word(&mut self, register: Register, value: Option<f64>, word: bool) -> Option<String> {
+        let at = match register {
+            Register::Letter(letter) => self.register_at(Some(&Value::text(letter.to_string()))),
+            Register::Index(index) => self.register_at(Some(&Value::Real(f64::from(index)))),
+        }?;
+        let register = self.channel.env.machine.registers.get(at)?;
+        let value = match value {
+            Some(value) => value,
+            None => {
+                let rows = self.channel.env.machine.tables.data_of(u8::try_from(at).ok()?);
+                let ids = rows.iter().filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)));
+                let mut known = ids.filter_map(|row| self.channel.state.modal.value(row.id));
+                known.next().unwrap_or(0.0)
+            }
+        };
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
+        let mut out = if word { register.name.clone() } else { String::new() };
+        numeric(format).write(&mut out, value);
+        Some(out)
+    }
+
+    /// `$FCEGNCV`
+    fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        use crate::dialect::fanuc::is_vacant;
+        if self.dialect.interpreter.is_some() {
+            return Ok(self.interpreted_variable(arguments));
+        }
+        let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
+        if !self.plan.scanner.has_macros() {
+            return Ok(Value::Null);
+        }
+        Ok(match self.get_known(index) {
+            Ok(value) if !is_vacant(value) => Value::Real(value),
+            Err(crate::dialect::fanuc::Fault::Stopped) => {
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
+                Value::Null
+            }
+            _ => Value::Null,
+        })
+    }
+
+    /// `$FCESNCV`
+    fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        if self.dialect.interpreter.is_some() {
+            return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
+        }
+        let value = arguments.get(1).and_then(Value::as_real);
+        let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_macros()) else {
+            return Ok(Value::Logical(false));
+        };
+        match self.set_variable(index, value) {
+            Err(crate::dialect::fanuc::Fault::Stopped) => {
+                self.keep_halt(counterpoint_fault::Halt::Stopped);
+                Ok(Value::Logical(false))
+            }
+            done => Ok(Value::Logical(done.is_ok())),
+        }
+    }
+
+    /// A variable of a pre-processor that has names for them.
+    fn interpreted_variable(&mut self, arguments: &[Value]) -> Value {
+        let name = text(arguments, 0).trim().to_owned();
+        let indices = indices(arguments, 1);
+        let found = self.with_interpreter(|interpreter, kernel| interpreter.variable(kernel, &name, &indices));
+        match found {
+            Some(Ok(value)) => value.unwrap_or(Value::Null),
+            Some(Err(halt)) => {
+                self.keep_halt(halt);
+                Value::Null
+            }
+            None => Value::Null,
+        }
+    }
+
+    fn set_interpreted_variable(&mut self, arguments: &[Value]) -> bool {
+        let name = text(arguments, 0).trim().to_owned();
+        let indices = indices(arguments, 2);
+        let Some(value) = arguments.get(1) else { return false };
+        let set = self.with_interpreter(|interpreter, kernel| interpreter.set_variable(kernel, &name, &indices, value));
+        match set {
+            Some(Ok(set)) => set,
+            Some(Err(halt)) => {
+                self.keep_halt(halt);
+                false
+            }
+            None => false,
+        }
+    }
+
+    /// Text of the last message to the operator.
+    pub(crate) fn show_display(&mut self, text: &str) {
+        self.store(names().display, || Value::text(text));
+    }
+}
+
+/// Indices behind the name of a variable.
+fn indices(arguments: &[Value], from: usize) -> Vec<f64> {
+    arguments.get(from..).unwrap_or_default().iter().filter_map(Value::as_real).collect()
+}
+
+/// Number of a variable of the pre-processor: `#100`, or `#` with an index apart.
+fn nc_index(arguments: &[Value], from: usize) -> Option<u32> {
+    let name = text(arguments, 0).trim().strip_prefix('#')?.trim().trim_start_matches('[').trim_end_matches(']');
+    match arguments.get(from).and_then(Value::as_real) {
+        Some(index) if name.is_empty() => {
+            (index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&index)).then_some(index as u32)
+        }
+        _ => name.parse().ok(),
+    }
+}
+
+/// A register's format as a format of the language.
+fn numeric(format: &NumberFormat) -> Numeric {
+    let fill = |zeros: Zeros| match zeros {
+        Zeros::Keep => Fill::Shown,
+        Zeros::One => Fill::KeepOne,
+        Zeros::Omit => Fill::Dropped,
+    };
+    Numeric {
+        style: Style::Variable,
+        plus: format.plus,
+        lead: fill(format.lead),
+        whole: format.whole,
+        groups: Vec::new(),
+        point: match format.point {
+            Point::Keep if format.frac > 0 => Dot::Always,
+            Point::Keep | Point::Omit => Dot::Implied,
+            Point::Fractional => Dot::WithFraction,
+        },
+        fraction: format.frac,
+        trail: fill(format.trail),
+    }
+}
+
+/// The same as format text for `$FSWRIT`.
+fn descriptor(format: &NumberFormat) -> String {
+    let zeros = |zeros: Zeros| match zeros {
+        Zeros::Keep => "",
+        Zeros::One => "e",
+        Zeros::Omit => "s",
+    };
+    let point = match format.point {
+        Point::Keep if format.frac > 0 => ".",
+        Point::Fractional => "f",
+        _ => "",
+    };
+    let plus = if format.plus { "+" } else { "" };
+    let (whole, frac) = (wildcard_text(f64::from(format.whole)), wildcard_text(f64::from(format.frac)));
+    format!("!({plus}{}{whole}{point}{frac}{})", zeros(format.lead), zeros(format.trail))
+}

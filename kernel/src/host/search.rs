@@ -1,0 +1,69 @@
+//! `$FGET`, `$FGETR`, `$FEOF`: looking through the program without moving the reading position.
+//!
+//! Facts: reference functions.md 9; the block in process is not looked at.
+
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::pattern::STEPS;
+use counterpoint_lang::value::Value;
+use counterpoint_lang::vm::State;
+
+use crate::channel::Kernel;
+use crate::macros::store::names;
+
+impl Kernel<'_> {
+    /// The program has no further block.
+    pub(crate) fn at_end(&self) -> bool {
+        let Some(frame) = self.flow.frames.last() else { return true };
+        let Some(source) = self.channel.env.sources.get(frame.file) else { return true };
+        !(frame.next..=frame.range.last).any(|line| !source.line(line).trim_ascii().is_empty())
+    }
+
+    pub(crate) fn search_program(&mut self, state: &mut State, arguments: &[Value], forward: bool) -> Outcome<Value> {
+        let single;
+        let expressions = match arguments.first() {
+            Some(Value::Sequence(all)) => all.as_slice(),
+            Some(one) => {
+                single = [one.clone()];
+                &single
+            }
+            None => &[],
+        };
+        let mut patterns = Vec::new();
+        for expression in expressions {
+            let text = expression.as_text().ok_or_else(|| Fault::kind("a regular expression", expression))?;
+            patterns.push(state.pattern(text)?);
+        }
+        let Some((file, range, next)) = self.flow.frames.last().map(|f| (f.file, f.range, f.next)) else {
+            return Ok(Value::Real(0.0));
+        };
+        let record = |at: usize| arguments.get(at).and_then(Value::as_real).map_or(0, |number| number.max(0.0) as u32);
+        let (start, end) = (record(1), record(2));
+        let sources = self.channel.env.sources;
+        let Some(source) = sources.get(file) else { return Ok(Value::Real(0.0)) };
+        let here = next.saturating_sub(1);
+        let (mut line, last, step) = if forward {
+            let first = if start == 0 { here + 1 } else { start };
+            (first.max(range.first), if end == 0 { range.last } else { end.min(range.last) }, 1_i64)
+        } else {
+            let first = if start == 0 { here.saturating_sub(1) } else { start };
+            (first.min(range.last), end.max(range.first), -1)
+        };
+        let mut budget = STEPS;
+        while if forward { line <= last } else { line >= last && line > 0 } {
+            let text = String::from_utf8_lossy(source.line(line));
+            for pattern in &patterns {
+                state.spend(2 + text.len() / 16)?;
+                let before = budget;
+                let found = pattern.find(&text, 0, &mut budget);
+                state.spend(usize::try_from((before - budget) / 8).unwrap_or(usize::MAX))?;
+                if found?.is_some() {
+                    let text = text.into_owned();
+                    self.macros.variables.store.set(names().mcdrd, Value::text(text));
+                    return Ok(Value::Real(f64::from(line)));
+                }
+            }
+            line = u32::try_from(i64::from(line) + step).unwrap_or(0);
+        }
+        Ok(Value::Real(0.0))
+    }
+}

@@ -1,0 +1,63 @@
+//! SYSTEM: a command of the operating system, where the owner of the server allows it.
+//!
+//! Facts: reference macro-language.md 3.5. Decisions: it sees the files that macros see, in its current folder; what it
+//! changes counts from the instant of simulated time at which it was started; what it says comes as messages.
+
+use std::collections::BTreeMap;
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::vm::State;
+
+use crate::channel::Kernel;
+use crate::files::Bytes;
+use crate::log::event::{Kind, Message};
+use crate::state::burden::shortened;
+use crate::system::{Answer, Call};
+
+/// Steps that a command costs.
+const TICKS: usize = 50_000;
+/// Lines of its output that are kept.
+const MOST_LINES: usize = 100;
+
+impl Kernel<'_> {
+    pub(crate) fn system_command(&mut self, state: &mut State, command: &str) -> Outcome<i32> {
+        let control = self.ports.control;
+        let Some(system) = control.system() else {
+            return Err(Fault::new(Number::SYSTEM_INHIBITED, "SYSTEM commands are switched off"));
+        };
+        state.spend(TICKS)?;
+        let written = match self.job_files(|written| written.all()) {
+            Ok(written) => written,
+            Err(status) => return Ok(status),
+        };
+        let read = |path: String| Some((path.clone(), self.channel.env.files.read(&path).ok()?));
+        let mut files: BTreeMap<String, Bytes> = self.channel.env.files.list().into_iter().filter_map(read).collect();
+        for (path, text) in written {
+            match text {
+                Some(text) => files.insert(path, Bytes::copy_from_slice(text.as_bytes())),
+                None => files.remove(&path),
+            };
+        }
+        let folder = self.macros.outside.folder.path().to_owned();
+        let storage =
+            self.channel.env.machine.storage.iter().map(|file| (file.path.clone(), file.content.clone())).collect();
+        let call = Call { command, folder: &folder, files: files.into_iter().collect(), storage };
+        let answer = system.run(&call, &|| control.cancelled());
+        self.take_answer(answer)
+    }
+
+    fn take_answer(&mut self, Answer { status, output, written, removed }: Answer) -> Outcome<i32> {
+        let refused = self.job_files(|files| {
+            removed.iter().for_each(|path| files.remove(path));
+            written.iter().find_map(|(path, text)| files.put(path, text).err())
+        });
+        if let Ok(Some(text)) = refused {
+            self.diagnose(&crate::diag::MACRO_FILES, text);
+        }
+        for line in output.lines().take(MOST_LINES) {
+            self.emit(0, Kind::Message(Message { text: shortened(line).into(), printed: false }));
+        }
+        Ok(status)
+    }
+}

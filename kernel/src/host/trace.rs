@@ -1,0 +1,118 @@
+//! Macros in the trace: entering, statements, leaving, and what EXEC issues.
+//!
+//! Facts: reference listing-and-trace.md 4, 6. The letter M shows the macros of codes and data, H all others, X the
+//! parameters of EXEC. Invariant: a macro and everything it shows has one letter; without a trace nothing here is
+//! called.
+
+use counterpoint_lang::host::Step;
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::machine::macros::condition::Item;
+use crate::machine::macros::model::{Hook, SELECT_TOOL};
+use crate::trace;
+
+impl Kernel<'_> {
+    /// A macro of the machine begins.
+    #[cold]
+    pub(crate) fn trace_entering(&mut self, code: u16, selects: bool) {
+        self.trace(self.macro_letter(code), |kernel| {
+            trace::entering(kernel.macro_name(code, selects), &kernel.matching_list(code))
+        });
+    }
+
+    /// A macro of the machine has ended.
+    #[cold]
+    pub(crate) fn trace_leaving(&mut self, code: u16, selects: bool) {
+        self.trace(self.macro_letter(code), |kernel| {
+            trace::leaving(kernel.macro_name(code, selects), &kernel.matching_list(code), kernel.running_name())
+        });
+    }
+
+    /// A step inside a macro: its statements, and the user functions it calls.
+    pub(crate) fn trace_step(&mut self, step: Step<'_>) {
+        match step {
+            Step::Statement(code, text) => {
+                let running = self.macros.calls.running.last().map(|call| call.code);
+                let letter = if code.is_function { 'H' } else { running.map_or('H', |code| self.macro_letter(code)) };
+                self.trace(letter, |_| trace::statement(text));
+            }
+            Step::Entering(code) if code.is_function => {
+                self.trace('H', |_| trace::entering(code.name, ""));
+                if let Some(call) = self.macros.calls.innermost() {
+                    call.functions.push(code.name.to_owned());
+                }
+            }
+            Step::Leaving(code, _) if code.is_function => {
+                if let Some(call) = self.macros.calls.innermost() {
+                    call.functions.pop();
+                }
+                self.trace('H', |kernel| trace::leaving(code.name, "", kernel.running_name()));
+            }
+            // Whoever runs a macro of the machine shows it with the name that the machine gave it.
+            Step::Entering(_) | Step::Leaving(..) => {}
+        }
+    }
+
+    /// EXEC of a block.
+    pub(crate) fn trace_exec_text(&mut self, now: bool, text: &str) {
+        self.trace('X', |_| trace::exec(&format!("{},'{}'", when(now), text.replace('\'', "''"))));
+    }
+
+    /// EXEC of identifiers and values.
+    pub(crate) fn trace_exec_items(&mut self, now: bool, items: &[Value]) {
+        self.trace('X', |kernel| trace::exec(&format!("{},{}", when(now), kernel.listed(items))));
+    }
+
+    /// Identifiers and values as EXEC lists them.
+    pub(crate) fn listed(&self, items: &[Value]) -> String {
+        let mut text = String::new();
+        for (at, item) in items.iter().enumerate() {
+            if at > 0 {
+                text.push(',');
+            }
+            counterpoint_lang::format::any(&mut text, item, self);
+        }
+        text
+    }
+
+    /// The macro that goes on, innermost first; none if there is none.
+    fn running_name(&self) -> Option<&str> {
+        let call = self.macros.calls.running.last()?;
+        Some(call.functions.last().map_or_else(|| self.macro_name(call.code, call.task.selects()), String::as_str))
+    }
+
+    /// The innermost macro of the machine that runs.
+    pub(crate) fn called_name(&self) -> Option<&str> {
+        let call = self.macros.calls.running.last()?;
+        Some(self.macro_name(call.code, call.task.selects()))
+    }
+
+    fn macro_letter(&self, code: u16) -> char {
+        let named = self.channel.env.machine.macros.as_deref().is_some_and(|macros| macros.is_named(code));
+        if named { 'M' } else { 'H' }
+    }
+
+    /// Name of a macro; the one of tools has two, by what happens to the tool.
+    fn macro_name(&self, code: u16, selects: bool) -> &str {
+        let macros = self.channel.env.machine.macros.as_deref();
+        match macros.filter(|_| selects).and_then(|macros| macros.hook(Hook::Tool)) {
+            Some(tool) if tool == code => SELECT_TOOL,
+            _ => macros.and_then(|macros| macros.name_of(code)).unwrap_or("embedded code"),
+        }
+    }
+
+    /// The list of identifiers that a code macro matches, empty for all others.
+    fn matching_list(&self, code: u16) -> String {
+        let named = self.channel.env.machine.macros.as_deref().and_then(|macros| macros.code_macro(code));
+        let list = named.map_or(&[][..], |named| named.matches.as_slice()).iter().filter_map(|item| match item {
+            Item::Code(id) => Some(self.channel.env.machine.code_name(*id)),
+            Item::Data(_) => None,
+        });
+        list.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn when(now: bool) -> &'static str {
+    if now { "NOW" } else { "NEXT" }
+}

@@ -1,0 +1,183 @@
+//! System variables of a running kernel, by index.
+//!
+//! Invariant: the table of what each index reads is made once from the names; while macros run nothing is looked up by
+//! name. What the kernel does not know itself is kept here with its first value. Facts: reference system-variables.md;
+//! positions and decisions: docs/emulation.md.
+
+mod coolant;
+mod cycles;
+mod frames;
+mod kernels;
+mod offsets;
+mod positions;
+mod program;
+mod spindles;
+mod state;
+mod threads;
+mod tip;
+
+use std::sync::OnceLock;
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::machine::macros::model::Hook;
+use crate::machine::macros::system::{self, Access, Variable};
+
+/// Reads a variable off the kernel.
+type Read = fn(&Kernel<'_>, &[i64]) -> Value;
+
+/// Writes a variable into the kernel.
+type Write = fn(&mut Kernel<'_>, &[i64], &Value) -> Outcome<()>;
+
+/// Where a variable comes from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// Kept in the store.
+    Kept,
+    /// Read off the kernel; written if there is a way.
+    State(Read, Option<Write>),
+    /// Position of an axis.
+    Position(positions::Place),
+    /// Switch of a hook.
+    Switch(Hook),
+}
+
+struct Row {
+    source: Source,
+    variable: &'static Variable,
+}
+
+fn rows() -> &'static [Row] {
+    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
+    ROWS.get_or_init(|| {
+        let row = |variable: &'static Variable| Row { source: source(&variable.name), variable };
+        system::table().iter().map(row).collect()
+    })
+}
+
+fn source(name: &str) -> Source {
+    if let Some(hook) = Hook::ALL.into_iter().find(|hook| hook.switch() == Some(name)) {
+        return Source::Switch(hook);
+    }
+    if let Some(place) = positions::place(name) {
+        return Source::Position(place);
+    }
+    let own = [cycles::find, spindles::find, threads::find, coolant::find];
+    let own = own.into_iter().chain([kernels::find, frames::find, offsets::find, tip::find]);
+    let found = [program::find, state::find].into_iter().chain(own).find_map(|find| find(name));
+    match found {
+        Some((read, write)) => Source::State(read, write),
+        None => Source::Kept,
+    }
+}
+
+fn pair(indices: &[i64]) -> (i64, i64) {
+    (indices.first().copied().unwrap_or(0), indices.get(1).copied().unwrap_or(0))
+}
+
+/// Refuses indices outside of what a variable has.
+fn check_indices(variable: &Variable, indices: &[i64]) -> Outcome<()> {
+    for (given, most) in indices.iter().zip(&variable.indices) {
+        if *given < 1 || most.is_some_and(|most| *given > i64::from(most)) {
+            let most = most.map_or_else(|| "no limit".to_owned(), |most| most.to_string());
+            let text = format!("the index {given} of {} is not in 1 to {most}", variable.name);
+            return Err(Fault::new(Number::OUT_OF_RANGE, text));
+        }
+    }
+    Ok(())
+}
+
+/// The value as the variable takes it.
+fn checked(variable: &Variable, value: Value) -> Outcome<Value> {
+    let value = match (variable.kind, value) {
+        (Some(kind), Value::Unset) => kind.initial(),
+        (_, Value::Null) if matches!(variable.first, Value::Null) => Value::Null,
+        (Some(kind), value) if value.kind() != Some(kind) => return Err(Fault::kind(kind.name(), &value)),
+        (_, value) => value,
+    };
+    if let (Some((low, high)), Value::Real(number)) = (variable.range, &value)
+        && !(low..=high).contains(number)
+    {
+        let text = format!("{} takes numbers from {low} to {high}, not {number}", variable.name);
+        return Err(Fault::new(Number::BAD_VALUE, text));
+    }
+    Ok(value)
+}
+
+impl Kernel<'_> {
+    pub(crate) fn read_variable(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
+        let Some(row) = rows().get(index as usize) else { return Ok(Value::Null) };
+        if !indices.is_empty() {
+            check_indices(row.variable, indices)?;
+        }
+        Ok(match row.source {
+            Source::State(read, _) => read(self, indices),
+            Source::Position(place) => Value::Real(self.position_of(place)),
+            Source::Switch(hook) => {
+                let switches = &self.macros.variables.store.switches;
+                Value::Logical(switches.get(hook as usize).copied().unwrap_or(true))
+            }
+            Source::Kept => {
+                let runtime = &*self.macros;
+                let (first, second) = pair(indices);
+                let element = if indices.is_empty() {
+                    None
+                } else {
+                    runtime.variables.store.elements.get(&(index, first, second))
+                };
+                element.unwrap_or_else(|| runtime.variables.store.get(index)).clone()
+            }
+        })
+    }
+
+    pub(crate) fn write_variable(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()> {
+        let Some(row) = rows().get(index as usize) else { return Ok(()) };
+        let value = checked(row.variable, value)?;
+        check_indices(row.variable, indices)?;
+        let machine = self.channel.env.machine;
+        let runtime = &mut *self.macros;
+        if row.variable.access == Access::Start && !runtime.variables.store.starting {
+            let text = format!("{} has no effect after Machine Startup", row.variable.name);
+            self.diagnose(&diag::START_ONLY, text);
+            return Ok(());
+        }
+        match row.source {
+            Source::State(_, Some(write)) => return write(self, indices, &value),
+            Source::State(_, None) | Source::Position(_) => {
+                let text = format!("{} is kept by this control itself and cannot be set here", row.variable.name);
+                return Err(Fault::new(Number::NO_HOST, text));
+            }
+            Source::Switch(hook) => {
+                let on = value.as_logical().unwrap_or(true);
+                if let Some(slot) = runtime.variables.store.switches.get_mut(hook as usize) {
+                    *slot = on;
+                }
+                let code = machine.macros.as_deref().and_then(|macros| macros.hook(hook)).filter(|_| on);
+                if let Some(slot) = runtime.hooks.on.get_mut(hook as usize) {
+                    *slot = code;
+                }
+            }
+            Source::Kept if indices.is_empty() => runtime.variables.store.set(index, value),
+            Source::Kept => {
+                runtime.variables.store.keep_element(index, pair(indices), value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Text of a kept variable.
+    pub(crate) fn stored_text(&self, index: u32) -> String {
+        self.macros.variables.store.get(index).as_text().unwrap_or("").to_owned()
+    }
+
+    /// Sets a kept variable, if there are macros.
+    pub(crate) fn store(&mut self, index: u32, value: impl FnOnce() -> Value) {
+        if self.plan.hooks.is_some() {
+            self.macros.variables.store.set(index, value());
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Variables of canned cycles: `$CY…` and `$CRMODE`.
+//!
+//! Invariant: a value that is set before the first code of a cycle belongs to that cycle. Facts: reference
+//! system-variables.md 8.
+
+use counterpoint_lang::fault::Outcome;
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write};
+use crate::channel::Kernel;
+use crate::log::event::FeedUnit;
+use crate::log::info::Unit;
+use crate::machine::ident::codes;
+use crate::state::cycle::{Cycle, Height};
+use crate::state::modal::group;
+
+fn optional(value: Option<f64>) -> Value {
+    value.map_or(Value::Null, Value::Real)
+}
+
+fn height(value: Option<Height>) -> Value {
+    Value::Real(value.map_or(0.0, |height| height.value))
+}
+
+/// Sets something of the cycle that runs, or of the one that begins next.
+fn set(kernel: &mut Kernel<'_>, change: impl FnOnce(&mut Cycle)) -> Outcome<()> {
+    let machine = kernel.channel.env.machine;
+    kernel.channel.state.cycle.prepare(machine);
+    change(&mut kernel.channel.state.cycle);
+    Ok(())
+}
+
+/// A number that is set; anything else counts as none.
+fn real(value: &Value) -> Option<f64> {
+    value.as_real().filter(|number| number.is_finite())
+}
+
+fn number(value: &Value) -> f64 {
+    real(value).unwrap_or(0.0)
+}
+
+/// A height keeps being a position or a distance.
+fn changed(old: Option<Height>, value: &Value) -> Option<Height> {
+    let relative = old.is_some_and(|height| height.relative);
+    real(value).map(|value| Height { value, relative })
+}
+
+fn shift<const AT: usize>() -> (Read, Option<Write>) {
+    (
+        |k, _| optional(k.channel.state.cycle.shifts.get(AT).copied().flatten()),
+        Some(|k, _, value| {
+            set(k, |cycle| {
+                if let Some(slot) = cycle.shifts.get_mut(AT) {
+                    *slot = real(value);
+                }
+            })
+        }),
+    )
+}
+
+fn dwell<const AT: usize>() -> (Read, Option<Write>) {
+    (
+        |k, _| Value::Real(k.channel.state.cycle.dwell.get(AT).copied().unwrap_or(0.0)),
+        Some(|k, _, value| {
+            set(k, |cycle| {
+                if let Some(slot) = cycle.dwell.get_mut(AT) {
+                    *slot = number(value);
+                }
+            })
+        }),
+    )
+}
+
+/// `$CYFEDT`: 1 and 2 inches per minute and revolution, 3 and 4 millimetres.
+fn feed_kind(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let per_revolution = kernel.channel.state.cycle.feed.1 == FeedUnit::PerRevolution;
+    let inch = kernel.channel.env.machine.unit == Unit::Inch;
+    Value::Real(match (inch, per_revolution) {
+        (true, false) => 1.0,
+        (true, true) => 2.0,
+        (false, false) => 3.0,
+        (false, true) => 4.0,
+    })
+}
+
+/// 5 and 6 are in the unit of the machine.
+fn set_feed_kind(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let per_revolution = [2.0, 4.0, 6.0].contains(&number(value));
+    set(kernel, |cycle| {
+        cycle.feed.1 = if per_revolution { FeedUnit::PerRevolution } else { FeedUnit::PerMinute };
+    })
+}
+
+fn retract_mode(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    Value::Real(match kernel.channel.state.modal.code(group::RETRACT) {
+        Some(codes::CYCLE_RETRACT_INITIAL) => 0.0,
+        Some(codes::CYCLE_RETRACT_R) => 1.0,
+        _ => -1.0,
+    })
+}
+
+fn set_retract_mode(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let stays = number(value) >= 1.0;
+    kernel.activate_code(if stays { codes::CYCLE_RETRACT_R } else { codes::CYCLE_RETRACT_INITIAL });
+    Ok(())
+}
+
+/// How a variable is read and written.
+pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$CYTYPE" => (
+            |k, _| Value::Real(k.channel.state.cycle.number),
+            Some(|k, _, value| set(k, |cycle| cycle.number = number(value))),
+        ),
+        "$CYMCH" => (
+            |k, _| Value::Logical(k.channel.state.cycle.running),
+            Some(|k, _, value| {
+                k.channel.state.cycle.running = value.as_logical() == Some(true);
+                Ok(())
+            }),
+        ),
+        "$CRMODE" => (retract_mode, Some(set_retract_mode)),
+        "$CYCLRP" => (
+            |k, _| height(k.channel.state.cycle.clear),
+            Some(|k, _, value| set(k, |cycle| cycle.clear = changed(cycle.clear, value))),
+        ),
+        "$CYDPTH" => (
+            |k, _| height(k.channel.state.cycle.depth),
+            Some(|k, _, value| set(k, |cycle| cycle.depth = changed(cycle.depth, value))),
+        ),
+        "$CYRETN" => (
+            |k, _| optional(k.channel.state.cycle.retract.map(|height| height.value)),
+            Some(|k, _, value| set(k, |cycle| cycle.retract = changed(cycle.retract, value))),
+        ),
+        "$CYCLRO" => (
+            |k, _| Value::Real(k.channel.state.cycle.shift),
+            Some(|k, _, value| set(k, |cycle| cycle.shift = number(value))),
+        ),
+        "$CYCLRX" => shift::<0>(),
+        "$CYCLRY" => shift::<1>(),
+        "$CYCLRZ" => shift::<2>(),
+        "$CYINCR" => (
+            |k, _| optional(k.channel.state.cycle.step),
+            Some(|k, _, value| set(k, |cycle| cycle.step = real(value).map(f64::abs))),
+        ),
+        "$CYDECR" => (
+            |k, _| Value::Real(k.channel.state.cycle.decrement),
+            Some(|k, _, value| set(k, |cycle| cycle.decrement = number(value).abs())),
+        ),
+        "$CYMIN" => (
+            |k, _| Value::Real(k.channel.state.cycle.least),
+            Some(|k, _, value| set(k, |cycle| cycle.least = number(value).max(0.0))),
+        ),
+        "$CYDWEL" => dwell::<0>(),
+        "$CYDWLS" => dwell::<1>(),
+        "$CYDWLT" => dwell::<2>(),
+        "$CYFEDT" => (feed_kind, Some(set_feed_kind)),
+        "$CYFEDV" => (
+            |k, _| Value::Real(k.channel.state.cycle.feed.0.unwrap_or(0.0)),
+            Some(|k, _, value| set(k, |cycle| (cycle.feed.0, cycle.own_feed) = (real(value), true))),
+        ),
+        "$CYORNT" => (
+            |k, _| Value::Real(k.channel.state.cycle.orient),
+            Some(|k, _, value| set(k, |cycle| cycle.orient = number(value))),
+        ),
+        "$CYRATIO" => (
+            |k, _| Value::Real(k.channel.state.cycle.ratio),
+            Some(|k, _, value| set(k, |cycle| cycle.ratio = real(value).filter(|n| *n > 0.0).unwrap_or(1.0))),
+        ),
+        "$CYRIGID" => (
+            |k, _| Value::Real(k.channel.state.cycle.rigid),
+            Some(|k, _, value| set(k, |cycle| cycle.rigid = number(value))),
+        ),
+        "$CYDIR" => (|k, _| Value::Real(k.channel.state.cycle.direction), None),
+        _ => return None,
+    };
+    Some(row)
+}

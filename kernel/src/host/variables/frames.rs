@@ -1,0 +1,101 @@
+//! Variables of the local frame.
+//!
+//! Facts: reference system-variables.md 12. `$LCS` switches the programmed parts off and on; `$LCSMTN` is −1, since
+//! frames never move rotary axes here.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write};
+use crate::channel::Kernel;
+use crate::state::frames::Frames;
+use counterpoint_motion::frame::affine::Affine;
+use counterpoint_motion::frame::local::Refused;
+
+fn local<T>(kernel: &Kernel<'_>, of: impl FnOnce(&Frames) -> T) -> Option<T> {
+    kernel.channel.state.place.frames.as_deref().map(of)
+}
+
+/// How a variable is read and written.
+pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$LCS" => (
+            |k, _| Value::Logical(local(k, |frames| frames.local.is_on()).unwrap_or(false)),
+            Some(|k, _, value| {
+                let on = value.as_logical().unwrap_or(true);
+                let has = k.channel.state.place.has_axes();
+                let switched =
+                    k.channel.state.place.frames.as_deref_mut().map_or(Ok(()), |frames| frames.local.switch(on, has));
+                changed(k, switched)
+            }),
+        ),
+        "$LCSM" => {
+            (|k, _| Value::Logical(local(k, |frames| *frames.local.map() != Affine::SAME).unwrap_or(false)), None)
+        }
+        "$LCSTRA" => (|k, _| Value::numbers(&k.channel.frame_values().translation), None),
+        "$LCSROT" => (|k, _| Value::numbers(&k.channel.frame_values().rotation), None),
+        "$LCSSCA" => (|k, _| Value::numbers(&k.channel.frame_values().scale), None),
+        "$LCSMIR" => (|k, _| Value::numbers(&k.channel.frame_values().mirror), None),
+        "$LCSCEN" => (|k, _| Value::numbers(&k.channel.frame_values().center), None),
+        "$LCSANG" => (|k, _| Value::Real(k.channel.frame_values().angle), None),
+        "$LCSORD" => (|k, _| Value::text(k.channel.frame_values().order), None),
+        "$LCSMX" => (
+            |k, _| Value::numbers(&local(k, |frames| frames.local.map().cells()).unwrap_or(Affine::SAME.cells())),
+            None,
+        ),
+        "$C2PMCH" => (|k, _| Value::Logical(k.channel.polar().is_some()), None),
+        "$AXESC2P" => (
+            |k, _| {
+                let letters =
+                    k.channel.polar().map(|polar| [polar.linear, polar.rotary].map(|axis| k.axis_letter(Some(axis))));
+                Value::text(letters.map_or_else(String::new, |letters| letters.iter().collect()))
+            },
+            None,
+        ),
+        "$LCSMTN" => (
+            |_, _| Value::Real(-1.0),
+            Some(|_, _, _| Err(Fault::new(Number::BAD_VALUE, "frames cannot move the rotary axes of this machine"))),
+        ),
+        _ => return None,
+    };
+    Some(row)
+}
+
+/// The frame may have changed; a macro learns why it has not.
+fn changed(kernel: &mut Kernel<'_>, made: Result<(), Refused>) -> Outcome<()> {
+    kernel.channel.frames_changed();
+    made.map_err(|refused| {
+        let why = match refused {
+            Refused::NoWayBack => "the frame leaves no way back to the program",
+            Refused::MissingAxis => "the frame would move an axis that the channel does not have",
+            Refused::TooMany => "the frame has too many parts",
+        };
+        Fault::new(Number::BAD_VECTOR, why)
+    })
+}
+
+impl Kernel<'_> {
+    /// `$FMSLCS`: a frame of twelve numbers outside of the programmed one, none without them.
+    pub(in crate::host) fn give_frame(&mut self, arguments: &[Value]) -> Outcome<Value> {
+        let given = match arguments.first() {
+            None => None,
+            Some(Value::Sequence(values)) => {
+                let mut cells = [0.0; 12];
+                if values.len() != cells.len() {
+                    return Err(Fault::new(Number::BAD_VECTOR, "a frame has 12 numbers"));
+                }
+                for (slot, value) in cells.iter_mut().zip(values.iter()) {
+                    *slot = value.as_real().ok_or_else(|| Fault::kind("a number", value))?;
+                }
+                let map = Affine::of_cells(cells);
+                Some(map.ok_or_else(|| Fault::new(Number::BAD_VECTOR, "a frame has 12 finite numbers"))?)
+            }
+            Some(value) => return Err(Fault::kind("a sequence", value)),
+        };
+        let has = self.channel.state.place.has_axes();
+        let made = self.channel.frames().local.give(given, has);
+        changed(self, made)?;
+        Ok(Value::Real(1.0))
+    }
+}

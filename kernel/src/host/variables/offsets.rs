@@ -1,0 +1,293 @@
+//! Variables and functions of offsets.
+//!
+//! Facts: reference system-variables.md 7, functions.md 12. Radii are what the offset table of the control holds; axes
+//! are those of `$AXES`, or the sixteen of the axis list.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::ident::minor_code;
+use counterpoint_lang::value::Value;
+
+use super::{Read, Write};
+use crate::channel::Kernel;
+use crate::machine::ident::{CodeId, codes};
+use crate::state::compensation::number_of;
+use crate::state::frames::offsets::{BASE, Radii, Table};
+use crate::state::frames::shift::DIAMETERS;
+use crate::state::modal::group;
+
+const FIXTURES: [CodeId; 3] = [codes::COMP_WORKP_ON, codes::COMP_EXTFIXT, codes::COMP_EXTFIXT_RANGE];
+const LENGTHS: [CodeId; 5] = [
+    codes::COMP_LENGTH_ON,
+    codes::COMP_LENGTH_ON_NEG,
+    codes::COMP_LENGTH2_ON,
+    codes::COMP_LENGTH3_ON,
+    codes::COMP_LENGTH4_ON,
+];
+
+/// Axes of the long sequences that can be there: linear ones, then tables.
+const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
+
+/// Length of a sequence of all axes.
+const ALL_AXES: usize = 16;
+
+fn real(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+fn has(kernel: &Kernel<'_>, codes: &[CodeId]) -> bool {
+    kernel.channel.env.machine.codes.iter().any(|row| codes.contains(&row.id))
+}
+
+/// A number of an offset.
+fn whole(value: &Value) -> u32 {
+    value.as_real().map_or(0, |n| n.clamp(0.0, 999_999.0) as u32)
+}
+
+fn only_with(kernel: &Kernel<'_>, codes: &[CodeId]) -> Outcome<()> {
+    if has(kernel, codes) {
+        return Ok(());
+    }
+    Err(Fault::new(Number::BAD_VALUE, "this machine does not have that compensation"))
+}
+
+/// How a variable is read and written.
+pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$TCD" => (
+            |k, _| {
+                real(if k.channel.is_turning() {
+                    k.channel.state.place.tool_offset
+                } else {
+                    k.channel.state.place.compensation.diameter
+                })
+            },
+            Some(|k, _, value| {
+                only_with(k, &DIAMETERS)?;
+                k.channel.state.place.compensation.diameter = whole(value);
+                Ok(())
+            }),
+        ),
+        "$TCDM" => (|k, _| k.channel.diameter_in_force().map_or(real(-1), real), None),
+        "$DCOMPM" => (
+            |k, _| {
+                real(match k.channel.state.modal.code(group::DIAMETER) {
+                    Some(codes::COMP_DIAM_LEFT | codes::COMP_DIAM_RIGHT) => 1,
+                    Some(codes::COMP_3D_LEFT | codes::COMP_3D_RIGHT) => 3,
+                    Some(codes::COMP_3D_VECTOR) => 4,
+                    _ => 0,
+                })
+            },
+            None,
+        ),
+        "$DCORNER" => (
+            |k, _| real(k.channel.state.place.compensation.corner),
+            Some(|k, _, value| {
+                k.channel.state.place.compensation.corner = whole(value).min(2) as u8;
+                Ok(())
+            }),
+        ),
+        "$DYNFIX" => (
+            |k, _| Value::Logical(k.channel.state.place.compensation.dynamic),
+            Some(|k, _, value| {
+                k.channel.state.place.compensation.dynamic = value.as_logical().unwrap_or(false);
+                Ok(())
+            }),
+        ),
+        "$TCF" => (
+            |k, _| real(k.channel.state.place.work_offset),
+            Some(|k, _, value| {
+                only_with(k, &FIXTURES)?;
+                k.channel.state.place.work_offset = whole(value);
+                k.reframe();
+                Ok(())
+            }),
+        ),
+        "$TCFM" => (
+            |k, _| {
+                if k.channel.state.place.work_offset == 0 { real(-1) } else { real(k.channel.state.place.work_offset) }
+            },
+            None,
+        ),
+        "$TCL" => (
+            |k, _| {
+                real(if k.channel.is_turning() {
+                    k.channel.state.place.tool_offset
+                } else {
+                    k.channel.state.place.length_number
+                })
+            },
+            Some(|k, _, value| {
+                if k.channel.is_turning() {
+                    k.channel.state.place.tool_offset = whole(value);
+                } else {
+                    only_with(k, &LENGTHS)?;
+                    k.channel.state.place.length_number = whole(value);
+                }
+                k.reframe();
+                Ok(())
+            }),
+        ),
+        "$TCLM" => (
+            |k, _| {
+                let on = if k.channel.is_turning() {
+                    k.channel.state.place.tool_offset > 0
+                } else {
+                    k.channel.state.place.length_sign != 0.0
+                };
+                match (on, k.channel.is_turning()) {
+                    (false, _) => real(-1),
+                    (true, true) => real(k.channel.state.place.tool_offset),
+                    (true, false) => real(k.channel.state.place.length_number),
+                }
+            },
+            None,
+        ),
+        "$TCLDIR" => (
+            |k, _| real(k.channel.state.place.compensation.direction),
+            Some(|k, _, value| {
+                k.channel.state.place.compensation.direction = whole(value).min(6) as u8;
+                k.reframe();
+                Ok(())
+            }),
+        ),
+        "$TCLSET" => (
+            |k, _| real(k.channel.state.place.compensation.set),
+            Some(|k, _, value| {
+                k.channel.state.place.compensation.set = whole(value).clamp(1, 4) as u8;
+                Ok(())
+            }),
+        ),
+        _ => return None,
+    };
+    Some(row)
+}
+
+/// Which values of an offset are meant.
+enum Which {
+    /// The six of `$AXES`.
+    Six,
+    /// All sixteen.
+    All,
+    /// One, if the channel has the axis.
+    One(Option<usize>),
+}
+
+fn number_argument(arguments: &[Value], at: usize) -> Outcome<u32> {
+    match arguments.get(at).and_then(Value::as_real) {
+        Some(number) if (0.0..=999_999.0).contains(&number) => Ok(number as u32),
+        _ => Err(Fault::new(Number::OUT_OF_RANGE, "the number of an offset is 0 to 999999")),
+    }
+}
+
+/// Number of an offset: fixtures by primary and secondary number, the others by the second one.
+fn offset_number(arguments: &[Value], fixture: bool) -> Outcome<u32> {
+    let (first, second) = (number_argument(arguments, 0)?, number_argument(arguments, 1)?);
+    Ok(match (fixture, first, second) {
+        (true, first, 0) => first,
+        (true, first, second) => number_of(first, second),
+        (false, 0, 0) => BASE,
+        (false, _, second) => second,
+    })
+}
+
+impl Kernel<'_> {
+    fn which(&self, argument: Option<&Value>) -> Outcome<Which> {
+        let axis = |at: usize| LETTERS.get(at).and_then(|letter| self.axis_of(*letter));
+        match argument {
+            None => Ok(Which::Six),
+            Some(Value::Keyword(code)) => {
+                let is = |word: &str| minor_code(word) == Some(*code);
+                if is("ALL") {
+                    return Ok(Which::All);
+                }
+                let named = LETTERS.iter().position(|letter| is(&format!("{letter}AXIS")));
+                if named.is_none() && !["QUILL", "RAM", "ORIENT"].into_iter().any(is) {
+                    return Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL"));
+                }
+                Ok(Which::One(named.and_then(axis)))
+            }
+            Some(value) => match value.as_real() {
+                Some(index) if (1.0..=ALL_AXES as f64).contains(&index) => Ok(Which::One(axis(index as usize - 1))),
+                _ => Err(Fault::new(Number::OUT_OF_RANGE, "an axis is 1 to 16, a keyword of an axis, or ALL")),
+            },
+        }
+    }
+
+    /// Channel axes of a sequence.
+    fn axes_of(&self, which: &Which) -> Vec<Option<usize>> {
+        match which {
+            Which::Six => self.six_axes().to_vec(),
+            Which::All => (0..ALL_AXES).map(|at| LETTERS.get(at).and_then(|letter| self.axis_of(*letter))).collect(),
+            Which::One(axis) => vec![*axis],
+        }
+    }
+
+    /// `$FMSGLCV`, `$FMSGFCV`.
+    pub(in crate::host) fn read_offset(&self, table: Table, arguments: &[Value]) -> Outcome<Value> {
+        let values = self.channel.offset_values(table, offset_number(arguments, table == Table::Work)?);
+        let which = self.which(arguments.get(2))?;
+        let axes = self.axes_of(&which);
+        let numbers: Vec<f64> =
+            axes.iter().map(|axis| axis.and_then(|axis| values.get(axis)).copied().unwrap_or(0.0)).collect();
+        Ok(match (which, numbers.as_slice()) {
+            (Which::One(_), [one, ..]) => Value::Real(*one),
+            _ => Value::numbers(&numbers),
+        })
+    }
+
+    /// `$FMSSLCV`, `$FMSSFCV`: 1, or 0 if it cannot be kept.
+    pub(in crate::host) fn write_offset(&mut self, table: Table, arguments: &[Value]) -> Outcome<Value> {
+        let number = offset_number(arguments, table == Table::Work)?;
+        let mut values = self.channel.offset_values(table, number);
+        let given = |at: usize| arguments.get(at).and_then(Value::as_real);
+        let (axes, numbers): (Vec<Option<usize>>, Vec<f64>) = match arguments.get(2) {
+            Some(Value::Sequence(given)) => {
+                let axes = self.axes_of(&self.which(arguments.get(3))?);
+                if given.len() != axes.len() {
+                    let text = format!("the offset takes {} numbers, not {}", axes.len(), given.len());
+                    return Err(Fault::new(Number::BAD_VECTOR, text));
+                }
+                let number = |value: &Value| value.as_real().ok_or_else(|| Fault::kind("a number", value));
+                (axes, given.iter().map(number).collect::<Outcome<_>>()?)
+            }
+            _ => match (given(2), given(3), given(4)) {
+                (Some(x), Some(y), Some(z)) if table == Table::Length => {
+                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![x, y, z])
+                }
+                (Some(z), None, _) if table == Table::Length && arguments.len() == 3 => {
+                    (self.channel.state.place.cartesian.map(|axis| axis.map(usize::from)).to_vec(), vec![0.0, 0.0, z])
+                }
+                (Some(value), ..) if arguments.len() > 3 => (self.axes_of(&self.which(arguments.get(3))?), vec![value]),
+                _ => {
+                    return Err(Fault::new(
+                        Number::BAD_VECTOR,
+                        "the offset takes a sequence, or a number and its axis",
+                    ));
+                }
+            },
+        };
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Ok(real(0));
+        }
+        let mut known = false;
+        for (axis, number) in axes.into_iter().zip(numbers) {
+            if let Some(slot) = axis.and_then(|axis| values.get_mut(axis)) {
+                (*slot, known) = (number, true);
+            }
+        }
+        Ok(real(u8::from(known && self.set_offset(table, number, values))))
+    }
+
+    /// `$FMSGDCV`, `$FMSGRCV`.
+    pub(in crate::host) fn read_radius(&self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
+        Ok(Value::Real(self.channel.offset_radius(table, offset_number(arguments, false)?)))
+    }
+
+    /// `$FMSSDCV`, `$FMSSRCV`: 1, or 0 if it cannot be kept.
+    pub(in crate::host) fn write_radius(&mut self, table: Radii, arguments: &[Value]) -> Outcome<Value> {
+        let number = offset_number(arguments, false)?;
+        let value = arguments.get(2).and_then(Value::as_real).filter(|value| value.is_finite());
+        Ok(real(u8::from(value.is_some_and(|value| self.channel.set_offset_radius(table, number, value)))))
+    }
+}

@@ -1,0 +1,131 @@
+//! `$XM`, `$LZJ`, `$YW` …: where the axes of the channel stand.
+//!
+//! Invariant: an axis that the channel does not have stands at 0. Programmed units: a diameter on a diameter axis, degrees
+//! on a rotary one. M = machine without length and work offsets, J = joint with both, W = programmed.
+
+use crate::channel::Kernel;
+use crate::machine::ident::{DataId, data};
+
+/// Which value of which axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    letter: char,
+    kind: char,
+    /// On the table (T) or the head (H), blank for either.
+    side: char,
+    /// At the start of the last motion.
+    before: bool,
+}
+
+/// The place that a name means.
+pub(crate) fn place(name: &str) -> Option<Place> {
+    let name = name.strip_prefix('$')?;
+    let (before, name) = match name.strip_prefix('L') {
+        Some(rest) if rest.len() > 1 => (true, rest),
+        _ => (false, name),
+    };
+    let mut letters = name.chars();
+    let letter = letters.next()?;
+    let rest: String = letters.collect();
+    let kind = match rest.as_str() {
+        "M" | "TM" | "HM" => 'M',
+        "J" | "TJ" | "HJ" => 'J',
+        "W" if "XYZ".contains(letter) => 'W',
+        _ => return None,
+    };
+    let side = if rest.len() == 2 { rest.chars().next()? } else { ' ' };
+    let rotary = "ABC".contains(letter);
+    ("XYZUVWEND".contains(letter) && side == ' ' || rotary).then_some(Place { letter, kind, side, before })
+}
+
+impl Kernel<'_> {
+    /// Channel axis with this letter.
+    pub(crate) fn axis_of(&self, letter: char) -> Option<usize> {
+        let role = "XYZ".find(letter).and_then(|at| self.channel.state.place.cartesian.get(at).copied().flatten());
+        role.map(usize::from).or_else(|| {
+            self.channel.state.place.axes.iter().position(|axis| {
+                let own = self.channel.env.machine.axes.get(axis.machine);
+                own.is_some_and(|own| own.letter.len() == 1 && own.letter.starts_with(letter))
+            })
+        })
+    }
+
+    /// Channel axis of a name.
+    fn axis_at(&self, place: Place) -> Option<usize> {
+        let find = |ids: &[DataId]| ids.iter().find_map(|id| self.channel.axis_of_data(*id));
+        let of = |table: DataId, head: DataId| match place.side {
+            'T' => find(&[table]),
+            'H' => find(&[head]),
+            _ => find(&[table, head]),
+        };
+        match place.letter {
+            'A' => of(data::AXIS_AT, data::AXIS_AH),
+            'B' => of(data::AXIS_BT, data::AXIS_BH),
+            'C' => of(data::AXIS_CT, data::AXIS_CH).or_else(|| find(&[data::AXIS_CT2]).filter(|_| place.side != 'H')),
+            'N' => find(&[data::AXIS_N]),
+            'D' => find(&[data::AXIS_N2]),
+            'E' => find(&[data::AXIS_E]),
+            letter => self.axis_of(letter),
+        }
+    }
+
+    pub(crate) fn position_of(&self, place: Place) -> f64 {
+        let Some(axis) = self.axis_at(place) else { return 0.0 };
+        if place.kind == 'W' && !place.before {
+            return self.channel.programmed().get(axis).copied().unwrap_or(0.0);
+        }
+        let at = if place.before { &self.macros.arguments.before } else { &self.channel.state.place.position };
+        let value = |of: &crate::log::event::Position| of.get(axis).copied().unwrap_or(0.0);
+        match place.kind {
+            'M' if self.channel.tip().is_some() => {
+                value(&self.channel.machine_point(at)) - value(&self.channel.state.place.shift)
+                    + value(&self.channel.state.place.preset)
+            }
+            'M' => value(at) + value(&self.channel.state.place.preset),
+            'J' => value(&self.channel.machine_point(at)),
+            _ => value(&self.channel.program_point(at)),
+        }
+    }
+
+    /// Channel axes of the six elements of `$AXES`: X Y Z, two rotary ones, and one more.
+    pub(crate) fn six_axes(&self) -> [Option<usize>; 6] {
+        let mut rotary =
+            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| axis.rotary).map(|(at, _)| at);
+        let cartesian = self.channel.state.place.cartesian.map(|at| at.map(usize::from));
+        let [x, y, z] = cartesian;
+        let (fourth, fifth) = (rotary.next(), rotary.next());
+        let mut others =
+            self.channel.state.place.axes.iter().enumerate().filter(|(_, axis)| !axis.rotary).map(|(at, _)| at);
+        let sixth = others.find(|at| !cartesian.contains(&Some(*at))).or_else(|| rotary.next());
+        [x, y, z, fourth, fifth, sixth]
+    }
+
+    /// Letter of a channel axis in `$AXES`.
+    pub(crate) fn axis_letter(&self, axis: Option<usize>) -> char {
+        let axis = axis.and_then(|at| self.channel.state.place.axes.get(at));
+        let name =
+            axis.map_or("", |axis| self.channel.env.machine.data_name(axis.data)).trim_start_matches("REG_AXIS_");
+        let letter = name.chars().next().unwrap_or('*');
+        // Small letters: tables, and the second attachable axis.
+        if matches!(name, "AT" | "BT" | "CT" | "CT2" | "N2") { letter.to_ascii_lowercase() } else { letter }
+    }
+
+    /// `$AXES`
+    pub(crate) fn axes_text(&self) -> String {
+        self.six_axes().into_iter().map(|axis| self.axis_letter(axis)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_positions() {
+        let of = |name: &str| place(name).map(|p| (p.letter, p.kind, p.before));
+        assert_eq!(of("$XM"), Some(('X', 'M', false)));
+        assert_eq!(of("$LZJ"), Some(('Z', 'J', true)));
+        assert_eq!(of("$ATM"), Some(('A', 'M', false)));
+        assert_eq!([of("$LW"), of("$EV"), of("$SDIR"), of("$FMODE"), of("$IW")], [None; 5]);
+    }
+}

@@ -1,0 +1,285 @@
+//! Variables of feeds, modes, tools, operations and times.
+
+use counterpoint_lang::diag::Number;
+use counterpoint_lang::fault::{Fault, Outcome};
+use counterpoint_lang::value::Value;
+
+use super::super::travel::End;
+use super::{Read, Write};
+use crate::channel::Kernel;
+use crate::log::event::FeedUnit;
+use crate::machine::ident::{CodeId, codes};
+use crate::macros::store::names;
+use crate::state::modal::{feed_of, group};
+
+fn number(value: impl Into<f64>) -> Value {
+    Value::Real(value.into())
+}
+
+/// Number of the active code of a group in a list; `none` without one.
+fn of_group(kernel: &Kernel<'_>, group: u16, list: &[(CodeId, f64)], none: f64) -> Value {
+    let active = kernel.channel.state.modal.code(group);
+    let found = list.iter().find(|(code, _)| Some(*code) == active);
+    Value::Real(found.map_or(none, |(_, number)| *number))
+}
+
+const DIAMETER: [(CodeId, f64); 3] =
+    [(codes::COMP_DIAM_LEFT, -1.0), (codes::COMP_DIAM_OFF, 0.0), (codes::COMP_DIAM_RIGHT, 1.0)];
+/// `$HEAD`: the active code of heads, or the head that its word has named.
+fn head(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let word = match (kernel.channel.state.modal.code(group::HEAD), kernel.channel.state.others.head) {
+        (Some(codes::HEAD_MAIN), _) => "MAIN",
+        (Some(codes::HEAD_SIDE), _) | (_, 2) => "SIDE",
+        (_, 3) => "RIGHT",
+        _ => "MAIN",
+    };
+    counterpoint_lang::ident::minor_code(word).map_or(Value::Null, Value::Keyword)
+}
+
+const PLANES: [(CodeId, f64); 3] = [(codes::PLANE_XY, 1.0), (codes::PLANE_ZX, 2.0), (codes::PLANE_YZ, 3.0)];
+const POSITIONING: [(CodeId, f64); 2] = [(codes::POSITION_ABSOLUTE, 0.0), (codes::POSITION_RELATIVE, 1.0)];
+
+/// Makes the code of a number active.
+fn set_group(kernel: &mut Kernel<'_>, list: &[(CodeId, f64)], value: &Value) -> Outcome<()> {
+    let wanted = value.as_real();
+    match list.iter().find(|(_, number)| Some(*number) == wanted) {
+        Some((code, _)) => {
+            kernel.activate_code(*code);
+            Ok(())
+        }
+        None => Err(Fault::new(Number::BAD_VALUE, "there is no mode of this number")),
+    }
+}
+
+/// `$DCOMP`: the code becomes active, and the path follows it.
+fn switch_diameter(kernel: &mut Kernel<'_>, value: &Value) -> Outcome<()> {
+    set_group(kernel, &DIAMETER, value)?;
+    kernel.switch_compensation();
+    Ok(())
+}
+
+/// `$XDIAM`: X is programmed as a diameter.
+fn reads_diameters(kernel: &Kernel<'_>) -> bool {
+    match kernel.channel.state.modal.code(group::ACROSS) {
+        Some(codes::XAXIS_DIAMETER) => true,
+        Some(codes::XAXIS_RADIUS) => false,
+        _ => kernel.channel.state.place.scale_of(0) < 1.0,
+    }
+}
+
+fn switch_across(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let wanted = value.as_logical() == Some(true);
+    if wanted != reads_diameters(kernel) {
+        kernel.activate_code(if wanted { codes::XAXIS_DIAMETER } else { codes::XAXIS_RADIUS });
+        if wanted != reads_diameters(kernel) {
+            return Err(Fault::new(Number::BAD_VALUE, "the machine has no code for this"));
+        }
+    }
+    Ok(())
+}
+
+fn feed(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
+    number(kernel.channel.state.modal.value(id).unwrap_or(0.0))
+}
+
+fn set_feed(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let (id, _) = feed_of(kernel.channel.state.modal.code(group::FEED));
+    kernel.channel.state.modal.remember(id, value.as_real().unwrap_or(0.0));
+    Ok(())
+}
+
+fn time<const AT: usize>(kernel: &Kernel<'_>, _: &[i64]) -> Value {
+    number(kernel.macros.variables.store.times.get(AT).copied().unwrap_or(0.0))
+}
+
+fn set_time<const AT: usize>(kernel: &mut Kernel<'_>, _: &[i64], value: &Value) -> Outcome<()> {
+    let slot = kernel.macros.variables.store.times.get_mut(AT);
+    if let Some(slot) = slot {
+        *slot = value.as_real().unwrap_or(0.0);
+    }
+    Ok(())
+}
+
+/// `$MISTIM`: all that was neither motion nor waiting.
+fn misc(kernel: &Kernel<'_>) -> f64 {
+    {
+        let store = &kernel.macros.variables.store;
+        (kernel.channel.at.clock - store.moving - store.idle) as f64 / 1e9 + store.added_times[0]
+    }
+}
+
+fn idle(kernel: &Kernel<'_>) -> f64 {
+    kernel.macros.variables.store.idle as f64 / 1e9 + kernel.macros.variables.store.added_times[1]
+}
+
+fn add_time<const AT: usize>(kernel: &mut Kernel<'_>, seconds: f64) -> Outcome<()> {
+    if let Some(time) = kernel.macros.variables.store.added_times.get_mut(AT) {
+        *time += seconds;
+    }
+    Ok(())
+}
+
+/// State of a rule of the tape editor, counted from 1.
+fn rule(kernel: &Kernel<'_>, at: &[i64]) -> Option<usize> {
+    let at = at.first().and_then(|at| usize::try_from(*at).ok())?.checked_sub(1)?;
+    (at < kernel.channel.env.machine.tape_editor.len()).then_some(at)
+}
+
+fn whole(value: &Value) -> u32 {
+    value.as_real().map_or(0, |n| n.clamp(0.0, f64::from(u32::MAX)) as u32)
+}
+
+/// A number that is kept.
+fn kept(kernel: &Kernel<'_>, index: u32) -> Option<f64> {
+    kernel.macros.variables.store.get(index).as_real()
+}
+
+/// An end of the travel of tools or operations.
+fn travel<const TOOLS: bool>(end: End) -> (Read, Option<Write>) {
+    match end {
+        End::Low => (
+            |k, at| k.travel_value(TOOLS, End::Low, at),
+            Some(|k, at, value| k.set_travel_value(TOOLS, End::Low, at, value)),
+        ),
+        End::High => (
+            |k, at| k.travel_value(TOOLS, End::High, at),
+            Some(|k, at, value| k.set_travel_value(TOOLS, End::High, at, value)),
+        ),
+    }
+}
+
+/// How a variable is read and written.
+pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
+    let row: (Read, Option<Write>) = match name {
+        "$F" => (feed, Some(set_feed)),
+        "$FMODE" => (
+            |k, _| {
+                let mode = k.channel.state.modal.code(group::FEED);
+                number(match (mode, feed_of(mode).1) {
+                    (None, _) => -1.0,
+                    (_, FeedUnit::PerRevolution) => 1.0,
+                    (_, FeedUnit::InverseTime) => 2.0,
+                    _ => 0.0,
+                })
+            },
+            None,
+        ),
+        "$XDIAM" => (|k, _| Value::Logical(reads_diameters(k)), Some(switch_across)),
+        "$DCOMP" => {
+            (|k, _| of_group(k, group::DIAMETER, &DIAMETER, 0.0), Some(|k, _, value| switch_diameter(k, value)))
+        }
+        "$HEAD" => (head, None),
+        "$AXES" => (|k, _| Value::text(k.axes_text()), None),
+        "$RAPID" => (
+            |k, _| Value::Logical(k.channel.state.modal.code(group::MOTION) == Some(codes::RAPID)),
+            Some(|k, _, value| {
+                let rapid = value.as_logical() == Some(true);
+                k.activate_code(if rapid { codes::RAPID } else { codes::INTERP_LINEAR });
+                Ok(())
+            }),
+        ),
+        "$SKIPERR" => (|k, _| number(k.channel.state.skip.result), None),
+        "$SKIPCOD" => (
+            |k, _| {
+                let active = k.channel.state.modal.code(group::MOTION) == Some(codes::INTERP_SKIP)
+                    || k.channel.state.skip.acts(k.channel.at.blocks);
+                number(u8::from(active))
+            },
+            Some(|k, _, value| {
+                let probing = k.channel.state.modal.code(group::MOTION) == Some(codes::INTERP_SKIP);
+                match (value.as_real() == Some(1.0), probing) {
+                    (true, false) => k.activate_code(codes::INTERP_SKIP),
+                    (false, true) => k.activate_code(codes::INTERP_LINEAR),
+                    _ => None,
+                };
+                Ok(())
+            }),
+        ),
+        "$PLMODE" => (|k, _| of_group(k, group::PLANE, &PLANES, 0.0), Some(|k, _, value| set_group(k, &PLANES, value))),
+        "$PNMODE" => (
+            |k, _| of_group(k, group::POSITION, &POSITIONING, -1.0),
+            Some(|k, _, value| set_group(k, &POSITIONING, value)),
+        ),
+        "$T" => (
+            |k, _| number(k.channel.state.place.tool),
+            Some(|k, _, value| {
+                k.channel.state.place.tool = whole(value);
+                Ok(())
+            }),
+        ),
+        "$TP" => (|k, _| number(k.channel.state.place.tool), None),
+        "$NT" | "$TS" => (
+            |k, _| number(k.channel.state.place.selected),
+            Some(|k, _, value| {
+                k.channel.state.place.selected = whole(value);
+                Ok(())
+            }),
+        ),
+        "$FEDTIM" => (time::<0>, Some(set_time::<0>)),
+        "$RAPTIM" => (time::<1>, Some(set_time::<1>)),
+        "$MISTIM" => (
+            |k, _| Value::Real(misc(k)),
+            Some(|k, _, value| {
+                let wanted = value.as_real().unwrap_or(0.0) - misc(k);
+                add_time::<0>(k, wanted)
+            }),
+        ),
+        "$IDLTIM" => (
+            |k, _| Value::Real(idle(k)),
+            Some(|k, _, value| {
+                let wanted = value.as_real().unwrap_or(0.0) - idle(k);
+                add_time::<1>(k, wanted)
+            }),
+        ),
+        "$EDTMAX" => (|k, _| number(k.channel.env.machine.tape_editor.len() as u32), None),
+        "$EDTSTA" => (
+            |k, at| Value::Logical(rule(k, at).is_some_and(|at| k.channel.text.tape.0.has(at))),
+            Some(|k, at, value| {
+                let Some(at) = rule(k, at) else {
+                    let most = k.channel.env.machine.tape_editor.len();
+                    let text = format!("the index of $EDTSTA is not in 1 to {most}, the rules of the tape editor");
+                    return Err(Fault::new(Number::OUT_OF_RANGE, text));
+                };
+                k.channel.text.tape.0.set(at, value.as_logical().unwrap_or(true));
+                Ok(())
+            }),
+        ),
+        "$OPNAME" => (
+            |k, _| Value::text(k.stored_text(names().operation_name)),
+            Some(|k, _, value| {
+                let name = value.as_text().unwrap_or("").to_owned();
+                k.name_operation(&name);
+                k.store(names().operation_name, || Value::text(name));
+                Ok(())
+            }),
+        ),
+        "$OI" | "$OPSIZ" => (|k, _| number(k.macros.books.operations.row() as u32), None),
+        "$FOI" => (
+            |k, _| number(k.first_operation() as u32),
+            Some(|k, _, value| {
+                k.set_first_operation(value.as_real().unwrap_or(0.0));
+                Ok(())
+            }),
+        ),
+        "$OPTAB" => (|k, at| k.operation_value(at), Some(|k, at, value| k.set_operation_value(at, value))),
+        "$TLMIN" => travel::<true>(End::Low),
+        "$TLMAX" => travel::<true>(End::High),
+        "$OPMIN" => travel::<false>(End::Low),
+        "$OPMAX" => travel::<false>(End::High),
+        "$TLTAB" => (|k, at| k.tool_table_value(at), Some(|k, at, value| k.set_tool_table_value(at, value))),
+        "$TI" => (|k, _| number(kept(k, names().tool_row).map_or(1.0, |row| k.seen_tool_row(row))), None),
+        "$TLSORT" => (
+            |k, _| number(kept(k, names().tool_sort).unwrap_or(0.0)),
+            Some(|k, _, value| {
+                k.set_tool_sort(value);
+                Ok(())
+            }),
+        ),
+        "$TLSUM" => (|k, at| k.sum_value(true, at), None),
+        "$OPSUM" => (|k, at| k.sum_value(false, at), None),
+        "$VMTIME" => (|k, _| Value::Real(k.channel.at.clock as f64 / 1e9), None),
+        _ => return None,
+    };
+    Some(row)
+}

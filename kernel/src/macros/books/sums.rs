@@ -1,0 +1,96 @@
+//! Times, feeds and speeds by tool and by operation: `$TLSUM`, `$OPSUM`.
+//!
+//! Facts: reference system-variables.md 13, 14: columns 1 to 3 seconds of feed, positioning and everything else, 4
+//! and 5 smallest and largest feed per minute (10000 and −1 before any), 6 and 7 smallest and largest rev/min (0
+//! before any), taken at the ends of motions. Invariant: row 1 is no tool and no operation; every second belongs to
+//! one row, waiting to the third column. Decision: the feed per minute of a motion is its length by its time.
+
+/// What one row has.
+#[derive(Debug, Clone, Copy)]
+struct Sum {
+    feed: f64,
+    rapid: f64,
+    /// All of its time before it became the current row, in nanoseconds.
+    whole: i64,
+    feeds: (f64, f64),
+    speeds: (f64, f64),
+}
+
+impl Default for Sum {
+    fn default() -> Self {
+        Self { feed: 0.0, rapid: 0.0, whole: 0, feeds: (10_000.0, -1.0), speeds: (0.0, 0.0) }
+    }
+}
+
+/// The rows of one table.
+#[derive(Debug, Default)]
+pub(crate) struct Sums {
+    rows: Vec<Sum>,
+    /// Place of the current row, and when it became that.
+    current: usize,
+    since: i64,
+    /// Stands in where there is no row; never read.
+    lost: Sum,
+}
+
+impl Sums {
+    /// Another row becomes the current one; rows count from 1.
+    pub(crate) fn switch(&mut self, row: usize, clock: i64) {
+        let since = self.since;
+        self.row().whole += clock - since;
+        (self.current, self.since) = (row.saturating_sub(1), clock);
+    }
+
+    /// Number of the current row.
+    pub(crate) fn row_number(&self) -> usize {
+        self.current + 1
+    }
+
+    fn row(&mut self) -> &mut Sum {
+        if self.rows.len() <= self.current {
+            self.rows.resize(self.current + 1, Sum::default());
+        }
+        match self.rows.get_mut(self.current) {
+            Some(row) => row,
+            None => &mut self.lost,
+        }
+    }
+
+    /// A motion; its length counts for feeds only.
+    pub(crate) fn motion(&mut self, rapid: bool, (seconds, length): (f64, f64), speed: f64) {
+        let row = self.row();
+        if rapid {
+            row.rapid += seconds;
+        } else {
+            row.feed += seconds;
+            if seconds > 0.0 {
+                let feed = length / seconds * 60.0;
+                row.feeds = (row.feeds.0.min(feed), row.feeds.1.max(feed));
+            }
+        }
+        if speed > 0.0 {
+            let (low, high) = row.speeds;
+            row.speeds = (if low == 0.0 { speed } else { low.min(speed) }, high.max(speed));
+        }
+    }
+
+    /// A value of the table.
+    pub(crate) fn value(&self, column: i64, row: i64, clock: i64) -> f64 {
+        let at = usize::try_from(row).ok().and_then(|row| row.checked_sub(1));
+        let sum = at.and_then(|at| self.rows.get(at)).copied().unwrap_or_default();
+        let open = if at == Some(self.current) { clock - self.since } else { 0 };
+        match column {
+            1 => sum.feed,
+            2 => sum.rapid,
+            3 => {
+                let other = (sum.whole + open) as f64 / 1e9 - sum.feed - sum.rapid;
+                // What rounding to nanoseconds leaves is no time.
+                if other.abs() < 1e-6 { 0.0 } else { other }
+            }
+            4 => sum.feeds.0,
+            5 => sum.feeds.1,
+            6 => sum.speeds.0,
+            _ => sum.speeds.1,
+        }
+    }
+}

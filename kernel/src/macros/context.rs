@@ -1,0 +1,47 @@
+//! What macros know and change of the block in process.
+//!
+//! *Invariant:* a block within another one has a context of its own; the outer one comes back as it was.
+
+use std::sync::Arc;
+
+use crate::machine::ident::CodeId;
+
+/// The block in process, beyond its words.
+#[derive(Debug, Default)]
+pub(crate) struct BlockContext {
+    /// Text if it is not the line of the file.
+    pub(crate) text: Option<Arc<String>>,
+    /// Text in place of what nothing recognised, if a macro has set it.
+    pub(crate) unrecognised: Option<Arc<String>>,
+    /// EXEC issued the text.
+    pub(crate) issued: bool,
+    /// The pre-processor has worked on it: what it takes off is gone.
+    pub(crate) preprocessed: bool,
+    /// The pre-processor has made its words, or has left its text.
+    pub(crate) made: bool,
+    /// Level of its first mark of optional skip, if the machine has data for that.
+    pub(crate) mark: Option<u8>,
+    /// `$CECODE`
+    pub(crate) code: Option<CodeId>,
+}
+
+impl BlockContext {
+    /// Another text becomes the block: a line of the file, or what EXEC issued.
+    pub(crate) fn begin(&mut self, text: Option<Arc<String>>) {
+        self.issued = text.is_some();
+        self.text = text;
+        self.unrecognised = None;
+    }
+
+    /// The context of a block within this one, which is returned.
+    pub(crate) fn enter(&mut self) -> Self {
+        let inner = Self {
+            issued: self.issued,
+            preprocessed: self.preprocessed,
+            made: self.made,
+            mark: self.mark,
+            ..Self::default()
+        };
+        std::mem::replace(self, inner)
+    }
+}

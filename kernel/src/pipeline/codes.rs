@@ -1,0 +1,392 @@
+//! Stage *codes*: which rows the words of a block match, and the loop that lets the codes act by order.
+//!
+//! Facts: reference control-emulator.md 1.2, 2.3, 3.1, 3.3.
+
+use crate::channel::Kernel;
+use crate::channel::hook_points::Origin;
+use crate::channel::modal_call::END_CALLS;
+use crate::diag;
+use crate::machine::ident::{self, CodeId, DataId};
+use crate::machine::model::{CodeForm, CodeRow, Modality};
+use crate::machine::number::written;
+use crate::state::block::{PendingCode, Word};
+use counterpoint_fault::Acted;
+
+use crate::state::modal::group;
+
+impl Kernel<'_> {
+    /// Sorts the words of the block into codes and data, lets the codes act, and sees to what is left.
+    #[inline]
+    pub(crate) fn codes(&mut self, origin: Origin) -> Acted {
+        let hooks = self.plan.hooks;
+        if origin == Origin::Text && (self.categorise() || self.calls_each_block()) {
+            return self.macro_call();
+        }
+        self.check_known()?;
+        if let Some(hooks) = hooks {
+            (hooks.codes.begin)(self, origin);
+        }
+        self.imply();
+        if let Some(hooks) = hooks {
+            (hooks.codes.implied)(self);
+        }
+        self.check_refused()?;
+        self.sort();
+        while let Some(&firing) = self.channel.block.firings.get(self.channel.block.next) {
+            self.channel.block.next += 1;
+            self.fire(firing)?;
+            if let Some(hooks) = hooks {
+                (hooks.codes.acted)(self)?;
+            }
+        }
+        if let Some(hooks) = hooks {
+            (hooks.codes.end)(self, origin)?;
+        }
+        self.leftovers()?;
+        if let Some(hooks) = hooks {
+            (hooks.codes.dropped)(self)?;
+        }
+        Ok(())
+    }
+
+    /// Finds code rows and makes the rest available as data. Returns `true` for a macro call of the pre-processor.
+    #[inline(always)]
+    pub(crate) fn categorise(&mut self) -> bool {
+        let machine = self.channel.env.machine;
+        let mut conditional = false;
+        let mut call = self.plan.word_calls.is_some() && self.calls_by_word();
+        for position in 0..self.channel.block.words.len() {
+            let Some(word) = self.channel.block.words.get(position) else { break };
+            if self.plan.registers.only_data & 1 << word.register != 0 {
+                self.channel.block.index_word(position);
+                continue;
+            }
+            let word = *word;
+            let candidates = machine.tables.code(word.register, word.value);
+            match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
+                None if Some(word.register) == self.plan.registers.g && self.calls_by(word.value) => {
+                    call |= word.value != END_CALLS;
+                    self.use_word(position);
+                }
+                None => self.data_word(position),
+                Some((index, row)) if row.with.is_empty() && row.without.is_empty() => {
+                    self.use_word(position);
+                    self.queue(index, row, word.value, false);
+                }
+                Some(_) => conditional = true,
+            }
+        }
+        if conditional {
+            self.categorise_conditional();
+        }
+        for index in 0..self.channel.block.texts.len() {
+            if let Some(&row) = self.channel.block.texts.get(index)
+                && let Some(code) = machine.codes.get(usize::from(row))
+            {
+                self.queue(row, code, 0.0, false);
+            }
+        }
+        if self.channel.block.firings.len() > 1 && !self.plan.rules.exclusive.is_empty() {
+            self.last_of_groups();
+        }
+        call
+    }
+
+    /// Of several G codes of one group the last one acts.
+    #[inline(never)]
+    fn last_of_groups(&mut self) {
+        for position in 0..self.channel.block.words.len() {
+            let Some((word, at, group)) = self.code_of_word(position) else { continue };
+            let later = |at: usize| self.code_of_word(at).filter(|&(_, _, other)| other == group);
+            let Some((last, ..)) = (position + 1..self.channel.block.words.len()).find_map(later) else { continue };
+            self.channel.block.firings.remove(at);
+            if last.value != word.value {
+                let text = format!(
+                    "{} has no effect: {} of the same group comes later in '{}'",
+                    self.word_text(word),
+                    self.word_text(last),
+                    self.block_text()
+                );
+                self.diagnose(&diag::GROUP_TWICE, text);
+            }
+        }
+    }
+
+    /// The word at a position, the place of the code that it fires and the group in which only the last one acts.
+    fn code_of_word(&self, position: usize) -> Option<(Word, usize, u16)> {
+        let word = self
+            .channel
+            .block
+            .words
+            .get(position)
+            .copied()
+            .filter(|word| Some(word.register) == self.plan.registers.g)?;
+        let rows = self.channel.env.machine.tables.code(word.register, word.value);
+        let fired = |firing: &PendingCode| firing.value == word.value && rows.contains(&firing.row);
+        let at = self.channel.block.firings.iter().position(fired)?;
+        let group = self
+            .channel
+            .block
+            .firings
+            .get(at)
+            .and_then(|firing| self.plan.rules.exclusive.get(usize::from(firing.row)))?;
+        (*group != 0).then_some((word, at, *group))
+    }
+
+    /// A word as its register writes it.
+    fn word_text(&self, word: Word) -> String {
+        let register = self.channel.env.machine.registers.get(usize::from(word.register));
+        register.map_or_else(String::new, |r| format!("{}{}", r.before, written(word.value, &r.format)))
+    }
+
+    /// Second pass over words whose rows depend on other words of the block.
+    fn categorise_conditional(&mut self) {
+        let machine = self.channel.env.machine;
+        for position in 0..self.channel.block.words.len() {
+            let Some(word) = self.channel.block.words.get(position).copied() else { break };
+            if word.used {
+                continue;
+            }
+            let candidates = machine.tables.code(word.register, word.value);
+            if candidates.is_empty() {
+                continue;
+            }
+            let chosen = candidates.iter().find_map(|&index| {
+                let row = machine.codes.get(usize::from(index))?;
+                let with = row.with.is_empty() || row.with.iter().any(|&r| self.channel.block.has(r));
+                let without = row.without.iter().all(|&r| !self.channel.block.has(r));
+                (with && without).then_some((index, row))
+            });
+            match chosen {
+                Some((index, row)) => {
+                    self.use_word(position);
+                    self.queue(index, row, word.value, false);
+                }
+                None => self.data_word(position),
+            }
+        }
+    }
+
+    fn use_word(&mut self, position: usize) {
+        if let Some(word) = self.channel.block.words.get_mut(position) {
+            word.used = true;
+        }
+    }
+
+    /// A word that is no code: data if a row knows its register, else unknown text.
+    fn data_word(&mut self, position: usize) {
+        let Some(word) = self.channel.block.words.get(position).copied() else { return };
+        let known = self
+            .channel
+            .env
+            .machine
+            .tables
+            .data_of_register
+            .get(usize::from(word.register))
+            .is_some_and(|rows| !rows.is_empty());
+        if Some(word.register) == self.plan.registers.definition {
+            self.use_word(position);
+        } else if known {
+            self.channel.block.index_word(position);
+        } else {
+            self.use_word(position);
+            self.channel.block.unknown.push((word.start, word.end));
+        }
+    }
+
+    fn queue(&mut self, index: u16, row: &CodeRow, value: f64, implied: bool) {
+        self.channel.block.swallows |= !row.process;
+        self.channel.block.firings.push(PendingCode { order: row.order, row: index, value, implied, fragile: false });
+    }
+
+    /// Modal codes that fire without being written: motion by axis words, persistent codes, and the modal member of
+    /// a group that a non-modal code overrode on an earlier block.
+    #[inline(always)]
+    pub(crate) fn imply(&mut self) {
+        if self.channel.block.swallows {
+            self.drop_ignored();
+        }
+        if self.channel.has_any(self.plan.registers.motion) && !self.group_queued(group::MOTION) {
+            self.imply_motion();
+        }
+        if self.channel.state.modal.refires.is_empty() {
+            return;
+        }
+        for index in (0..self.channel.state.modal.refires.len()).rev() {
+            let Some(&(group, forever)) = self.channel.state.modal.refires.get(index) else { continue };
+            if self.group_queued(group) {
+                continue;
+            }
+            self.queue_modal(group);
+            if !forever {
+                self.channel.state.modal.refires.remove(index);
+            }
+        }
+    }
+
+    /// Words of axes that swallowed codes of the block ignore move nothing.
+    #[cold]
+    fn drop_ignored(&mut self) {
+        for at in 0..self.channel.block.firings.len() {
+            let row = self
+                .channel
+                .block
+                .firings
+                .get(at)
+                .and_then(|firing| self.channel.env.machine.codes.get(usize::from(firing.row)));
+            let row = row.filter(|row| !row.process);
+            for &register in row.map_or(&[][..], |row| row.ignores.as_slice()) {
+                self.channel.block.take(register);
+            }
+        }
+    }
+
+    pub(crate) fn queue_modal(&mut self, group: u16) {
+        if let Some(index) = self.channel.state.modal.row(group)
+            && let Some(row) = self.channel.env.machine.codes.get(usize::from(index))
+        {
+            let value = match row.form {
+                CodeForm::RegisterAsData { min, .. } => min,
+                _ => 0.0,
+            };
+            self.queue(index, row, value, true);
+        }
+    }
+
+    /// The same for a code that data fire: it acts only if some of them are left by then.
+    pub(crate) fn queue_by_data(&mut self, group: u16) {
+        let before = self.channel.block.firings.len();
+        self.queue_modal(group);
+        // Alone on its block it finds what fires it.
+        if (before > 0 || !self.channel.state.modal.refires.is_empty() || self.plan.hooks.is_some())
+            && let Some(firing) = self.channel.block.firings.get_mut(before)
+        {
+            firing.fragile = true;
+        }
+    }
+
+    /// Something of what fires a code is left; what has been taken meanwhile fires nothing.
+    #[cold]
+    fn is_left(&self, group: u16) -> bool {
+        let moves = group == group::MOTION || group == group::CYCLE;
+        moves && (self.channel.has_any(self.plan.registers.motion) || self.adds_motion()) || self.has_firing_data(group)
+    }
+
+    pub(crate) fn group_queued(&self, group: u16) -> bool {
+        self.channel
+            .block
+            .firings
+            .iter()
+            .any(|f| self.channel.env.machine.codes.get(usize::from(f.row)).is_some_and(|r| r.group == group))
+    }
+
+    /// By order, left to right among equals (insertion sort: a block has few codes).
+    #[inline(always)]
+    pub(crate) fn sort(&mut self) {
+        let firings = &mut self.channel.block.firings;
+        for end in 1..firings.len() {
+            let mut at = end;
+            while at > 0 && firings.get(at - 1).map(|f| f.order) > firings.get(at).map(|f| f.order) {
+                firings.swap(at - 1, at);
+                at -= 1;
+            }
+        }
+    }
+
+    /// Lets one code act.
+    pub(crate) fn fire(&mut self, firing: PendingCode) -> Acted {
+        self.channel.check_stop()?;
+        let machine = self.channel.env.machine;
+        let Some(row) = machine.codes.get(usize::from(firing.row)) else { return Ok(()) };
+        if firing.fragile && !self.is_left(row.group) {
+            return Ok(());
+        }
+        if !row.process {
+            self.trace_ignored(row.id);
+            return Ok(());
+        }
+        self.set_firing(row, firing);
+        let result = match self.plan.hooks {
+            Some(hooks) => (hooks.codes.act)(self, firing, row.id),
+            None => self.perform(row, firing),
+        };
+        self.channel.acting.as_data = None;
+        result
+    }
+
+    /// Value that a code hands over as data.
+    #[inline]
+    pub(crate) fn data_of_firing(row: &CodeRow, firing: PendingCode) -> Option<(DataId, f64)> {
+        match row.form {
+            CodeForm::RegisterAsData { data, .. } => Some((data, firing.value * row.mul + row.add)),
+            _ => None,
+        }
+    }
+
+    /// What firing a code means before it acts: its data, its modal group.
+    #[inline(always)]
+    pub(crate) fn set_firing(&mut self, row: &CodeRow, firing: PendingCode) {
+        self.channel.acting.as_data = Self::data_of_firing(row, firing);
+        self.channel.acting.mode_changed = self.channel.state.modal.code(row.group) != Some(row.id);
+        match row.modality {
+            Modality::NonModal if row.group != 0 && !firing.implied => self.channel.state.modal.refire_once(row.group),
+            Modality::NonModal => {}
+            Modality::Modal => self.channel.state.modal.activate(row.group, row.id, firing.row),
+            Modality::Persistent => self.channel.state.modal.activate_persistent(row.group, row.id, firing.row),
+        }
+    }
+
+    /// The built-in action of a code.
+    #[inline(always)]
+    pub(crate) fn perform(&mut self, row: &CodeRow, firing: PendingCode) -> Acted {
+        let result = match self.plan.action_of_row.get(usize::from(firing.row)).copied().flatten() {
+            Some(action) => {
+                if self.channel.env.trace.is_some() {
+                    self.trace_code(row.id);
+                }
+                action.run(self, row, &firing)
+            }
+            None => {
+                self.trace_ignored(row.id);
+                self.without_action(row.id);
+                Ok(())
+            }
+        };
+        if row.seconds > 0.0 && result.is_ok() {
+            self.take_time(row, firing);
+        }
+        result
+    }
+
+    /// A code that nothing handles (reference control-emulator.md 2.3).
+    pub(crate) fn without_action(&mut self, id: CodeId) {
+        let name = self.channel.env.machine.code_name(id).to_owned();
+        if name == "CODE_IGNORE" {
+            return;
+        }
+        let documented_without = ident::code_facts(id).is_some_and(|facts| !facts.built_in);
+        let text = self.block_text();
+        if documented_without {
+            self.diagnose(
+                &diag::CODE_WITHOUT_PROCESSING,
+                format!("{} has no built-in processing and is passed over in '{text}'", name.to_lowercase()),
+            );
+        } else {
+            self.diagnose(&diag::NO_ACTION, format!("{} has no action in '{text}'", name.to_lowercase()));
+        }
+    }
+
+    /// Loads the start state of the machine: these codes become active without acting.
+    pub(crate) fn initial_codes(&mut self) {
+        for &id in &self.channel.env.machine.initial {
+            let row = self.channel.env.machine.codes.iter().position(|r| r.id == id);
+            if let Some((index, row)) = row.and_then(|i| self.channel.env.machine.codes.get(i).map(|r| (i as u16, r))) {
+                self.channel.state.modal.activate(row.group, id, index);
+            } else if let Some(facts) = ident::code_facts(id) {
+                self.channel.state.modal.activate(facts.group, id, u16::MAX);
+            }
+        }
+        self.channel.state.secondary =
+            self.channel.state.modal.code(group::UNITS) == Some(ident::codes::UNITS_SECONDARY);
+    }
+}

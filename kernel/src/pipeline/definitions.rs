@@ -1,0 +1,103 @@
+//! Definitions of programs that the flow meets, and text that belongs to no program.
+//!
+//! Facts: reference control-emulator.md 5.7 (a definition met in normal flow cannot be skipped). Decisions: that holds
+//! where subprograms stand at the end of the main file or where defined (`same-file`), and not for a program that
+//! another channel runs, where the text ends as at the end of the file. Invariant: text that nothing owns is told once
+//! for each file and channel.
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::log::event::FileId;
+use crate::machine::model::{Placement, RewindStop};
+use crate::mcd::program::{Callers, Range};
+use crate::mcd::source::Source;
+
+impl Kernel<'_> {
+    /// The text of the program goes on with the definition behind it, if that is so here.
+    pub(crate) fn runs_into_definition(&mut self) -> bool {
+        if self.channel.env.machine.subprograms.placement != Placement::SameFile {
+            return false;
+        }
+        let info = self.channel.env.info;
+        let Some((file, range, name)) = self.frame().map(|f| (f.file, f.range, f.name.to_string())) else {
+            return false;
+        };
+        let next = self
+            .channel
+            .env
+            .sources
+            .get(file)
+            .and_then(|source| source.programs().iter().find(|r| r.first == range.last + 1));
+        let runs_elsewhere = |next: &Range| {
+            info.channels.iter().any(|c| !c.program.is_empty() && c.file == file && c.lines.1 == next.last)
+        };
+        let Some(next) = next.filter(|next| !runs_elsewhere(next)) else { return false };
+        if let Some(frame) = self.frame() {
+            frame.range.last = next.last;
+        }
+        // Partners of loops were looked for in the shorter text.
+        self.flow.pairs.remove(&(file, range.first));
+        if self.first_time(file, next.first) {
+            let text =
+                format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);
+            self.diagnose(&diag::RUNS_INTO_DEFINITION, text);
+        }
+        true
+    }
+
+    /// Says what stands before the rewind-stop that a main program begins with.
+    pub(crate) fn tell_leader(&mut self, file: FileId, range: Range) {
+        let format = &self.channel.env.machine.format;
+        let sources = self.channel.env.sources;
+        // Where a rewind-stop is expected, everything before it is passed over by rule (reference 5.1).
+        let Some(source) = sources.get(file).filter(|_| format.rws_at != RewindStop::Start) else {
+            return;
+        };
+        if range.first > 1 && !format.rws.is_empty() && source.line(range.first).trim_ascii() == format.rws.as_bytes() {
+            self.tell_unowned(file, source, (1, range.first - 1));
+        }
+    }
+
+    /// Says what stands before the definitions of a file when one of them is called and nothing runs that text.
+    pub(crate) fn tell_heading(&mut self, file: FileId, called: Range) {
+        let info = self.channel.env.info;
+        let Some(source) = self.channel.env.sources.get(file) else { return };
+        let [heading, _, ..] = source.programs() else { return };
+        if !source.is_plain(*heading) || !self.first_time(file, heading.first) {
+            return;
+        }
+        let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
+        let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
+        // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
+        let is_main = channels.peek().is_some() && Callers::of(self.channel.env.machine).ends_in(source, *heading);
+        let is_run = is_main || channels.any(|c| runs(c.lines));
+        if !is_run && !runs((called.first, called.last)) {
+            self.tell_unowned(file, source, (heading.first, heading.last));
+        }
+    }
+
+    fn tell_unowned(&mut self, file: FileId, source: &Source, (first, last): (u32, u32)) {
+        let mut lines = source.walk(first, last).filter(|&line| source.has_text(line));
+        let Some(from) = lines.next() else { return };
+        let to = lines.next_back().unwrap_or(from);
+        let name = self.channel.env.info.file_name(file);
+        let text = if from == to {
+            format!("line {from} of {name} stands before the program and belongs to none")
+        } else {
+            format!("lines {from} to {to} of {name} stand before the program and belong to none")
+        };
+        let place = (self.channel.at.file, self.channel.at.line);
+        (self.channel.at.file, self.channel.at.line) = (file, from);
+        self.diagnose(&diag::TEXT_OF_NO_PROGRAM, text);
+        (self.channel.at.file, self.channel.at.line) = place;
+    }
+
+    /// This place has not been told of before.
+    fn first_time(&mut self, file: FileId, line: u32) -> bool {
+        let new = !self.flow.told.contains(&(file, line));
+        if new {
+            self.flow.told.push((file, line));
+        }
+        new
+    }
+}

@@ -1,0 +1,274 @@
+//! Stage *follow*: executes what a block asks for at its end (a call, a return, the end), and jumps.
+//!
+//! Facts: reference control-emulator.md 5.7. *Invariant:* nesting is bounded; a backward jump is always counted.
+
+use crate::channel::Kernel;
+use crate::channel::flow::{Callee, Frame, Pending};
+use crate::channel::word_calls::By;
+use crate::diag;
+use crate::log::event::{Call, Kind, Return};
+use crate::machine::model::MainReturn;
+use crate::mcd::spot::Spot;
+use counterpoint_fault::{Acted, Halt};
+
+impl Kernel<'_> {
+    /// The frame being executed.
+    pub(crate) fn frame(&mut self) -> Option<&mut Frame> {
+        self.flow.frames.last_mut()
+    }
+
+    /// Carries out what the block asked for at its end.
+    #[inline(always)]
+    pub(crate) fn follow(&mut self) -> Acted {
+        self.channel.check_stop()?;
+        let flow = &self.flow;
+        if flow.pending.is_some() || flow.modal_call.is_some() || flow.modal_text { self.follow_up() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn follow_up(&mut self) -> Acted {
+        if self.flow.pending.is_none() {
+            if self.flow.modal_text && std::mem::take(&mut self.channel.block.moved) {
+                self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
+            }
+            self.call_modally();
+        }
+        match self.flow.pending.take() {
+            None => Ok(()),
+            Some(Pending::Call { what, passes, arguments, by }) => self.call(what, passes, arguments, by),
+            Some(Pending::CallRange { what, passes }) => self.call_range(what, passes),
+            Some(Pending::CallText(call)) => self.call_text(*call),
+            Some(Pending::Return(target)) => self.give_back(target),
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+        }?;
+        match self.flow.pending {
+            // Said by a macro around the call.
+            Some(Pending::End(stop)) => Err(Halt::End(Some(stop))),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the block does at its end: the last call or return counts, an end code in any case.
+    pub(crate) fn ask(&mut self, pending: Pending) {
+        match &self.flow.pending {
+            Some(Pending::End(_)) => return,
+            Some(Pending::Call { what, .. } | Pending::CallRange { what, .. }) => {
+                let text = format!("{what} is not called: '{}' has another call, return or end", self.block_text());
+                self.diagnose(&diag::SECOND_CALL, text);
+            }
+            _ => {}
+        }
+        self.flow.pending = Some(pending);
+    }
+
+    fn call(&mut self, what: Callee, passes: u32, arguments: Option<Vec<(u8, f64)>>, by: Option<Box<By>>) -> Acted {
+        self.check_nesting(|| match &what {
+            Callee::Program(number) => number.to_string(),
+            other => other.to_string(),
+        })?;
+        self.check_levels(arguments.is_some(), &what)?;
+        let mut found = self.find_program(&what)?;
+        let called = self.called(what.clone(), passes);
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
+            let text = format!("{what} is missing, called in '{}'; {}", self.block_text(), self.places(&what));
+            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        self.tell_heading(file, range);
+        if let Some(by) = &by {
+            self.hand_over(by)?;
+        }
+        let own_variables = arguments.is_some();
+        if let Some(arguments) = arguments {
+            self.dialect.variables.enter(&arguments);
+        }
+        let name = Self::name_of(&what);
+        let next = range.first;
+        let repeats = passes.saturating_sub(1);
+        let by = by.map(|by| by.kind);
+        self.enter(Frame { file, range, next, offset: 0, repeats, closes: false, own_variables, called, by, name });
+        Ok(())
+    }
+
+    /// What is called, as events name it.
+    fn name_of(what: &Callee) -> Box<str> {
+        match what {
+            Callee::Program(number) => format!("O{number:04}").into(),
+            Callee::Named(name) => format!("<{name}>").into(),
+            Callee::Labels(first, last) => format!("label {first}-{last}").into(),
+            Callee::Blocks(first, last) => format!("N{first}-N{last}").into(),
+        }
+    }
+
+    /// Blocks from the first one with a sequence number or label to the next one with another, both included, in the
+    /// current file (reference control-emulator.md 5.7).
+    fn call_range(&mut self, what: Callee, passes: u32) -> Acted {
+        self.check_nesting(|| what.to_string())?;
+        self.check_levels(false, &what)?;
+        let range = self.find_range(&what);
+        let mut found = range.map(|range| (self.channel.at.file, range));
+        let called = self.called(what.clone(), passes);
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
+            let text = format!("{what} is not in the file, called in '{}'", self.block_text());
+            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        let name = Self::name_of(&what);
+        let repeats = passes.saturating_sub(1);
+        let frame = Frame {
+            file,
+            range,
+            next: range.first,
+            offset: 0,
+            repeats,
+            closes: true,
+            own_variables: false,
+            called,
+            by: None,
+            name,
+        };
+        self.enter(frame);
+        Ok(())
+    }
+
+    pub(crate) fn check_nesting(&mut self, called: impl Fn() -> String) -> Acted {
+        let limit = usize::from(self.channel.env.options.limits.nesting);
+        if self.flow.frames.len() <= limit {
+            return Ok(());
+        }
+        let text =
+            format!("more than {limit} subprogram levels at the call of {} in '{}'", called(), self.block_text());
+        Err(self.alarm(&diag::NESTING, text))
+    }
+
+    /// What the control itself allows: levels of macros, of subprograms, and of both together.
+    fn check_levels(&mut self, is_macro: bool, what: &Callee) -> Acted {
+        let levels = self.channel.env.machine.subprograms.levels;
+        let all = self.flow.frames.len();
+        let macros = self.call_level();
+        let deep = |own: usize, limit: Option<u16>| limit.filter(|limit| own > usize::from(*limit));
+        let own = if is_macro { deep(macros + 1, levels.macros) } else { None };
+        let (facts, limit, kind) = if let Some(limit) = own {
+            (&diag::MACRO_LEVELS, limit, "macro calls")
+        } else if let Some(limit) = deep(all, levels.all) {
+            (&diag::CALL_LEVELS, limit, "calls")
+        } else if let Some(limit) = deep(all - macros, levels.subprograms).filter(|_| !is_macro) {
+            (&diag::CALL_LEVELS, limit, "subprogram calls")
+        } else {
+            return Ok(());
+        };
+        let text = format!("more than {limit} levels of {kind} at the call of {what} in '{}'", self.block_text());
+        Err(self.alarm(facts, text))
+    }
+
+    pub(crate) fn enter(&mut self, frame: Frame) {
+        let level = self.flow.frames.len() as u16;
+        self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
+        self.flow.caching = true;
+        self.flow.pass.effects = true;
+        self.flow.frames.push(frame);
+        self.interpreter_entered();
+    }
+
+    /// Return of a subprogram, or of the main program.
+    pub(crate) fn give_back(&mut self, target: Option<u32>) -> Acted {
+        if self.flow.frames.len() <= 1 {
+            return self.main_return(target);
+        }
+        if let Some(frame) = self.flow.frames.last_mut()
+            && frame.repeats > 0
+        {
+            frame.repeats -= 1;
+            let (first, last) = (frame.range.first, frame.range.last);
+            (frame.next, frame.offset) = (first, 0);
+            self.flow.loops.retain(|(level, _)| *level < self.flow.frames.len());
+            self.interpreter_again();
+            self.end_pass(first, last)?;
+            return self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(self));
+        }
+        if let Some(frame) = self.flow.frames.pop() {
+            if frame.own_variables {
+                self.dialect.variables.leave();
+            }
+            self.interpreter_left();
+            self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
+            let level = self.flow.frames.len() as u16;
+            self.emit(0, Kind::Return(Return { level }));
+            if let Some(hooks) = self.plan.hooks {
+                (hooks.program.returned)(self, &frame.called, (frame.file, frame.range))?;
+            }
+        }
+        match target {
+            Some(number) => self.jump_to_sequence(number),
+            None => Ok(()),
+        }
+    }
+
+    fn main_return(&mut self, target: Option<u32>) -> Acted {
+        if let Some(number) = target {
+            return self.jump_to_sequence(number);
+        }
+        match self.channel.env.machine.subprograms.main_return {
+            MainReturn::Restart => {
+                let first = self.frame().map_or(1, |f| f.range.first);
+                self.flow.loops.clear();
+                self.jump_to_line(first)
+            }
+            MainReturn::End => {
+                self.diagnose(
+                    &diag::MAIN_RETURN,
+                    "return code in the main program: the control would start again, the run ends after this cycle",
+                );
+                Err(Halt::End(None))
+            }
+        }
+    }
+
+    /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
+    pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
+        let sources = self.channel.env.sources;
+        let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
+        let blocks = sources.get(file).map_or(&[][..], |s| s.sequences(number));
+        // They are in ascending order.
+        let first_from = |from: Spot| {
+            let from = from.max(Spot::line(range.first));
+            blocks.get(blocks.partition_point(|block| *block < from)).copied().filter(|block| block.line <= range.last)
+        };
+        let found = first_from(next).or_else(|| first_from(Spot::line(range.first)));
+        match found {
+            Some(block) => {
+                self.leave_loops(block);
+                self.jump_to(block)
+            }
+            None => {
+                let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
+                Err(self.alarm(&diag::JUMP_TARGET, text))
+            }
+        }
+    }
+
+    /// Goes on at a line of the current program; a jump back ends a pass of a loop.
+    pub(crate) fn jump_to_line(&mut self, line: u32) -> Acted {
+        self.jump_to(Spot::line(line))
+    }
+
+    /// The same for a block of a line.
+    pub(crate) fn jump_to(&mut self, target: Spot) -> Acted {
+        let Some(frame) = self.frame() else { return Ok(()) };
+        // After a return this is the line of the call.
+        let from = if frame.offset > 0 { frame.next } else { frame.next.saturating_sub(1) };
+        let back = target < frame.next_block();
+        (frame.next, frame.offset) = (target.line, target.offset);
+        if back { self.end_pass(target.line, from) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,134 @@
+//! Stage *leftovers*: what nothing has taken off the block after all its codes have acted.
+//!
+//! Facts: reference control-emulator.md 1.3 (unused data), 2.2 step 12.
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::machine::ident::data;
+use crate::state::block::odd;
+use crate::state::modal::feed_of;
+use crate::state::modal::group;
+use counterpoint_fault::Acted;
+
+impl Kernel<'_> {
+    /// Remembers modal values, diagnoses the rest.
+    #[inline(always)]
+    pub(crate) fn leftovers(&mut self) -> Acted {
+        // A speed word left is a data word left.
+        if self.channel.block.has_leftovers() || self.channel.block.has_oddities() { self.left_over() } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn left_over(&mut self) -> Acted {
+        if self.channel.has_any(self.plan.registers.speed) {
+            (self.plan.actions.speed_word)(self)?;
+        }
+        if self.channel.block.has_leftovers() {
+            for position in 0..self.channel.block.words.len() {
+                let Some(word) = self.channel.block.words.get(position).copied() else { break };
+                if !word.used {
+                    self.leftover_word(word.register, word.value, (word.start, word.end));
+                }
+            }
+        }
+        if !self.channel.block.has_oddities() {
+            return Ok(());
+        }
+        self.left_name();
+        if !self.channel.block.unknown.is_empty() {
+            self.unknown_text()?;
+        }
+        if self.channel.block.odd & odd::OPEN_COMMENT != 0 {
+            let text = format!("a comment or message has no end in '{}'", self.block_text());
+            self.diagnose(&diag::COMMENT_OPEN, text);
+        }
+        if self.channel.block.odd & odd::DIGITS != 0 {
+            let text = format!("a number has more digits than its register's format in '{}'", self.block_text());
+            self.diagnose(&diag::TOO_MANY_DIGITS, text);
+        }
+        if self.channel.block.odd & odd::BYTES != 0 {
+            let text = format!("control characters in line {} are passed over", self.channel.at.line);
+            self.diagnose(&diag::BAD_BYTES, text);
+        }
+        Ok(())
+    }
+
+    fn leftover_word(&mut self, register: u8, value: f64, span: (u32, u32)) {
+        let machine = self.channel.env.machine;
+        let mut rows =
+            self.channel.block.firings.iter().filter_map(|firing| machine.codes.get(usize::from(firing.row)));
+        if rows.any(|row| row.ignores.contains(&register)) {
+            return;
+        }
+        let rows = machine.tables.data_of_register.get(usize::from(register)).map_or(&[][..], Vec::as_slice);
+        let (feed, _) = feed_of(self.channel.state.modal.code(group::FEED));
+        let mut known = false;
+        let mut axis = false;
+        for &index in rows {
+            let Some(row) = machine.data.get(usize::from(index)) else { continue };
+            // A label that no call takes marks its block; the sequence number of a head tells and does nothing.
+            if matches!(row.id, data::LABEL | data::SEQNO_MAIN | data::SEQNO_SIDE)
+                || self.plan.data.ignore.get(usize::from(index)).copied().unwrap_or(false)
+            {
+                known = true;
+                continue;
+            }
+            let is_axis = machine.data_name(row.id).starts_with("REG_AXIS_");
+            axis |= is_axis;
+            let other_feed = matches!(row.id, data::FEED_UPM | data::FEED_UPR | data::FEED_1T) && row.id != feed;
+            if row.modal && !is_axis && !other_feed {
+                let value = (value * row.mul + row.add) * self.channel.unit_factor(row.dimension);
+                self.channel.state.modal.remember(row.id, value);
+                known = true;
+            } else if row.modal && other_feed {
+                known = true;
+            }
+        }
+        if known {
+            return;
+        }
+        let word = self.span_text(span);
+        let block = self.block_text();
+        if axis && !self.channel_has(register) {
+            self.diagnose(
+                &diag::AXIS_NOT_IN_CHANNEL,
+                format!("channel {} has no axis for {word} in '{block}', the word is dropped", self.channel.at.channel),
+            );
+        } else if axis && self.channel.state.modal.code(group::MOTION).is_none() {
+            self.diagnose(&diag::NO_MOTION_MODE, format!("no motion code is active for {word} in '{block}'"));
+        } else {
+            self.diagnose(&diag::DATA_NOT_USED, format!("{word} is not used by anything in '{block}' and is dropped"));
+        }
+    }
+
+    /// One of the channel's axes takes words of this register.
+    fn channel_has(&self, register: u8) -> bool {
+        self.channel.state.place.axes.iter().any(|axis| {
+            self.channel
+                .env
+                .machine
+                .tables
+                .rows_of_data
+                .get(usize::from(axis.data.0))
+                .into_iter()
+                .flatten()
+                .filter_map(|&row| self.channel.env.machine.data.get(usize::from(row)))
+                .any(|row| row.register == Some(register))
+        })
+    }
+
+    pub(crate) fn span_text(&self, (start, end): (u32, u32)) -> String {
+        let line = self.text_bytes();
+        String::from_utf8_lossy(line.get(start as usize..end as usize).unwrap_or_default()).trim().to_owned()
+    }
+
+    /// A program name at the begin of its block defines the program; elsewhere it is unknown text.
+    pub(crate) fn left_name(&mut self) {
+        let Some((start, _)) = self.channel.block.name() else { return };
+        let line = self.text_bytes();
+        let before = line.get(..start as usize).unwrap_or_default();
+        if before.iter().all(|byte| matches!(byte, b' ' | b'\t' | b'/')) {
+            self.channel.block.take_name();
+        }
+    }
+}

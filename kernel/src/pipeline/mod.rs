@@ -1,0 +1,69 @@
+//! The way of one block: read, edit, pre-process, split, codes, leftovers, follow.
+//!
+//! Each stage is a function in a file of its own. A machine with macros adds hooks between the stages (`plan.hooks`); a
+//! machine without macros has none of them and goes the same way. *Invariant:* there is one way of a block, whoever made
+//! its text or its words. Facts: reference control-emulator.md 2.2, 2.3.
+
+mod codes;
+mod definitions;
+mod edit;
+mod follow;
+mod leftovers;
+mod messages;
+mod preprocess;
+mod read;
+mod split;
+
+use counterpoint_fault::Acted;
+
+use crate::channel::Kernel;
+use crate::channel::hook_points::{Edited, Origin};
+use crate::channel::scan::Kind as Split;
+
+impl Kernel<'_> {
+    /// Processes a block from its text up to what is left of it: edit, pre-process, split, codes, leftovers.
+    #[inline(always)]
+    pub(crate) fn block(&mut self, text: &[u8]) -> Acted {
+        let hooks = self.plan.hooks;
+        let edited = match hooks {
+            Some(hooks) => (hooks.block.edit)(self)?,
+            None => Edited::Preprocess,
+        };
+        if edited == Edited::Dropped {
+            return Ok(());
+        }
+        let (own, preprocess) = (self.own_text(), edited == Edited::Preprocess);
+        let text = own.as_deref().map_or(text, String::as_bytes);
+        match self.split(text, preprocess) {
+            Split::Words => {
+                if self.channel.env.trace.is_some() && !self.has_embedded(1) {
+                    self.trace_deleted(text);
+                }
+                if let Some(hooks) = hooks.filter(|_| preprocess) {
+                    (hooks.block.preprocessed)(self)?;
+                }
+                self.words()
+            }
+            Split::Macro => self.statement_block(text),
+        }
+    }
+
+    /// Continues with the words of a block: messages, codes, leftovers.
+    pub(crate) fn words(&mut self) -> Acted {
+        let hooks = self.plan.hooks;
+        if let Some(hooks) = hooks
+            && !(hooks.block.words)(self)?
+        {
+            return Ok(());
+        }
+        if self.channel.env.trace.is_some() {
+            self.trace_words();
+        }
+        match hooks {
+            Some(hooks) => (hooks.block.remarks)(self)?,
+            None if self.channel.block.messages.is_empty() => {}
+            None => self.show_messages_of_block(),
+        }
+        self.codes(Origin::Text)
+    }
+}

@@ -1,0 +1,26 @@
+//! Stage *split*: the text of a block becomes words, unless it is a statement for the pre-processor.
+//!
+//! Facts: reference control-emulator.md 2.2.
+
+use crate::channel::Kernel;
+use crate::channel::scan::Kind as Split;
+
+impl Kernel<'_> {
+    /// Splits a text into words, unless it is for the pre-processor.
+    #[inline(always)]
+    pub(crate) fn split(&mut self, text: &[u8], preprocess: bool) -> Split {
+        let (plan, own) = (self.plan, self.block_scanner());
+        let scanner = own.as_deref().unwrap_or(&plan.scanner);
+        let (secondary, watched) = (self.channel.state.secondary, self.flow.watched);
+        match preprocess {
+            true => scanner.scan(text, secondary, &mut self.channel.block, watched),
+            false => scanner.scan_as(text, secondary, &mut self.channel.block, false),
+        }
+    }
+
+    /// Splits the text of the block again, as macros have changed it; the pre-processor has had its turn.
+    pub(crate) fn split_again(&mut self) {
+        let Some(text) = self.own_text() else { return };
+        self.split(text.as_bytes(), false);
+    }
+}

@@ -1,0 +1,104 @@
+//! Results of real jobs on a shipped machine.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, missing_docs)]
+
+use std::sync::Arc;
+
+use counterpoint_kernel::control::Control;
+use counterpoint_kernel::files::Memory;
+use counterpoint_kernel::job::{Job, Outcome, Program, Sink, Spec};
+use counterpoint_kernel::log::event::{Event, VerdictKind};
+use counterpoint_kernel::log::fold::Folds;
+use counterpoint_kernel::log::info::Info;
+use counterpoint_kernel::log::listing;
+use counterpoint_kernel::log::summary::{Channel, ChannelState, State, Summary};
+use counterpoint_kernel::machine::{load, package};
+use counterpoint_kernel::options::Options;
+
+const S: i64 = 1_000_000_000;
+
+/// A log in memory.
+#[derive(Default)]
+struct Log(Vec<Event>);
+
+impl Sink for Log {
+    fn events(&mut self, _first_seq: u64, batch: &[Event]) -> bool {
+        self.0.extend_from_slice(batch);
+        true
+    }
+}
+
+/// Runs programs, one per channel, on a shipped machine.
+fn run(machine: &str, programs: &[&str]) -> (Arc<Info>, Vec<Event>, Outcome) {
+    let loaded = load(&package::shipped(), machine);
+    let machine = loaded.machine.expect("shipped machine");
+    let mut files = Memory::default();
+    let mut list = Vec::new();
+    for (index, text) in programs.iter().enumerate() {
+        let name = format!("jobs/p{}.nc", index + 1);
+        files.insert(name.clone(), text.as_bytes());
+        list.push(Program { file: name, number: None, channel: None });
+    }
+    let job = Job::prepare(Spec { machine: machine.into(), programs: list, options: Options::default() }, &files)
+        .expect("a job that can run");
+    let mut log = Log::default();
+    let outcome = job.run(&files, &Control::new(job.info().channels.len()), &mut log);
+    (job.info().clone(), log.0, outcome)
+}
+
+fn summary(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> Summary {
+    let mut folds = Folds::new(info);
+    events.iter().for_each(|event| folds.event(event));
+    folds.finish(outcome).summary
+}
+
+fn listing(info: &Arc<Info>, events: &[Event], outcome: &Outcome) -> String {
+    let (mut out, summary) = (Vec::new(), summary(info, events, outcome));
+    listing::render(info, 2, &summary, &mut (1..).zip(events.iter().cloned()), &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+fn times(channel: &Channel) -> [i64; 5] {
+    [channel.end_ns, channel.feed_ns, channel.rapid_ns, channel.misc_ns, channel.wait_ns].map(|ns| ns / 1_000_000)
+}
+
+#[test]
+fn two_turrets_meet() {
+    let (info, events, outcome) =
+        run("fanuc-2path-lathe", &["G4P2000\nM101\nG4P1000\nM30\n", "G4P500\nM101\nG4P3000\nM30\n"]);
+    let summary = summary(&info, &events, &outcome);
+    assert_eq!((summary.state, summary.makespan_ns, &summary.verdict), (State::Succeeded, 5 * S, &None));
+    assert_eq!(
+        summary.channels.iter().map(times).collect::<Vec<_>>(),
+        [[3000, 0, 0, 3000, 0], [5000, 0, 0, 3500, 1500]]
+    );
+    assert!(summary.channels.iter().all(|c| c.state == ChannelState::Ended && c.blocks == 4));
+    let [meeting] = &summary.waits[..] else { panic!("{:?}", summary.waits) };
+    assert_eq!((&*meeting.key, meeting.release_ns), ("M101", Some(2 * S)));
+    let arrivals: Vec<_> = meeting.arrivals.iter().map(|a| (a.channel, a.t_ns, &*a.file, a.line, &*a.block)).collect();
+    assert_eq!(arrivals, [(1, 2 * S, "jobs/p1.nc", 2, "M101"), (2, S / 2, "jobs/p2.nc", 2, "M101")]);
+}
+
+#[test]
+fn a_blocked_channel_ends_at_its_wait() {
+    let (info, events, outcome) = run("fanuc-2path-lathe", &["G4P1000\nM101\nG4P1000\nM30\n", "G4P5000\nM30\n"]);
+    let summary = summary(&info, &events, &outcome);
+    assert_eq!(summary.state, State::Failed);
+    let states: Vec<_> = summary.channels.iter().map(|c| (c.state, c.end_ns, c.wait_ns)).collect();
+    assert_eq!(states, [(ChannelState::Blocked, S, 0), (ChannelState::Ended, 5 * S, 0)]);
+    assert_eq!(summary.waits.len(), 1);
+    assert_eq!((summary.waits[0].release_ns, summary.waits[0].arrivals.len()), (None, 1));
+    let verdict = summary.verdict.expect("a verdict");
+    assert_eq!((verdict.kind, verdict.at_ns), (VerdictKind::PartnerEnded, 5 * S));
+    let members: Vec<_> = verdict.members.iter().map(|m| (m.channel, &*m.file, m.line, &*m.block)).collect();
+    assert_eq!(members, [(1, "jobs/p1.nc", 2, "M101"), (2, "jobs/p2.nc", 2, "M30")]);
+    assert_eq!(verdict.members[0].waiting_for, [2]);
+}
+
+#[test]
+fn a_real_job_lists_every_block() {
+    let (info, events, outcome) = run("fanuc-2path-lathe", &["%\nG4P2000\nM101\nM30\n", "M101\nG4P3000\nM30\n"]);
+    let listing = listing(&info, &events, &outcome);
+    assert!(listing.contains("\n1! M101\nwait mark=101 until 000:02.000\n2! G4P3000\n3! M30\n\nTOOLING"), "{listing}");
+    assert!(listing.contains("MISC       00:00:03       60.000\nIDLE       00:00:02       40.000\n"), "{listing}");
+}
