@@ -41,7 +41,7 @@ fn to_point(act: &mut Act<'_, '_>, coded: u8) -> Acted {
     let mut target = act.machine_point(&act.state.place.position);
     let (mut moving, mut missing) = (0_u8, false);
     let point = &act.env.machine.tool.change_point;
-    for (at, (slot, axis)) in target.iter_mut().zip(&act.state.place.axes).enumerate() {
+    for (at, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
         if coded != 0 && coded & 1 << at == 0 {
             continue;
         }
@@ -71,7 +71,8 @@ pub(super) fn come_back(act: &mut Act<'_, '_>) -> Acted {
     match before {
         Some(before) => {
             let before = act.way_of_machine(&before);
-            let moved = act.state.place.position.iter().zip(&before).take(act.state.place.axes.len()).enumerate();
+            let moved =
+                act.state.place.position.iter().zip(&before).take(act.state.place.layout.axes.len()).enumerate();
             let moving = moved.filter(|(_, (now, then))| now != then).fold(0, |bits, (at, _)| bits | 1_u8 << at);
             act.rapid_to(moving, before)
         }

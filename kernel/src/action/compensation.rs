@@ -31,7 +31,7 @@ pub(super) fn extended(act: &mut Act<'_, '_>) -> Acted {
     };
     let number = number_of(range.unwrap_or(1), register);
     act.missing_work_offset(number);
-    act.state.place.work_offset = number;
+    act.state.place.in_force.work_offset = number;
     let text = match range {
         Some(range) => format!("comp extfixt n={range},{register}"),
         None => format!("comp extfixt n={register}"),

@@ -82,7 +82,7 @@ impl Action for Entry {
     #[inline]
     fn run(&self, kernel: &mut Kernel<'_>, row: &CodeRow, code: &PendingCode) -> Acted {
         let act = &mut Act::new(kernel);
-        if act.state.cycle.running && self.moves && !code.implied {
+        if act.state.cycle.running && self.moves && !code.modal {
             cycle::meets_motion(act)?;
         }
         if act.state.place.frames.is_some() {

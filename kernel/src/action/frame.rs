@@ -26,7 +26,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
     // The mode that the block says, wherever it says so, else the active one.
     let code = |firing: &PendingCode| act.env.machine.codes.get(usize::from(firing.row)).filter(|row| row.enable);
-    let rows = act.block.firings.iter().rev().filter_map(code);
+    let rows = act.block.pending.iter().rev().filter_map(code);
     let said = rows.filter(|row| row.group == group::POSITION).map(|row| row.id).next();
     let mode = said.or_else(|| act.state.modal.code(group::POSITION));
     if mode == Some(codes::POSITION_RELATIVE) {
@@ -34,16 +34,16 @@ pub(super) fn machine_frame(act: &mut Act<'_, '_>) -> Acted {
         act.diagnose(&diag::MACHINE_INCREMENTAL, text);
         return Ok(());
     }
-    act.block.machine_frame = true;
+    act.block.flags.machine_frame = true;
     Ok(())
 }
 
 /// The place where the axes stand gets the programmed values.
 pub(super) fn preset(act: &mut Act<'_, '_>) -> Acted {
     // Nothing turns: words are positions, also of axes whose words are angles.
-    let angles = std::mem::take(&mut act.state.place.angles);
+    let angles = std::mem::take(&mut act.state.place.layout.angles);
     let (coded, target) = act.targets();
-    act.state.place.angles = angles;
+    act.state.place.layout.angles = angles;
     if coded == 0 {
         return Ok(());
     }
@@ -65,7 +65,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
     let number = act.take(data::COMP_WORKP).map_or(1.0, |d| d.value);
     let number = if (1.0..=999.0).contains(&number) { number as u32 } else { 0 };
     act.missing_work_offset(number);
-    act.state.place.work_offset = number;
+    act.state.place.in_force.work_offset = number;
     act.emit(0, Kind::mode(format!("comp workp n={number}")));
     act.reframe();
     Ok(())
@@ -73,7 +73,7 @@ pub(super) fn work_offset(act: &mut Act<'_, '_>) -> Acted {
 
 /// Cancels work offsets.
 pub(super) fn work_offset_off(act: &mut Act<'_, '_>) -> Acted {
-    act.state.place.work_offset = 0;
+    act.state.place.in_force.work_offset = 0;
     act.emit(0, Kind::mode("comp workp off"));
     act.reframe();
     Ok(())
@@ -86,18 +86,18 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
     if sign == 0.0 && act.tip().is_some_and(|tip| tip.with_length) {
         super::tip::off(act)?;
     }
-    act.state.place.length_sign = sign;
+    act.state.place.in_force.length_sign = sign;
     let text = if sign == 0.0 {
-        act.state.place.length_number = 0;
+        act.state.place.in_force.length_number = 0;
         "comp length off".to_owned()
     } else {
         if let Some(number) = number.filter(|n| (0.0..=999_999.0).contains(n)) {
-            act.state.place.length_number = number as u32;
+            act.state.place.in_force.length_number = number as u32;
         }
         act.state.place.compensation.set = set;
         match set {
-            1 => format!("comp length n={}", act.state.place.length_number),
-            _ => format!("comp length n={} set={set}", act.state.place.length_number),
+            1 => format!("comp length n={}", act.state.place.in_force.length_number),
+            _ => format!("comp length n={} set={set}", act.state.place.in_force.length_number),
         }
     };
     act.emit(0, Kind::mode(text));
@@ -107,7 +107,7 @@ pub(super) fn length(act: &mut Act<'_, '_>, sign: f64, set: u8) -> Acted {
 
 /// Length compensation that another code brings along.
 pub(super) fn length_on(act: &mut Act<'_, '_>, number: u32) {
-    (act.state.place.length_sign, act.state.place.length_number) = (1.0, number);
+    (act.state.place.in_force.length_sign, act.state.place.in_force.length_number) = (1.0, number);
     act.emit(0, Kind::mode(format!("comp length n={number}")));
     act.reframe();
 }

@@ -50,7 +50,7 @@ fn reference(axis: &Axis, number: usize) -> Option<f64> {
 
 /// Reports a reference point that the machine does not have for all axes that go there.
 fn check_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
-    let mut axes = act.state.place.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
+    let mut axes = act.state.place.layout.axes.iter().enumerate().filter(|(index, _)| coded & (1 << index) != 0);
     if axes.any(|(_, axis)| reference(axis, number).is_none()) {
         let text = format!("reference point {number} is not defined for every axis of '{}'", act.block_text());
         act.diagnose(&diag::NO_REFERENCE, text);
@@ -72,20 +72,20 @@ fn straight(act: &mut Act<'_, '_>, number: usize) -> Acted {
 
 /// All axes of the channel, bit by axis.
 fn every_axis(act: &Act<'_, '_>) -> u8 {
-    ((1_u16 << act.state.place.axes.len().min(8)) - 1) as u8
+    ((1_u16 << act.state.place.layout.axes.len().min(8)) - 1) as u8
 }
 
 /// Takes the axis words as positions of the machine frame.
 pub(super) fn machine_targets(act: &mut Act<'_, '_>) -> (u8, Position) {
-    let before = std::mem::replace(&mut act.block.machine_frame, true);
+    let before = std::mem::replace(&mut act.block.flags.machine_frame, true);
     let taken = act.targets();
-    act.block.machine_frame = before;
+    act.block.flags.machine_frame = before;
     taken
 }
 
 fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
     let mut target = act.machine_point(&act.state.place.position);
-    for (index, (slot, axis)) in target.iter_mut().zip(&act.state.place.axes).enumerate() {
+    for (index, (slot, axis)) in target.iter_mut().zip(&act.state.place.layout.axes).enumerate() {
         if coded & (1 << index) == 0 {
             continue;
         }
@@ -99,7 +99,7 @@ fn to_reference(act: &mut Act<'_, '_>, coded: u8, number: usize) -> Acted {
 
 /// `home x, z`, the axes that move; `n=2` for a further reference point.
 fn home_text(channel: &Channel<'_>, coded: u8, number: usize) -> String {
-    let axes = (0..channel.state.place.axes.len()).filter(|axis| coded & (1 << axis) != 0);
+    let axes = (0..channel.state.place.layout.axes.len()).filter(|axis| coded & (1 << axis) != 0);
     let mut items: Vec<String> = axes.map(|axis| channel.axis_name(axis)).collect();
     if number > 1 {
         items.push(format!("n={number}"));

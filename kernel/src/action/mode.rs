@@ -42,7 +42,7 @@ pub(super) fn units(act: &mut Act<'_, '_>, secondary: bool) -> Acted {
 
 /// Exact stop at the end of this block.
 pub(super) fn exact_stop_block(act: &mut Act<'_, '_>) -> Acted {
-    act.block.exact_stop = true;
+    act.block.flags.exact_stop = true;
     Ok(())
 }
 

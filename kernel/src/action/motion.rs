@@ -126,7 +126,7 @@ impl Act<'_, '_> {
 
     #[cold]
     fn framed_targets(&mut self) -> (u8, Position) {
-        if self.block.machine_frame {
+        if self.block.flags.machine_frame {
             let machine = self.machine_point(&self.state.place.position);
             let (coded, target) = self.axis_words(machine, |_, _| None, Self::take_axis);
             self.ways_travelled(coded);
@@ -153,7 +153,7 @@ impl Act<'_, '_> {
     /// Takes the word of an axis.
     #[inline(always)]
     fn take_axis(&mut self, axis: usize) -> Option<Datum> {
-        let id = self.state.place.axes.get(axis).map(|a| a.data)?;
+        let id = self.state.place.layout.axes.get(axis).map(|a| a.data)?;
         self.take(id)
     }
 
@@ -172,8 +172,8 @@ impl Act<'_, '_> {
         };
         let mut target = from;
         let mut coded = 0_u8;
-        let as_written = self.state.place.angles == 0 && !self.block.machine_frame;
-        for index in 0..self.state.place.axes.len() {
+        let as_written = self.state.place.layout.angles == 0 && !self.block.flags.machine_frame;
+        for index in 0..self.state.place.layout.axes.len() {
             let Some(datum) = take(self, index) else { continue };
             if relative.is_none() && !datum.incremental {
                 let text = format!(
@@ -188,8 +188,8 @@ impl Act<'_, '_> {
             } else if as_written {
                 datum.value
             } else {
-                let away = if self.block.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
-                match self.state.place.angles & 1 << index {
+                let away = if self.block.flags.machine_frame { shift(self, index).unwrap_or(0.0) } else { 0.0 };
+                match self.state.place.layout.angles & 1 << index {
                     0 => datum.value - away,
                     _ => self.turned_to(index, *slot, datum.value, away),
                 }
@@ -204,6 +204,7 @@ impl Act<'_, '_> {
         let sum = |rotary: bool| {
             self.state
                 .place
+                .layout
                 .axes
                 .iter()
                 .zip(changes)
@@ -281,7 +282,7 @@ impl Act<'_, '_> {
         let feed_length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
         let path = Path { from: &from, to: target, length: feed_length, arc: None };
         let seconds = self.feed_seconds(&path, feed, unit)?;
-        let length = if self.state.place.rotary { self.tool_path(&changes) } else { feed_length };
+        let length = if self.state.place.layout.rotary { self.tool_path(&changes) } else { feed_length };
         let feed = (feed.unwrap_or(0.0), unit);
         self.travel(seconds, &Motion::straight(MotionKind::Linear, coded, [from, *target], feed, length))
     }

@@ -83,8 +83,8 @@ fn is_relative(act: &Act<'_, '_>) -> bool {
 fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
     let mut values = act.offset_values(table, number);
     let relative = is_relative(act);
-    for index in 0..act.state.place.axes.len() {
-        let Some(id) = act.state.place.axes.get(index).map(|axis| axis.data) else { break };
+    for index in 0..act.state.place.layout.axes.len() {
+        let Some(id) = act.state.place.layout.axes.get(index).map(|axis| axis.data) else { break };
         let Some(datum) = act.take(id).filter(|datum| datum.value.is_finite()) else { continue };
         if let Some(slot) = values.get_mut(index) {
             *slot = if relative || datum.incremental { *slot + datum.value } else { datum.value };
@@ -95,7 +95,7 @@ fn axes(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
 
 fn length(act: &mut Act<'_, '_>, table: Table, number: u32) -> bool {
     let mut values = act.offset_values(table, number);
-    let along = act.state.place.cartesian.get(2).copied().flatten().map(usize::from);
+    let along = act.state.place.layout.cartesian.get(2).copied().flatten().map(usize::from);
     let relative = is_relative(act);
     let Some(value) = act.take(data::OFFSET_VALUE).map(|datum| datum.value) else { return false };
     let Some(slot) = along.and_then(|axis| values.get_mut(axis)).filter(|_| value.is_finite()) else { return false };

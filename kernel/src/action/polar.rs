@@ -70,13 +70,13 @@ fn form(cartesian: bool) -> &'static str {
 /// The axes that the machine names for it, else X and the first rotary axis of the workpiece.
 fn axes(act: &Act<'_, '_>) -> Option<(usize, usize)> {
     let channel = act.env.machine.channels.iter().find(|channel| channel.number == act.at.channel)?;
-    let own = |machine: usize| act.state.place.axes.iter().position(|axis| axis.machine == machine);
+    let own = |machine: usize| act.state.place.layout.axes.iter().position(|axis| axis.machine == machine);
     if let Some([linear, rotary]) = channel.polar {
         return own(linear).zip(own(rotary));
     }
     let tables = [data::AXIS_CT, data::AXIS_CT2, data::AXIS_BT, data::AXIS_AT];
     let rotary = tables.into_iter().find_map(|id| act.axis_of_data(id))?;
-    Some((usize::from(act.state.place.cartesian.first().copied().flatten()?), rotary))
+    Some((usize::from(act.state.place.layout.cartesian.first().copied().flatten()?), rotary))
 }
 
 /// A circle on the part. Its plane is that of the part, whatever plane is active.
@@ -170,7 +170,7 @@ impl Act<'_, '_> {
 
     /// Takes the word of an axis of the interpolation, in the axis's own unit.
     pub(super) fn take_polar(&mut self, polar: Polar, axis: usize) -> Option<Datum> {
-        let (id, scale) = self.state.place.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
+        let (id, scale) = self.state.place.layout.axes.get(axis).map(|axis| (axis.data, axis.scale))?;
         let registers = |id: DataId| self.registers_of(id);
         if polar.cartesian && axis != polar.rotary && registers(id) & registers(data::C2P_INTERP_Y) != 0 {
             // A word across is none of the axis that has its letter.

@@ -84,14 +84,14 @@ impl Act<'_, '_> {
     #[cold]
     pub(super) fn at_rates(&self, seconds: f64, from: &Position, to: &Position, made: Option<&Arc>) -> f64 {
         if self.tip().is_some() {
-            let turns = self.state.place.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
+            let turns = self.state.place.layout.axes.iter().zip(from.iter().zip(to)).filter(|(axis, _)| axis.rotary);
             return turns
                 .map(|(axis, (a, b))| (b - a).abs() / axis.rapid)
                 .filter(|t| t.is_finite())
                 .fold(seconds, f64::max);
         }
         let Some(polar) = self.polar() else { return seconds };
-        let rate = self.state.place.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
+        let rate = self.state.place.layout.axes.get(polar.rotary).map_or(0.0, |axis| axis.rapid);
         let [start, end] = [from, to].map(|point| polar.part(&self.state.place, point));
         let length = made.map_or_else(|| (end[0] - start[0]).hypot(end[1] - start[1]), Arc::length);
         let turned = (to.get(polar.rotary).unwrap_or(&0.0) - from.get(polar.rotary).unwrap_or(&0.0)).abs();

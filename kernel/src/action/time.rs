@@ -44,6 +44,7 @@ impl Act<'_, '_> {
             RapidPath::SlowestAxis => self
                 .state
                 .place
+                .layout
                 .axes
                 .iter()
                 .zip(&changes)
@@ -52,7 +53,7 @@ impl Act<'_, '_> {
             RapidPath::Linear => {
                 let length = changes.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let (mut speed, mut acceleration) = (f64::INFINITY, f64::INFINITY);
-                for (axis, change) in self.state.place.axes.iter().zip(&changes) {
+                for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
                     if *change != 0.0 {
                         let share = length / change.abs();
                         speed = speed.min(axis.rapid * share);
@@ -122,13 +123,14 @@ impl Act<'_, '_> {
 
     /// Seconds at a steady speed, with speed changes at both ends under exact stop.
     fn paced(&self, path: &Path<'_>, speed: f64) -> f64 {
-        let exact = self.block.exact_stop || self.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
+        let exact =
+            self.block.flags.exact_stop || self.state.modal.code(group::EXACT_STOP) == Some(codes::EXACTSTOP_ON);
         if !exact {
             return path.length / speed;
         }
         let changes = self.changes(path.from, path.to);
         let mut acceleration = f64::INFINITY;
-        for (axis, change) in self.state.place.axes.iter().zip(&changes) {
+        for (axis, change) in self.state.place.layout.axes.iter().zip(&changes) {
             if *change != 0.0
                 && let Some(a) = axis.acceleration
             {

@@ -18,7 +18,7 @@ pub(crate) const ENTRIES: &[Entry] =
 pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
     let Some(word) = tool_word(act) else { return Ok(()) };
     let (tool, offset) = split(act, word);
-    act.state.place.chosen = true;
+    act.state.place.tools.chosen = true;
     act.tool_event(ToolAction::Select, tool, offset, 0)
 }
 
@@ -26,8 +26,8 @@ pub(super) fn select(act: &mut Act<'_, '_>) -> Acted {
 pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     let (tool, offset) = match tool_word(act) {
         Some(word) => split(act, word),
-        None if act.state.place.chosen || act.state.place.selected > 0 => {
-            (act.state.place.selected, act.state.place.tool_offset)
+        None if act.state.place.tools.chosen || act.state.place.tools.selected > 0 => {
+            (act.state.place.tools.selected, act.state.place.in_force.tool_offset)
         }
         None => {
             let text = format!("no tool is selected for '{}'", act.block_text());
@@ -35,7 +35,7 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
             return Ok(());
         }
     };
-    let changes = tool != 0 && tool != act.state.place.tool;
+    let changes = tool != 0 && tool != act.state.place.tools.current;
     let seconds = if changes { change_seconds(act, tool) } else { 0.0 };
     let action = if changes { ToolAction::Load } else { ToolAction::Offset };
     let ns = crate::state::channel::nanoseconds(seconds);
@@ -46,8 +46,8 @@ pub(super) fn load(act: &mut Act<'_, '_>) -> Acted {
     act.tool_event(action, tool, offset, ns)?;
     if act.env.machine.tool.offset_digits > 0 {
         missing_offset(act, offset);
-        let other = act.state.place.tool_offset != offset;
-        act.state.place.tool_offset = offset;
+        let other = act.state.place.in_force.tool_offset != offset;
+        act.state.place.in_force.tool_offset = offset;
         act.reframe();
         // Compensation goes on with the nose of the new offset.
         if other
@@ -71,7 +71,7 @@ fn missing_offset(act: &mut Act<'_, '_>, offset: u32) {
     if !offsets.is_empty() {
         let text = format!("tool offset {offset} has no values in machine {}, zero is used", machine.name);
         act.diagnose(&diag::NO_OFFSET, text);
-    } else if !std::mem::replace(&mut act.state.place.told_offsets, true) {
+    } else if !std::mem::replace(&mut act.state.place.tools.offsets_reported, true) {
         let text = format!(
             "machine {} has no tool offsets: offset {offset} of '{}' and all others are zero",
             machine.name,
@@ -100,7 +100,7 @@ fn change_seconds(act: &Act<'_, '_>, tool: u32) -> f64 {
     let time = &act.env.machine.time;
     let stations = time.stations;
     let steps = if stations > 0 {
-        let from = act.state.place.tool.saturating_sub(1) % stations;
+        let from = act.state.place.tools.current.saturating_sub(1) % stations;
         let to = tool.saturating_sub(1) % stations;
         let ahead = (to + stations - from) % stations;
         ahead.min(stations - ahead)

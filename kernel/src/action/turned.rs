@@ -102,7 +102,7 @@ fn flat(
     (circle, scale): (&Circle, f64),
     from: Position,
 ) -> Acted {
-    let axes = roles.map(|role| act.state.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let axes = roles.map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
     let [Some(first), Some(second)] = axes else { return Ok(()) };
     let to = act.work_point(&circle.to);
     let mut middle = act.state.place.geometry(&circle.from);

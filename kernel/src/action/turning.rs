@@ -13,7 +13,7 @@ impl Act<'_, '_> {
     #[cold]
     #[inline(never)]
     pub(super) fn turned_to(&self, axis: usize, from: f64, word: f64, away: f64) -> f64 {
-        let of = self.state.place.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
+        let of = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
         let turn = of.map_or(Turn::Position, |axis| axis.turn);
         // Polar interpolation takes the word as a length.
         if turn == Turn::Position || self.polar().is_some() {

@@ -16,7 +16,7 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         let code = |row: u16| machine.codes.get(usize::from(row)).map(|row| (row.id, row.id.kind()));
         let mut in_machine = false;
-        for firing in &self.channel.block.firings {
+        for firing in &self.channel.block.pending {
             match code(firing.row) {
                 Some((codes::CYCLE_ON, _) | (_, CodeKind::Cycle(_) | CodeKind::ThreadCycle(_))) => return,
                 Some((codes::CYCLE_OFF, _)) => return self.queue_by_data(group::MOTION),
@@ -28,7 +28,7 @@ impl Kernel<'_> {
             return self.queue_by_data(group::MOTION);
         }
         self.queue_by_data(group::CYCLE);
-        if let Some(firing) = self.channel.block.firings.last_mut() {
+        if let Some(firing) = self.channel.block.pending.last_mut() {
             firing.order = firing.order.max(IMPLIED_ORDER);
         }
     }

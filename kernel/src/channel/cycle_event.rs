@@ -17,7 +17,7 @@ impl Kernel<'_> {
         let Some(code) = self.hook(Hook::Cycle) else { return (self.plan.actions.make_hole)(self, hole) };
         let preset = self.channel.state.place.preset.get(hole.axis).copied().unwrap_or(0.0);
         let height = |value: Option<f64>| value.map_or(Value::Null, |value| Value::Real(value + preset));
-        let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.reference);
+        let reference = self.channel.state.cycle.activator.then_some(self.channel.state.cycle.heights.reference);
         let mut arguments = [
             code_value(self.channel.state.cycle.code),
             height(reference),

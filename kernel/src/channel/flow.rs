@@ -70,6 +70,30 @@ pub(crate) enum Pending {
     End(Stop),
 }
 
+/// What is kept about lines that may run again.
+#[derive(Debug, Default)]
+pub(crate) struct LineCache {
+    /// A line may run again, so compiled lines are worth keeping.
+    pub(crate) caching: bool,
+    /// Compiled lines of the pre-processor.
+    pub(crate) compiled: Kept<Line>,
+    /// Loop partners by program (file and first line).
+    pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
+    /// Lines of labels by file and label.
+    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Bytes of loop partners and labels.
+    pub(crate) tables: usize,
+}
+
+/// Printing statements of the program.
+#[derive(Debug, Default)]
+pub(crate) struct Printing {
+    /// Between POPEN and PCLOS.
+    pub(crate) open: bool,
+    /// Output outside of them has been reported.
+    pub(crate) closed_reported: bool,
+}
+
 /// Program flow of a channel.
 #[derive(Debug, Default)]
 pub(crate) struct Flow {
@@ -82,24 +106,14 @@ pub(crate) struct Flow {
     /// The pre-processor of another control calls behind blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
-    /// A line may run again, so compiled lines are worth keeping.
-    pub(crate) caching: bool,
-    /// Compiled lines of the pre-processor.
-    pub(crate) compiled: Kept<Line>,
-    /// Between POPEN and PCLOS.
-    pub(crate) prints: bool,
-    /// Output outside of them has been reported.
-    pub(crate) closed_told: bool,
+    /// What is kept about lines that may run again.
+    pub(crate) lines: LineCache,
+    /// Printing statements of the program.
+    pub(crate) printing: Printing,
     /// Loops that the programs are in: level of the program and statement that opens the loop.
     pub(crate) loops: Vec<(usize, Spot)>,
     /// Byte at which the block being processed begins in its line.
     pub(crate) offset: u32,
-    /// Loop partners by program (file and first line).
-    pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
-    /// Lines of labels by file and label.
-    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
-    /// Bytes of loop partners and labels.
-    pub(crate) tables: usize,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been told of, by file and line.

@@ -65,8 +65,8 @@ impl Kernel<'_> {
         }
         let place = &mut self.channel.state.place;
         (place.frames, place.clamped) = (None, 0);
-        (place.work_offset, place.tool_offset) = (1, 0);
-        (place.length_sign, place.length_number) = (0.0, 0);
+        (place.in_force.work_offset, place.in_force.tool_offset) = (1, 0);
+        (place.in_force.length_sign, place.in_force.length_number) = (0.0, 0);
         place.preset = [0.0; MAX_AXES];
         self.reframe();
     }

@@ -10,7 +10,7 @@ use super::macros::Left;
 use super::modal_call::ModalCall;
 use crate::diag;
 use crate::dialect::fanuc::{Name, Statement, TemplateWord, number};
-use crate::state::block::odd;
+use crate::state::block::irregular;
 use counterpoint_fault::Acted;
 use counterpoint_fault::Halt;
 
@@ -39,9 +39,9 @@ impl Kernel<'_> {
         line.name.into_iter().for_each(|span| self.channel.block.set_name(span));
         let Some(words) = words_of(&line.statement) else { return Ok(()) };
         // Arguments are no words of their registers.
-        let odd = self.channel.block.odd & !odd::NUMBERS;
+        let odd = self.channel.block.flags.irregular & !irregular::NUMBERS;
         let mut words = self.call_words(words, own.as_deref().map(|call| (call.register, call.by.value)))?;
-        self.channel.block.odd = odd;
+        self.channel.block.flags.irregular = odd;
         let mut by = None;
         let what = match own {
             Some(call) => {
@@ -90,7 +90,7 @@ impl Kernel<'_> {
         let strict = self.channel.env.machine.subprograms.strict && own.is_none() && words.iter().any(calls);
         for word in words {
             let Name::Letter(letter) = word.name else {
-                self.channel.block.unknown.push((word.start, word.end));
+                self.channel.block.unrecognised.push((word.start, word.end));
                 continue;
             };
             let register = self.plan.scanner.register(letter);
@@ -100,7 +100,7 @@ impl Kernel<'_> {
                     Ok(value) => value,
                     Err(Left::Halt(halt)) => return Err(halt),
                     Err(Left::Text) => {
-                        self.channel.block.unknown.push((word.start, word.end));
+                        self.channel.block.unrecognised.push((word.start, word.end));
                         continue;
                     }
                 },
@@ -133,7 +133,7 @@ impl Kernel<'_> {
                 }
                 letter => match argument(letter) {
                     Some(variable) => read.arguments.push((variable, value)),
-                    None => self.channel.block.unknown.push((word.start, word.end)),
+                    None => self.channel.block.unrecognised.push((word.start, word.end)),
                 },
             }
         }

@@ -8,7 +8,7 @@ use crate::dialect::fanuc::loops::Pairs;
 use crate::dialect::fanuc::{self, Expr, Fault, Line, Name, Statement, TemplateWord, is_vacant, number};
 use crate::log::event::{Kind, Message};
 use crate::mcd::spot::Spot;
-use crate::state::block::{Word, odd};
+use crate::state::block::{Word, irregular};
 use counterpoint_fault::{Acted, Halt};
 
 /// Why a statement has come to no end.
@@ -44,7 +44,7 @@ impl Kernel<'_> {
             Ok(()) => Ok(()),
             Err(Left::Halt(halt)) => Err(halt),
             Err(Left::Text) => {
-                self.channel.block.unknown.push(line.place);
+                self.channel.block.unrecognised.push(line.place);
                 self.made_words()
             }
         }
@@ -56,7 +56,7 @@ impl Kernel<'_> {
         let key = (self.channel.at.file, self.channel.at.line);
         // A text of its own is compiled each time: the line number does not stand for it.
         let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
-        if as_read && let Some(line) = self.flow.compiled.get(key) {
+        if as_read && let Some(line) = self.flow.lines.compiled.get(key) {
             let line = Arc::clone(line);
             self.channel.block.clear();
             if !line.messages.is_empty() {
@@ -76,8 +76,8 @@ impl Kernel<'_> {
         match result {
             Ok(line) => {
                 let line = Arc::new(Line { messages, ..line });
-                if self.flow.caching && as_read {
-                    self.flow.compiled.insert(key, &line, text.len());
+                if self.flow.lines.caching && as_read {
+                    self.flow.lines.compiled.insert(key, &line, text.len());
                 }
                 Ok(line)
             }
@@ -134,7 +134,7 @@ impl Kernel<'_> {
             Statement::Else => Ok(self.skip_past(Pairs::of_branch)?),
             Statement::EndIf => Ok(()),
             Statement::Output(open) => {
-                self.flow.prints = *open;
+                self.flow.printing.open = *open;
                 Ok(())
             }
             Statement::Print(items) => self.print(items, false),
@@ -213,7 +213,7 @@ impl Kernel<'_> {
     fn pairs(&mut self) -> Arc<Pairs> {
         let sources = self.channel.env.sources;
         let Some((file, range)) = self.frame().map(|f| (f.file, f.range)) else { return Arc::default() };
-        if let Some(pairs) = self.flow.pairs.get(&(file, range.first)) {
+        if let Some(pairs) = self.flow.lines.pairs.get(&(file, range.first)) {
             return Arc::clone(pairs);
         }
         let (plan, switched) = (self.plan, self.switched_scanner());
@@ -231,8 +231,8 @@ impl Kernel<'_> {
             fanuc::compile(&stripped, scanner.names()).ok().map(|compiled| (spot, compiled.statement))
         });
         let pairs = Arc::new(Pairs::of(statements));
-        self.flow.tables += pairs.bytes();
-        self.flow.pairs.insert((file, range.first), Arc::clone(&pairs));
+        self.flow.lines.tables += pairs.bytes();
+        self.flow.lines.pairs.insert((file, range.first), Arc::clone(&pairs));
         pairs
     }
 
@@ -322,7 +322,7 @@ impl Kernel<'_> {
                 Ok(value) => value,
                 Err(Left::Halt(halt)) => return Err(halt.into()),
                 Err(Left::Text) => {
-                    self.channel.block.unknown.push((word.start, word.end));
+                    self.channel.block.unrecognised.push((word.start, word.end));
                     continue;
                 }
             };
@@ -346,7 +346,7 @@ impl Kernel<'_> {
                     let refused =
                         self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
                     let wrong = refused && value < 0.0;
-                    self.channel.block.odd |= u8::from(wrong) * odd::SIGN;
+                    self.channel.block.flags.irregular |= u8::from(wrong) * irregular::SIGN;
                     value
                 }
                 _ => value,
@@ -360,7 +360,7 @@ impl Kernel<'_> {
                     start: word.start,
                     end: word.end,
                 }),
-                None => self.channel.block.unknown.push((word.start, word.end)),
+                None => self.channel.block.unrecognised.push((word.start, word.end)),
             }
         }
         if self.channel.env.trace.is_some() {
@@ -383,7 +383,7 @@ impl Kernel<'_> {
     pub(crate) fn read_by_register(&mut self, register: u8, number: fanuc::Number) -> f64 {
         let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
         let (value, odd) = reading.unwrap_or((number.value, 0));
-        self.channel.block.odd |= odd;
+        self.channel.block.flags.irregular |= odd;
         value
     }
 

@@ -29,7 +29,7 @@ impl Kernel<'_> {
         if self.channel.state.place.clamped != 0 {
             self.check_clamps(motion);
         }
-        self.channel.block.moved = true;
+        self.channel.block.flags.moved = true;
         self.flow.pass.effects = true;
         self.channel.state.place.position = motion.to;
         let ns = crate::state::channel::nanoseconds(seconds);
@@ -44,7 +44,7 @@ impl Kernel<'_> {
 
     #[inline(always)]
     fn check_travel(&mut self, to: &Position) {
-        if self.channel.state.place.bounds.limited && !self.channel.state.place.bounds.stop {
+        if self.channel.state.place.layout.bounds.limited && !self.channel.state.place.layout.bounds.stop {
             self.check_limits_of_axes(to);
         }
     }
@@ -52,7 +52,7 @@ impl Kernel<'_> {
     /// Where it is an alarm, an end beyond the limits stops the channel before the move.
     #[inline(always)]
     fn check_travel_before(&mut self, motion: &Motion) -> Acted {
-        if self.channel.state.place.bounds.limited && self.channel.state.place.bounds.stop {
+        if self.channel.state.place.layout.bounds.limited && self.channel.state.place.layout.bounds.stop {
             self.check_limits_of_axes(&motion.to);
             return self.channel.check_stop();
         }
@@ -63,7 +63,7 @@ impl Kernel<'_> {
     fn check_limits_of_axes(&mut self, to: &Position) {
         let mut over = None;
         let machine = self.channel.machine_point(to);
-        for (axis, at) in self.channel.state.place.axes.iter().zip(machine) {
+        for (axis, at) in self.channel.state.place.layout.axes.iter().zip(machine) {
             if let Some((low, high)) = axis.limits
                 && (at < low - 1e-9 || at > high + 1e-9)
             {
@@ -86,7 +86,7 @@ impl Kernel<'_> {
     pub(crate) fn check_clamps(&mut self, motion: &Motion) {
         let round = matches!(motion.kind, MotionKind::ArcCw | MotionKind::ArcCcw);
         let clamped = self.channel.state.place.clamped;
-        for axis in (0..self.channel.state.place.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
+        for axis in (0..self.channel.state.place.layout.axes.len()).filter(|axis| clamped >> axis & 1 != 0) {
             let turns = round && motion.plane_axes.map(usize::from).contains(&axis);
             if !turns && motion.from.get(axis) == motion.to.get(axis) {
                 continue;

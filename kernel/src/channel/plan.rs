@@ -60,7 +60,7 @@ pub(crate) struct DataPlan {
     /// Where the values of each data identifier come from, in row order.
     pub(crate) sources: Vec<Vec<Source>>,
     /// Data that are positions of X, where programs choose between diameter and radius.
-    pub(crate) across: Vec<DataId>,
+    pub(crate) diameter_x: Vec<DataId>,
     /// Data rows that drop their word silently.
     pub(crate) ignore: Vec<bool>,
     /// Data identifiers whose last value stands in when the word is missing; `None` when the machine has none.
@@ -89,7 +89,7 @@ impl Edits {
 
 impl DataPlan {
     fn new(machine: &Machine) -> Self {
-        let across = across(machine);
+        let diameter_x = diameter_x(machine);
         let refused = refused(machine);
         let recall = recall(machine);
         let recalled = |id: usize| recall.as_ref().and_then(|r| r.get(id)).copied().unwrap_or(false);
@@ -101,9 +101,9 @@ impl DataPlan {
         };
         Self {
             registers_of: machine.tables.rows_of_data.iter().enumerate().map(registers_of).collect(),
-            sources: sources(machine, &across),
+            sources: sources(machine, &diameter_x),
             ignore: machine.data.iter().map(|r| !r.process || machine.data_name(r.id) == "REG_IGNORE").collect(),
-            across,
+            diameter_x,
             recall,
             refused,
         }
@@ -269,13 +269,13 @@ pub(crate) struct Source {
     pub(crate) max: f64,
     pub(crate) dimension: Dimension,
     /// A position of X, which may be programmed as a diameter or as a radius.
-    pub(crate) across: bool,
+    pub(crate) diameter_x: bool,
     /// Row of the data table.
     pub(crate) row: u16,
 }
 
 /// Data that are positions of X; none on machines whose programs cannot choose between diameter and radius.
-fn across(machine: &Machine) -> Vec<DataId> {
+fn diameter_x(machine: &Machine) -> Vec<DataId> {
     let chooses = |id| id == codes::XAXIS_DIAMETER || id == codes::XAXIS_RADIUS;
     if !machine.codes.iter().any(|row| row.enable && chooses(row.id)) {
         return Vec::new();
@@ -294,7 +294,7 @@ fn across(machine: &Machine) -> Vec<DataId> {
     axes.chain(own).collect()
 }
 
-fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
+fn sources(machine: &Machine, diameter_x: &[DataId]) -> Vec<Vec<Source>> {
     let source = |&index: &u16| {
         let row = machine.data.get(usize::from(index)).filter(|row| row.process)?;
         Some(Source {
@@ -305,7 +305,7 @@ fn sources(machine: &Machine, across: &[DataId]) -> Vec<Vec<Source>> {
             min: row.min.unwrap_or(f64::NEG_INFINITY),
             max: row.max.unwrap_or(f64::INFINITY),
             dimension: row.dimension,
-            across: across.contains(&row.id),
+            diameter_x: diameter_x.contains(&row.id),
             row: index,
         })
     };

@@ -27,7 +27,10 @@ impl Kernel<'_> {
             }
         }
         line.push_str(if binary { "\n" } else { machine.output.line_end });
-        if machine.output.opened && !self.flow.prints && !std::mem::replace(&mut self.flow.closed_told, true) {
+        if machine.output.opened
+            && !self.flow.printing.open
+            && !std::mem::replace(&mut self.flow.printing.closed_reported, true)
+        {
             let text = format!("'{}' prints without POPEN before it; its output is kept", self.block_text());
             self.diagnose(&diag::PRINT_CLOSED, text);
         }

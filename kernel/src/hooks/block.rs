@@ -133,7 +133,7 @@ impl Kernel<'_> {
             }
         }
         let line = self.text_bytes();
-        for &(start, end) in &self.channel.block.unknown {
+        for &(start, end) in &self.channel.block.unrecognised {
             let part = line.as_ref().get(start as usize..end as usize).unwrap_or_default();
             text.push_str(&String::from_utf8_lossy(part));
             text.push(' ');
@@ -168,8 +168,8 @@ impl Kernel<'_> {
         let machine = self.channel.env.machine;
         self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, &levels)));
         // Lines compiled before have the parts that were skipped then.
-        self.flow.compiled.clear();
-        self.flow.pairs.clear();
+        self.flow.lines.compiled.clear();
+        self.flow.lines.pairs.clear();
     }
 
     /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.
@@ -281,16 +281,16 @@ impl Kernel<'_> {
         if let Some(text) = self.macros.block.unrecognised.as_ref() {
             return text.as_ref().clone();
         }
-        let parts: Vec<String> = self.channel.block.unknown.iter().map(|&span| self.span_text(span)).collect();
+        let parts: Vec<String> = self.channel.block.unrecognised.iter().map(|&span| self.span_text(span)).collect();
         parts.join(" ")
     }
 
     /// Replaces the left-over text.
     pub(crate) fn set_left(&mut self, text: String) {
-        self.channel.block.unknown.clear();
+        self.channel.block.unrecognised.clear();
         if !text.trim().is_empty() {
             // Any span will do: the text comes from here.
-            self.channel.block.unknown.push((0, 0));
+            self.channel.block.unrecognised.push((0, 0));
         }
         self.macros.block.unrecognised = Some(Arc::new(text));
     }

@@ -230,7 +230,7 @@ impl Kernel<'_> {
             if raw < source.min || raw > source.max {
                 self.out_of_range(source.row, raw);
             }
-            let across = if source.across { self.channel.across_factor() } else { 1.0 };
+            let across = if source.diameter_x { self.channel.across_factor() } else { 1.0 };
             let factor = self.channel.unit_factor(source.dimension) * across;
             let value = raw * source.mul + source.add;
             let register = Some(source.register);
@@ -241,7 +241,7 @@ impl Kernel<'_> {
         let rows = self.channel.env.machine.tables.data(id);
         let row = rows.first().and_then(|&row| self.channel.env.machine.data.get(usize::from(row)));
         let (dimension, modal) = row.map_or((Dimension::None, false), |row| (row.dimension.plain(), row.modal));
-        let across = if self.plan.data.across.contains(&id) { self.channel.across_factor() } else { 1.0 };
+        let across = if self.plan.data.diameter_x.contains(&id) { self.channel.across_factor() } else { 1.0 };
         let factor = self.channel.unit_factor(dimension) * across;
         Some(Taken { value, factor, incremental: false, raw: value, modal, register: None })
     }

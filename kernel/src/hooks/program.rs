@@ -78,8 +78,11 @@ impl Kernel<'_> {
         if reset {
             self.channel.state.modal = Modal::new(self.channel.env.machine);
             self.initial_codes();
-            (self.channel.state.place.tool, self.channel.state.place.selected, self.channel.state.place.chosen) =
-                (0, 0, false);
+            (
+                self.channel.state.place.tools.current,
+                self.channel.state.place.tools.selected,
+                self.channel.state.place.tools.chosen,
+            ) = (0, 0, false);
             (self.channel.state.cycle, self.channel.state.arcs) =
                 (crate::state::cycle::Cycle::new(self.channel.env.machine), crate::state::arc::Arcs::default());
             self.forget_frame();

@@ -98,7 +98,7 @@ impl Kernel<'_> {
             Some(target) if target == codes::COMMENT || target == codes::DISPLY => self.fire_remark(target, text),
             Some(target) => match self.row_of_code(target) {
                 Some(row) => self.output_code(
-                    PendingCode { order: 0, row, value: 0.0, implied: false, fragile: false },
+                    PendingCode { order: 0, row, value: 0.0, modal: false, only_if_data_left: false },
                     target,
                     None,
                 ),

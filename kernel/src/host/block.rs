@@ -38,7 +38,7 @@ impl Kernel<'_> {
     /// `$FCEADD`
     pub(crate) fn add_item(&mut self, arguments: &[Value]) -> Outcome<Value> {
         let Some(item) = arguments.first() else { return Ok(Value::Logical(false)) };
-        if self.channel.block.added.len() + self.channel.block.firings.len() >= MOST_ADDED {
+        if self.channel.block.added.len() + self.channel.block.pending.len() >= MOST_ADDED {
             return Err(Fault::new(Number::SIZE, format!("a block has more than {MOST_ADDED} codes and data")));
         }
         let value = match arguments.get(1) {
@@ -67,17 +67,17 @@ impl Kernel<'_> {
         let Some(facts) = self.channel.env.machine.codes.get(usize::from(row)) else { return false };
         // The value is what the row's factor makes of it.
         let value = if facts.mul == 0.0 { value } else { (value - facts.add) / facts.mul };
-        let firing = PendingCode { order: facts.order, row, value, implied: false, fragile: false };
-        let next = self.channel.block.next.min(self.channel.block.firings.len());
-        let rest = self.channel.block.firings.get(next..).unwrap_or(&[]);
+        let firing = PendingCode { order: facts.order, row, value, modal: false, only_if_data_left: false };
+        let next = self.channel.block.next.min(self.channel.block.pending.len());
+        let rest = self.channel.block.pending.get(next..).unwrap_or(&[]);
         let at = next + rest.iter().take_while(|other| other.order <= firing.order).count();
-        self.channel.block.firings.insert(at, firing);
+        self.channel.block.pending.insert(at, firing);
         true
     }
 
     /// Position of a code that has not acted yet.
     fn waiting_code(&self, id: CodeId) -> Option<usize> {
-        let firings = self.channel.block.firings.iter().enumerate().skip(self.channel.block.next);
+        let firings = self.channel.block.pending.iter().enumerate().skip(self.channel.block.next);
         let mut found = firings.filter(|(_, firing)| self.id_of_row(firing.row) == Some(id));
         found.next().map(|(at, _)| at)
     }
@@ -114,9 +114,9 @@ impl Kernel<'_> {
         let Some(item) = arguments.first() else { return Ok(Value::Null) };
         if let Value::Code(_) = item {
             let Some(at) = code_id(item).and_then(|id| self.waiting_code(id)) else { return Ok(Value::Null) };
-            let firing = self.channel.block.firings.get(at).copied();
+            let firing = self.channel.block.pending.get(at).copied();
             if take {
-                self.channel.block.firings.remove(at);
+                self.channel.block.pending.remove(at);
             }
             return Ok(firing.map_or(Value::Null, |firing| Value::Real(self.code_number(firing))));
         }

@@ -87,7 +87,7 @@ impl Kernel<'_> {
             let given = words.iter().find(|(word, _)| is(arguments.get(at), word)).map(|(_, modulo)| *modulo);
             at += usize::from(given.is_some());
             match named {
-                Named::Axis(axis) if self.channel.state.place.axes.get(axis).is_some_and(|axis| axis.rotary) => {
+                Named::Axis(axis) if self.channel.state.place.layout.axes.get(axis).is_some_and(|axis| axis.rotary) => {
                     self.unwind_axis(axis, given.unwrap_or(Modulo::Normal));
                 }
                 _ => done = false,

@@ -36,7 +36,7 @@ impl Kernel<'_> {
             frame.range.last = next.last;
         }
         // Partners of loops were looked for in the shorter text.
-        self.flow.pairs.remove(&(file, range.first));
+        self.flow.lines.pairs.remove(&(file, range.first));
         if self.first_time(file, next.first) {
             let text =
                 format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);

@@ -28,7 +28,7 @@ impl Kernel<'_> {
     #[inline(never)]
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
-            if self.flow.modal_text && std::mem::take(&mut self.channel.block.moved) {
+            if self.flow.modal_text && std::mem::take(&mut self.channel.block.flags.moved) {
                 self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
             }
             self.call_modally();
@@ -174,7 +174,7 @@ impl Kernel<'_> {
     pub(crate) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
-        self.flow.caching = true;
+        self.flow.lines.caching = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
         self.interpreter_entered();

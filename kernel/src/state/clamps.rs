@@ -37,12 +37,12 @@ impl Modulo {
 impl Channel<'_> {
     /// Channel axis that these data move.
     pub(crate) fn axis_of_data(&self, id: DataId) -> Option<usize> {
-        self.state.place.axes.iter().position(|axis| axis.data == id)
+        self.state.place.layout.axes.iter().position(|axis| axis.data == id)
     }
 
     /// Name of a channel axis for listings.
     pub(crate) fn axis_name(&self, axis: usize) -> String {
-        let own = self.state.place.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
+        let own = self.state.place.layout.axes.get(axis).and_then(|axis| self.env.machine.axes.get(axis.machine));
         own.map_or_else(String::new, |own| own.letter.to_lowercase())
     }
 
@@ -53,8 +53,8 @@ impl Channel<'_> {
 
     /// Follows the groups of clamps after a macro has changed active codes.
     pub(crate) fn follow_clamps(&mut self) {
-        for axis in 0..self.state.place.axes.len() {
-            let Some(id) = self.state.place.axes.get(axis).map(|axis| axis.data) else { break };
+        for axis in 0..self.state.place.layout.axes.len() {
+            let Some(id) = self.state.place.layout.axes.get(axis).map(|axis| axis.data) else { break };
             let code = CodeId::of_kind(CodeKind::Clamp(id, true));
             let group = code.and_then(code_facts).map_or(0, |facts| facts.group);
             let active = self.state.modal.code(group).filter(|_| group != 0);

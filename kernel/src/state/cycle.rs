@@ -49,6 +49,56 @@ pub(crate) struct Hole {
     pub(crate) webs: [Option<[f64; 2]>; FURTHER_WEBS],
 }
 
+/// Heights of a cycle along its axis.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct CycleHeights {
+    /// Level along the axis when it began.
+    pub(crate) initial: f64,
+    /// Level that heights count from under a code that carries out.
+    pub(crate) reference: f64,
+    pub(crate) clear: Option<Height>,
+    pub(crate) depth: Option<Height>,
+    pub(crate) retract: Option<Height>,
+    pub(crate) bottom: Option<Height>,
+    /// Start and depth of further webs.
+    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
+}
+
+/// Pecks of a cycle, geometry units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pecks {
+    /// The first one.
+    pub(crate) first: Option<f64>,
+    /// How much each is less than the one before.
+    pub(crate) decrement: f64,
+    /// The smallest one.
+    pub(crate) least: f64,
+    /// The way back after each.
+    pub(crate) retract: f64,
+}
+
+/// Feed and dwells of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rates {
+    /// The feed is the cycle's own, not that of the feed mode.
+    pub(crate) own_feed: bool,
+    pub(crate) feed: (Option<f64>, FeedUnit),
+    /// Feed out of the hole as a multiple of the feed into it.
+    pub(crate) ratio: f64,
+    /// Dwell at depth, per peck, at the top: positive seconds, negative revolutions.
+    pub(crate) dwell: [f64; 3],
+}
+
+/// How a boring cycle leaves the wall.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Boring {
+    /// Shift of the tool, and its parts along X, Y, Z.
+    pub(crate) shift: f64,
+    pub(crate) shifts: [Option<f64>; 3],
+    /// Angle of the oriented spindle.
+    pub(crate) orient: f64,
+}
+
 /// The cycle of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cycle {
@@ -67,33 +117,12 @@ pub(crate) struct Cycle {
     pub(crate) code: Option<CodeId>,
     /// Role and channel axis that it works along.
     pub(crate) axis: Option<(usize, usize)>,
-    /// Level along the axis when it began.
-    pub(crate) initial: f64,
-    /// Level that heights count from under a code that carries out.
-    pub(crate) reference: f64,
-    pub(crate) clear: Option<Height>,
-    pub(crate) depth: Option<Height>,
-    pub(crate) retract: Option<Height>,
-    pub(crate) bottom: Option<Height>,
-    /// Start and depth of further webs.
-    pub(crate) webs: [[Option<Height>; 2]; FURTHER_WEBS],
+    pub(crate) heights: CycleHeights,
     /// Type of a tap as programmed.
     pub(crate) tap: Option<f64>,
-    /// The feed is the cycle's own, not that of the feed mode.
-    pub(crate) own_feed: bool,
-    pub(crate) feed: (Option<f64>, FeedUnit),
-    /// First step, its decrement, smallest step, way back: geometry units.
-    pub(crate) step: Option<f64>,
-    pub(crate) decrement: f64,
-    pub(crate) least: f64,
-    pub(crate) step_back: f64,
-    /// Dwell at depth, per step, at the top: positive seconds, negative revolutions.
-    pub(crate) dwell: [f64; 3],
-    /// Shift of oriented boring, and its parts along X, Y, Z.
-    pub(crate) shift: f64,
-    pub(crate) shifts: [Option<f64>; 3],
-    pub(crate) orient: f64,
-    pub(crate) ratio: f64,
+    pub(crate) rates: Rates,
+    pub(crate) pecks: Pecks,
+    pub(crate) boring: Boring,
     /// `$CYRIGID`
     pub(crate) rigid: f64,
     /// `$CYDIR`
@@ -118,25 +147,16 @@ impl Cycle {
             number: 0.0,
             code: None,
             axis: None,
-            initial: 0.0,
-            reference: 0.0,
-            clear: None,
-            depth: None,
-            retract: None,
-            bottom: None,
-            webs: Default::default(),
+            heights: CycleHeights::default(),
             tap: None,
-            own_feed: false,
-            feed: (None, FeedUnit::PerMinute),
-            step: None,
-            decrement: 0.0,
-            least: machine.cycles.min_step,
-            step_back: machine.cycles.step_back,
-            dwell: [0.0; 3],
-            shift: 0.0,
-            shifts: [None; 3],
-            orient: 0.0,
-            ratio: 1.0,
+            rates: Rates { own_feed: false, feed: (None, FeedUnit::PerMinute), ratio: 1.0, dwell: [0.0; 3] },
+            pecks: Pecks {
+                first: None,
+                decrement: 0.0,
+                least: machine.cycles.min_step,
+                retract: machine.cycles.step_back,
+            },
+            boring: Boring::default(),
             rigid: 0.0,
             direction: 0.0,
         }
@@ -147,9 +167,10 @@ impl Cycle {
         if self.running || self.prepared {
             return;
         }
-        let Self { number, code, axis, rigid, block, least, .. } = *self;
+        let Self { number, code, axis, rigid, block, pecks: Pecks { least, .. }, .. } = *self;
         let blank = Self::blank(self.activator, self.off, machine);
-        *self = Self { prepared: true, number, code, axis, rigid, block, least, ..blank };
+        let pecks = Pecks { least, ..blank.pecks };
+        *self = Self { prepared: true, number, code, axis, rigid, block, pecks, ..blank };
     }
 
     /// A cycle code acts: begins a cycle, or goes on with another kind.
@@ -163,8 +184,8 @@ impl Cycle {
         self.running &= !self.activator;
         self.prepare(machine);
         if !self.running || self.axis != Some(axis) {
-            self.initial = level;
-            self.reference = level;
+            self.heights.initial = level;
+            self.heights.reference = level;
         }
         self.running = !self.activator;
         self.prepared = false;
@@ -176,8 +197,8 @@ impl Cycle {
     pub(crate) fn reframed(&mut self, old: &Position, new: &Position) {
         let change = |axis: usize| Some(old.get(axis)? - new.get(axis)?);
         if let Some(change) = self.axis.and_then(|(_, axis)| change(axis)) {
-            self.initial += change;
-            self.reference += change;
+            self.heights.initial += change;
+            self.heights.reference += change;
         }
     }
 

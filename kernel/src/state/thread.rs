@@ -22,6 +22,18 @@ impl Threads {
     }
 }
 
+/// How the tool leaves a thread: along a chamfer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PullOut {
+    pub(crate) on: bool,
+    /// Its length along the thread, 0 = by the lead.
+    pub(crate) length: f64,
+    /// Its length in leads, if it was said like this.
+    pub(crate) leads: Option<f64>,
+    /// Its angle to the thread, degrees.
+    pub(crate) angle: f64,
+}
+
 /// Threading cycles of a channel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Threading {
@@ -45,13 +57,7 @@ pub(crate) struct Threading {
     pub(crate) finish: f64,
     /// Angle of the nose, degrees.
     pub(crate) nose: f64,
-    pub(crate) chamfer: bool,
-    /// Its length along the thread, 0 = by the lead.
-    pub(crate) chamfer_length: f64,
-    /// Its length in leads, if it was told like this.
-    pub(crate) chamfer_leads: Option<f64>,
-    /// Its angle to the thread, degrees.
-    pub(crate) chamfer_angle: f64,
+    pub(crate) pull_out: PullOut,
     /// End of threads of one pass along X and Z, as programmed, and their taper; they last as long as their code.
     pub(crate) end: [Option<f64>; 2],
     pub(crate) taper: f64,
@@ -74,10 +80,12 @@ impl Threading {
             finish_cuts: f64::from(threads.finish_cuts),
             finish: threads.finish,
             nose: threads.nose,
-            chamfer: threads.chamfer,
-            chamfer_length: threads.chamfer_length,
-            chamfer_leads: None,
-            chamfer_angle: threads.chamfer_angle,
+            pull_out: PullOut {
+                on: threads.chamfer,
+                length: threads.chamfer_length,
+                leads: None,
+                angle: threads.chamfer_angle,
+            },
             end: [None; 2],
             taper: 0.0,
         }
@@ -110,7 +118,7 @@ impl Threading {
 
     /// A length of the chamfer, 0 = by the lead.
     pub(crate) fn set_chamfer(&mut self, length: f64) {
-        (self.chamfer_length, self.chamfer_leads) = (length, None);
+        (self.pull_out.length, self.pull_out.leads) = (length, None);
     }
 
     /// `$THCUTS`

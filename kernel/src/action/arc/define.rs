@@ -16,7 +16,7 @@ use counterpoint_fault::Acted;
 pub(super) fn direction(act: &mut Act<'_, '_>, form: Form) -> Option<bool> {
     let machine = act.env.machine;
     let on_block = || {
-        let ids = act.block.firings.iter().filter_map(|code| machine.codes.get(usize::from(code.row)));
+        let ids = act.block.pending.iter().filter_map(|code| machine.codes.get(usize::from(code.row)));
         ids.map(|row| row.id).find_map(|id| match id {
             codes::INTERP_DEF_CLW => Some(true),
             codes::INTERP_DEF_CCLW => Some(false),
@@ -38,13 +38,13 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: usize) -> Opti
                 Heights::Absolute => false,
                 Heights::Mode => act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE),
             };
-    let scale = act.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
+    let scale = act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale);
     let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
     Some(match relative {
         true => of(&act.programmed()) * scale + datum.value,
         false => {
             let value = datum.value * act.factor_across(axis);
-            let shift = if act.block.machine_frame { of(&act.state.place.shift) } else { 0.0 };
+            let shift = if act.block.flags.machine_frame { of(&act.state.place.shift) } else { 0.0 };
             (value - shift) * scale
         }
     })
@@ -54,7 +54,7 @@ pub(super) fn coordinate(act: &mut Act<'_, '_>, id: DataId, axis: usize) -> Opti
 pub(crate) fn define_center(act: &mut Act<'_, '_>) -> Acted {
     let mut center = [None; 3];
     for (role, id) in [data::ARC_CENTER_X, data::ARC_CENTER_Y, data::ARC_CENTER_Z].into_iter().enumerate() {
-        let axis = act.state.place.cartesian.get(role).copied().flatten();
+        let axis = act.state.place.layout.cartesian.get(role).copied().flatten();
         let value = match axis {
             Some(axis) => coordinate(act, id, usize::from(axis)),
             None => not_here(act, id),

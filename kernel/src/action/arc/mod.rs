@@ -89,7 +89,7 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
         act.diagnose(&diag::ARC_PLANE, text);
         return Ok(());
     };
-    let words = take_words(act, form, &plane, &flat, (coded, code.implied));
+    let words = take_words(act, form, &plane, &flat, (coded, code.modal));
     if coded == 0 && words.radius.is_none() && words.center.is_none() && words.angle.is_none() {
         return Ok(());
     }
@@ -114,9 +114,9 @@ pub(super) fn arc(act: &mut Act<'_, '_>, form: Form, code: &PendingCode) -> Acte
 /// The active plane, if the channel has its axes.
 fn active_plane(act: &Act<'_, '_>) -> Option<(Plane, Flat)> {
     let plane = plane(act.state.modal.code(group::PLANE)?)?;
-    let index = |role: usize| act.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let index = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     let axes = [index(plane.first)?, index(plane.second)?];
-    let scales = axes.map(|axis| act.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
     Some((plane, Flat { axes, scales }))
 }
 
@@ -226,7 +226,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// A linear axis out of the plane moves too.
 fn rises(act: &Act<'_, '_>, flat: &Flat, from: &Position, to: &Position) -> bool {
-    let axes = act.state.place.axes.iter().zip(from).zip(to).enumerate();
+    let axes = act.state.place.layout.axes.iter().zip(from).zip(to).enumerate();
     axes.filter(|(at, ((axis, _), _))| !flat.axes.contains(at) && !axis.rotary).any(|(_, ((_, a), b))| a != b)
 }
 
@@ -307,13 +307,15 @@ impl Act<'_, '_> {
         let rise = changes
             .iter()
             .enumerate()
-            .filter(|&(i, _)| i != first && i != second && self.state.place.axes.get(i).is_some_and(|a| !a.rotary))
+            .filter(|&(i, _)| {
+                i != first && i != second && self.state.place.layout.axes.get(i).is_some_and(|a| !a.rotary)
+            })
             .map(|(_, c)| c * c)
             .sum::<f64>();
         let length = (made.length() * made.length() + rise).sqrt();
-        let x = self.state.place.cartesian.first().copied().flatten().map(usize::from);
+        let x = self.state.place.layout.cartesian.first().copied().flatten().map(usize::from);
         let radial = [first, second].iter().position(|&axis| Some(axis) == x);
-        let scale = |axis: usize| self.state.place.axes.get(axis).map_or(1.0, |a| a.scale);
+        let scale = |axis: usize| self.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale);
         let center = [made.center[0] / scale(first), made.center[1] / scale(second)];
         let path = Path { from: &from, to: &to, length: made.length(), arc: Some((&made, radial)) };
         let mut seconds = self.feed_seconds(&path, feed, unit)?;

@@ -54,7 +54,7 @@ pub(crate) fn through(act: &mut Act<'_, '_>) -> Acted {
     };
     check_radius(act, circle.radius);
     let changes = act.changes(&from, &target);
-    let others = changes.iter().zip(&act.state.place.axes).enumerate();
+    let others = changes.iter().zip(&act.state.place.layout.axes).enumerate();
     let rise: f64 = others.filter(|(at, (_, a))| !a.rotary && !seen.has(*at)).map(|(_, (c, _))| c * c).sum();
     // X swings as it would on a flat arc of its own reach.
     let (center, reach, start_angle) = circle.swing(0);
@@ -87,7 +87,7 @@ fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
     let (mut said, mut via) = (0, act.programmed());
     for (role, id) in [data::ARC_3D_POINT_X, data::ARC_3D_POINT_Y, data::ARC_3D_POINT_Z].into_iter().enumerate() {
         let Some(datum) = act.take(id) else { continue };
-        let Some(axis) = act.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
             let text = format!("channel {} has no axis for a word of '{}'", act.at.channel, act.block_text());
             act.diagnose(&diag::AXIS_NOT_IN_CHANNEL, text);
             continue;
@@ -96,7 +96,7 @@ fn way_point(act: &mut Act<'_, '_>) -> (u8, Position) {
         let Some(slot) = via.get_mut(axis) else { continue };
         *slot = if datum.incremental || relative && !datum.absolute {
             *slot + datum.value
-        } else if act.block.machine_frame {
+        } else if act.block.flags.machine_frame {
             datum.value - shift
         } else {
             datum.value

@@ -25,6 +25,6 @@ impl Act<'_, '_> {
         self.at.micro = if late > 0 { 0 } else { waiting.micro };
         (self.at.file, self.at.line) = (waiting.file, waiting.line);
         self.text.edited.clone_from(&waiting.text);
-        self.block.exact_stop = waiting.exact;
+        self.block.flags.exact_stop = waiting.exact;
     }
 }

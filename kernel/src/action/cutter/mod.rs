@@ -103,7 +103,7 @@ fn compensated_plane(act: &Act<'_, '_>) -> Option<(CodeId, [usize; 2])> {
     }
     let code = act.state.modal.code(group::PLANE)?;
     let plane = plane(code)?;
-    let axis = |role: usize| act.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     Some((code, [axis(plane.first)?, axis(plane.second)?]))
 }
 
@@ -141,7 +141,7 @@ pub(super) fn to_contour(act: &mut Act<'_, '_>, feed: Option<f64>, unit: FeedUni
 
 /// What an action means for a move that waits.
 pub(super) fn before(act: &mut Act<'_, '_>, contour: Contour) -> Acted {
-    let (blocks, in_machine) = (act.at.blocks, act.block.machine_frame);
+    let (blocks, in_machine) = (act.at.blocks, act.block.flags.machine_frame);
     let Some(cutter) = act.cutter() else { return Ok(()) };
     if cutter.seen != blocks {
         cutter.idle += u32::from(cutter.waiting.first().is_some_and(|first| first.block != cutter.seen));
@@ -289,7 +289,7 @@ impl Act<'_, '_> {
         let ending = cutter.stage == Stage::Ending;
         let radius = if length.is_normal() && !ending { cutter.radius / length } else { 0.0 };
         for (role, part) in vector.into_iter().enumerate() {
-            let axis = self.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+            let axis = self.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
             if let Some(slot) = axis.and_then(|axis| to.get_mut(axis)) {
                 *slot += part * radius / self.state.place.scale_of(role);
             }
@@ -337,7 +337,7 @@ impl Act<'_, '_> {
     fn wait(&mut self, step: Step, element: Option<Element>) {
         let (file, line, block, clock, micro) =
             (self.at.file, self.at.line, self.at.blocks, self.at.clock, self.at.micro);
-        let exact = self.block.exact_stop;
+        let exact = self.block.flags.exact_stop;
         let text = self.text.edited.clone();
         let first = element.is_some();
         if first {
@@ -350,7 +350,7 @@ impl Act<'_, '_> {
             cutter.idle = 0;
         }
         cutter.waiting.push(Waiting { step, element, file, line, block, clock, micro, exact, text, events });
-        self.block.moved = true;
+        self.block.flags.moved = true;
         self.note_effect();
     }
 }

@@ -19,7 +19,7 @@ use counterpoint_motion::contour::element::{Element, NOISE, Spot, angle, distanc
 impl Act<'_, '_> {
     /// Coordinate of a position as geometry.
     pub(super) fn radial(&self, of: &Position, axis: usize) -> f64 {
-        let scale = self.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+        let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
         of.get(axis).copied().unwrap_or(0.0) * scale
     }
 
@@ -45,7 +45,7 @@ impl Act<'_, '_> {
             return position;
         }
         for (axis, value) in cutter.axes.into_iter().zip(plus(spot, cutter.tip, -1.0)) {
-            let scale = self.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+            let scale = self.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
             if let Some(slot) = position.get_mut(axis) {
                 *slot = crate::state::frames::clean(value / scale, *slot);
             }
@@ -128,7 +128,7 @@ impl Act<'_, '_> {
         let waiting = std::mem::take(&mut cutter.waiting);
         cutter.idle = 0;
         let begun = cutter.stage;
-        let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.exact_stop);
+        let now = (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop);
         let edited = self.text.edited.clone();
         let mut events = self.release_events().into_iter();
         let (mut late, mut out) = (0_i64, 0_usize);
@@ -144,7 +144,7 @@ impl Act<'_, '_> {
             late = late.saturating_add(self.at.clock.saturating_sub(before));
         }
         self.put_back_events(&mut events, usize::MAX, late);
-        (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.exact_stop) = now;
+        (self.at.clock, self.at.micro, self.at.file, self.at.line, self.block.flags.exact_stop) = now;
         self.text.edited = edited;
         self.at.clock = self.at.clock.saturating_add(late);
         if late > 0 {

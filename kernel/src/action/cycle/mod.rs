@@ -33,7 +33,7 @@ pub(crate) const ENTRIES: &[Entry] = &[
 
 /// A cycle code: takes its data, and makes its holes if the block has a position.
 pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code: &PendingCode) -> Acted {
-    if act.state.cycle.activator && code.implied {
+    if act.state.cycle.activator && code.modal {
         return Ok(());
     }
     let positioned = has_position(act);
@@ -48,7 +48,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
     }
     if kind.bores_back() && act.state.cycle.code != Some(row.id) {
         // Its clearance is the level where it stands unless it says so itself.
-        act.state.cycle.clear = None;
+        act.state.cycle.heights.clear = None;
     }
     let level = act.programmed().get(axis).copied().unwrap_or(0.0);
     let machine = act.env.machine;
@@ -63,7 +63,7 @@ pub(super) fn cycle(act: &mut Act<'_, '_>, kind: HoleCycle, row: &CodeRow, code:
 
 /// The code that carries out the cycle that was defined before.
 pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Acted {
-    if code.implied && !has_position(act) {
+    if code.modal && !has_position(act) {
         return Ok(());
     }
     let (Some(kind), Some((_, axis))) = (HoleCycle::numbered(act.state.cycle.number), act.state.cycle.axis) else {
@@ -72,14 +72,14 @@ pub(super) fn on(act: &mut Act<'_, '_>, row: &CodeRow, code: &PendingCode) -> Ac
         return Ok(());
     };
     if !act.state.cycle.running {
-        act.state.cycle.initial = act.programmed().get(axis).copied().unwrap_or(0.0);
+        act.state.cycle.heights.initial = act.programmed().get(axis).copied().unwrap_or(0.0);
     }
     act.state.cycle.block = act.at.blocks;
     act.state.cycle.running = true;
     act.state.cycle.code = act.state.cycle.code.or(Some(row.id));
     let words = words::take_position(act);
     if words.coded & 1 << axis != 0 {
-        act.state.cycle.reference = words.target.get(axis).copied().unwrap_or(0.0);
+        act.state.cycle.heights.reference = words.target.get(axis).copied().unwrap_or(0.0);
     }
     holes(act, kind, &words)
 }
@@ -128,8 +128,9 @@ fn has_position(act: &Act<'_, '_>) -> bool {
 
 /// Role and channel axis that a cycle works along: that of its row, else the one that the plane leaves; Z on a lathe.
 fn axis_of(act: &Act<'_, '_>, row: &CodeRow) -> Option<(usize, usize)> {
-    let axis =
-        |role: usize| act.state.place.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)));
+    let axis = |role: usize| {
+        act.state.place.layout.cartesian.get(role).copied().flatten().map(|axis| (role, usize::from(axis)))
+    };
     if let Some(role) = row.axis {
         return axis(usize::from(role));
     }
@@ -149,7 +150,7 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
         return Ok(());
     }
     let from = act.programmed();
-    act.check_feed(act.state.cycle.feed.0)?;
+    act.check_feed(act.state.cycle.rates.feed.0)?;
     let Some(mut hole) = heights(act, kind, words) else { return Ok(()) };
     for pass in 0..words.times {
         if pass > 0 {
@@ -170,10 +171,10 @@ fn holes(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Acted 
 fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Option<Hole> {
     let state = act.state.cycle;
     let (_, axis) = state.axis?;
-    let base = if state.activator { state.reference } else { state.initial };
-    let bottom = state.bottom.map(|height| height.from(base));
+    let base = if state.activator { state.heights.reference } else { state.heights.initial };
+    let bottom = state.heights.bottom.map(|height| height.from(base));
     let distance = act.env.machine.cycles.clearance == Heights::Incremental;
-    if state.clear.is_none() && !kind.bores_back() && !distance && act.env.machine.cycles.clearance_required {
+    if state.heights.clear.is_none() && !kind.bores_back() && !distance && act.env.machine.cycles.clearance_required {
         let text = format!("a cycle needs its clearance height, '{}' starts where it stands", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
@@ -181,15 +182,16 @@ fn heights(act: &mut Act<'_, '_>, kind: HoleCycle, words: &words::Words) -> Opti
         let text = format!("back boring needs its lower clearance in '{}', nothing is bored", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
-    let clear = state.clear.map_or(base, |height| height.from(base));
+    let clear = state.heights.clear.map_or(base, |height| height.from(base));
     let start = if kind.bores_back() { bottom.unwrap_or(clear) } else { clear };
-    let depth = state.depth.map(|height| height.from(start));
+    let depth = state.heights.depth.map(|height| height.from(start));
     if depth.is_none() {
         let text = format!("a cycle needs its depth in '{}', nothing is drilled", act.block_text());
         act.diagnose(&diag::DATA_MISSING, text);
     }
     let stays = act.state.modal.code(group::RETRACT) == Some(codes::CYCLE_RETRACT_R) && !kind.bores_back();
-    let wanted = if stays { clear } else { state.retract.map_or(state.initial, |height| height.from(base)) };
+    let wanted =
+        if stays { clear } else { state.heights.retract.map_or(state.heights.initial, |height| height.from(base)) };
     // Never nearer to the hole than the clearance height.
     let back = match depth {
         Some(depth) if depth < clear => wanted.max(clear),

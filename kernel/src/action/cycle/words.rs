@@ -31,22 +31,22 @@ pub(super) struct Words {
 pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words) {
     take_feed(act);
     let Some((role, axis)) = act.state.cycle.axis else { return (kind, position(act)) };
-    let scale = act.state.place.axes.get(axis).map_or(1.0, |axis| axis.scale);
+    let scale = act.state.place.layout.axes.get(axis).map_or(1.0, |axis| axis.scale);
     let rules = (act.env.machine.cycles.clearance, act.env.machine.cycles.depth);
     depth(act, (role, axis), scale, rules.1);
     if kind.bores_back()
         && let Some(bottom) = height(act, data::CYCLE_BOTTOM, rules.0, scale)
     {
-        act.state.cycle.bottom = Some(bottom);
+        act.state.cycle.heights.bottom = Some(bottom);
     }
     if let Some(clear) = height(act, data::CYCLE_CLEAR, rules.0, scale) {
-        act.state.cycle.clear = Some(clear);
+        act.state.cycle.heights.clear = Some(clear);
     }
     if kind.has_webs() {
         for (web, ids) in super::webs::DATA.into_iter().enumerate() {
             for (end, id) in ids.into_iter().enumerate() {
                 let height = height(act, id, rules.1, scale);
-                let slot = act.state.cycle.webs.get_mut(web).and_then(|web| web.get_mut(end));
+                let slot = act.state.cycle.heights.webs.get_mut(web).and_then(|web| web.get_mut(end));
                 if let (Some(slot), Some(height)) = (slot, height) {
                     *slot = Some(height);
                 }
@@ -55,7 +55,7 @@ pub(super) fn take(act: &mut Act<'_, '_>, kind: HoleCycle) -> (HoleCycle, Words)
     }
     let mut words = position(act);
     if let Some(retract) = height(act, data::CYCLE_RETRACT, rules.0, scale) {
-        act.state.cycle.retract = Some(retract);
+        act.state.cycle.heights.retract = Some(retract);
     }
     let kind = amounts(act, kind);
     words.times = times(act);
@@ -83,20 +83,20 @@ fn take_feed(act: &mut Act<'_, '_>) {
                 if threads == 0.0 { 0.0 } else { act.unit_factor(Dimension::Length) / threads }
             };
             let value = if id == data::CYCLE_TPU { pitch(datum.value) } else { datum.value };
-            act.state.cycle.feed = (Some(value), unit);
-            act.state.cycle.own_feed = true;
+            act.state.cycle.rates.feed = (Some(value), unit);
+            act.state.cycle.rates.own_feed = true;
             return;
         }
     }
     let (id, unit) = feed_of(act.state.modal.code(group::FEED));
     if let Some(datum) = act.take(id) {
         act.state.modal.remember(id, datum.value);
-        act.state.cycle.feed = (Some(datum.value), unit);
-        act.state.cycle.own_feed = false;
-    } else if !act.state.cycle.own_feed {
+        act.state.cycle.rates.feed = (Some(datum.value), unit);
+        act.state.cycle.rates.own_feed = false;
+    } else if !act.state.cycle.rates.own_feed {
         // Inverse time belongs to its block alone.
         let known = if unit == FeedUnit::InverseTime { None } else { act.state.modal.value(id) };
-        act.state.cycle.feed = (known, unit);
+        act.state.cycle.rates.feed = (known, unit);
     }
 }
 
@@ -105,11 +105,11 @@ fn depth(act: &mut Act<'_, '_>, (role, axis): (usize, usize), scale: f64, rule: 
     let id = [data::CYCLE_DEPTH_X, data::CYCLE_DEPTH_Y, data::CYCLE_DEPTH_Z].get(role).copied();
     let own = id.and_then(|id| height(act, id, rule, scale));
     let depth = own.or_else(|| {
-        let id = act.state.place.axes.get(axis).map(|axis| axis.data)?;
+        let id = act.state.place.layout.axes.get(axis).map(|axis| axis.data)?;
         height(act, id, rule, 1.0)
     });
     if depth.is_some() {
-        act.state.cycle.depth = depth;
+        act.state.cycle.heights.depth = depth;
     }
 }
 
@@ -122,9 +122,9 @@ fn height(act: &mut Act<'_, '_>, id: DataId, rule: Heights, scale: f64) -> Optio
     }
     let axis = act.state.cycle.axis.map(|(_, axis)| axis);
     // The word of the axis itself has been taken as its axis counts.
-    let own = axis.filter(|axis| act.state.place.axes.get(*axis).is_some_and(|axis| axis.data != id));
+    let own = axis.filter(|axis| act.state.place.layout.axes.get(*axis).is_some_and(|axis| axis.data != id));
     let factor = own.map_or(1.0, |axis| act.factor_across(axis));
-    let shift = axis.filter(|_| act.block.machine_frame).and_then(|axis| act.state.place.shift.get(axis));
+    let shift = axis.filter(|_| act.block.flags.machine_frame).and_then(|axis| act.state.place.shift.get(axis));
     Some(Height { value: datum.value * factor - shift.copied().unwrap_or(0.0), relative })
 }
 
@@ -143,7 +143,7 @@ fn is_relative(act: &Act<'_, '_>, rule: Heights, datum: &Datum) -> bool {
 fn position(act: &mut Act<'_, '_>) -> Words {
     let mode = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut relative = 0;
-    for (index, axis) in act.state.place.axes.iter().enumerate() {
+    for (index, axis) in act.state.place.layout.axes.iter().enumerate() {
         let sources = act.sources(axis.data).iter();
         let word = sources.filter_map(|source| act.block.look(source.register)).next();
         let added = || act.block.added.iter().any(|(id, _)| *id == axis.data);
@@ -162,36 +162,36 @@ fn amounts(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
     if act.state.cycle.rigid == 2.0 && kind.taps() {
         kind = kind.rigid(false);
         if let Some(step) = act.take(data::CYCLE_STEP) {
-            act.state.cycle.step = Some(step.value.abs());
+            act.state.cycle.pecks.first = Some(step.value.abs());
         }
-        kind = kind.rigid(act.state.cycle.step.is_some_and(|step| step > 0.0));
+        kind = kind.rigid(act.state.cycle.pecks.first.is_some_and(|step| step > 0.0));
         act.state.cycle.number = kind.number();
     } else if kind.is_rigid() {
         act.state.cycle.rigid = 1.0;
     }
     if kind.dwells()
         && let Some(dwell) = act.take_seconds(data::CYCLE_DWELL)
-        && let [bottom, ..] = &mut act.state.cycle.dwell
+        && let [bottom, ..] = &mut act.state.cycle.rates.dwell
     {
         *bottom = dwell;
     }
     if kind.steps() != Steps::None {
         if let Some(step) = act.take(data::CYCLE_STEP) {
-            act.state.cycle.step = Some(step.value.abs());
+            act.state.cycle.pecks.first = Some(step.value.abs());
         }
         if let Some(decrement) = act.take(data::CYCLE_STEP_DECR) {
-            act.state.cycle.decrement = decrement.value.abs();
+            act.state.cycle.pecks.decrement = decrement.value.abs();
         }
     }
     if (kind.steps() != Steps::None || kind.has_webs())
         && let Some(back) = act.take(data::CYCLE_STEP_BACK)
     {
-        act.state.cycle.step_back = back.value.abs();
+        act.state.cycle.pecks.retract = back.value.abs();
     }
     if kind.is_rigid()
         && let Some(orient) = act.take(data::CYCLE_RIGID_ORIENT)
     {
-        act.state.cycle.orient = orient.value;
+        act.state.cycle.boring.orient = orient.value;
     }
     if kind.out() == Out::Oriented {
         shifts(act);
@@ -226,15 +226,15 @@ fn tap_type(act: &mut Act<'_, '_>, kind: HoleCycle) -> HoleCycle {
 
 fn shifts(act: &mut Act<'_, '_>) {
     if let Some(orient) = act.take(data::CYCLE_ORIENT) {
-        act.state.cycle.orient = orient.value;
+        act.state.cycle.boring.orient = orient.value;
     }
     if let Some(shift) = act.take(data::CYCLE_BORE_JOG) {
-        act.state.cycle.shift = shift.value;
+        act.state.cycle.boring.shift = shift.value;
     }
     for (index, id) in [data::CYCLE_BORE_JOG_X, data::CYCLE_BORE_JOG_Y, data::CYCLE_BORE_JOG_Z].into_iter().enumerate()
     {
         if let Some(datum) = act.take(id)
-            && let Some(slot) = act.state.cycle.shifts.get_mut(index)
+            && let Some(slot) = act.state.cycle.boring.shifts.get_mut(index)
         {
             *slot = Some(datum.value);
         }

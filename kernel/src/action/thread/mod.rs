@@ -44,7 +44,7 @@ pub(super) struct Screw {
 pub(super) fn thread(act: &mut Act<'_, '_>, change: LeadChange, code: &PendingCode) -> Acted {
     let (pitch, sides) = take_pitch(act);
     let by_word = change == LeadChange::None && act.env.machine.threads.changes;
-    let change = take_change(act, if by_word { LeadChange::May } else { change }, code.implied);
+    let change = take_change(act, if by_word { LeadChange::May } else { change }, code.modal);
     act.take(data::INTERP_THREAD_ANGLE);
     let starts = take_starts(act);
     act.state.threads.starts = starts;
@@ -82,7 +82,7 @@ fn take_pitch(act: &mut Act<'_, '_>) -> (Option<f64>, [Option<f64>; 2]) {
 /// The pitch along X or Z: of two that of the longer travel; one whose axis stands counts along the longer one.
 fn by_axis(act: &Act<'_, '_>, sides: [Option<f64>; 2], target: &Position) -> (Option<f64>, Option<usize>) {
     let changes = act.changes(&act.state.place.position, target);
-    let axes = [0, 2].map(|role| act.state.place.cartesian.get(role).copied().flatten().map(usize::from));
+    let axes = [0, 2].map(|role| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from));
     let way = |axis: Option<usize>| axis.and_then(|axis| changes.get(axis)).map_or(0.0, |change| change.abs());
     let [x, z] = axes.map(way);
     let (pitch, axis, way) = match sides {

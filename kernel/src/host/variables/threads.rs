@@ -123,16 +123,16 @@ fn cycle(name: &str) -> Option<(Read, Option<Write>)> {
             Some(|k, _, value| set(k, |cycle| cycle.nose = real(value).clamp(0.0, 170.0))),
         ),
         "$THCHFT" => (
-            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.chamfer))),
-            Some(|k, _, value| set(k, |cycle| cycle.chamfer = real(value) != 0.0)),
+            |k, _| Value::Real(f64::from(u8::from(k.channel.state.threads.cycle.pull_out.on))),
+            Some(|k, _, value| set(k, |cycle| cycle.pull_out.on = real(value) != 0.0)),
         ),
         "$THCHFL" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_length),
+            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.length),
             Some(|k, _, value| set(k, |cycle| cycle.set_chamfer(real(value).abs()))),
         ),
         "$THCHFA" => (
-            |k, _| Value::Real(k.channel.state.threads.cycle.chamfer_angle),
-            Some(|k, _, value| set(k, |cycle| cycle.chamfer_angle = real(value).clamp(10.0, 80.0))),
+            |k, _| Value::Real(k.channel.state.threads.cycle.pull_out.angle),
+            Some(|k, _, value| set(k, |cycle| cycle.pull_out.angle = real(value).clamp(10.0, 80.0))),
         ),
         _ => return None,
     };

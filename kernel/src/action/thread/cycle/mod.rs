@@ -46,7 +46,7 @@ pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
     let zigzag = |mode: u8| matches!(mode, 2 | 4);
     match setting {
         Setting::Chamfer(on) => {
-            act.state.threads.cycle.chamfer = on;
+            act.state.threads.cycle.pull_out.on = on;
             if on {
                 words::chamfer(act);
             }
@@ -61,7 +61,7 @@ pub(crate) fn set(act: &mut Act<'_, '_>, setting: Setting) -> Acted {
 
 /// A code of a cycle: takes its data, and cuts if the block has a position.
 pub(crate) fn cycle(act: &mut Act<'_, '_>, kind: ThreadCycle) -> Acted {
-    let axis = |role: usize| act.state.place.cartesian.get(role).copied().flatten().map(usize::from);
+    let axis = |role: usize| act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from);
     let (Some(x), Some(z)) = (axis(0), axis(2)) else {
         let text = format!("channel {} has no X and Z for the thread of '{}'", act.at.channel, act.block_text());
         act.diagnose(&diag::CYCLE_AXIS, text);

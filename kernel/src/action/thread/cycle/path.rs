@@ -116,22 +116,22 @@ impl Act<'_, '_> {
     /// The chamfer of a pass, if there is one: no higher than where the tool stands.
     fn pull_out(&mut self, thread: &Thread, root: f64, level: f64, begin: f64) -> Option<Chamfer> {
         let cycle = &mut self.state.threads.cycle;
-        if !cycle.chamfer {
+        if !cycle.pull_out.on {
             return None;
         }
-        let slope = libm::tan(cycle.chamfer_angle.to_radians());
-        if let Some(leads) = cycle.chamfer_leads {
-            cycle.chamfer_length = leads * thread.screw.lead;
+        let slope = libm::tan(cycle.pull_out.angle.to_radians());
+        if let Some(leads) = cycle.pull_out.leads {
+            cycle.pull_out.length = leads * thread.screw.lead;
         }
         let starts = self.state.threads.starts;
         let cycle = &self.state.threads.cycle;
-        let length = if cycle.chamfer_length > 0.0 {
-            cycle.chamfer_length
+        let length = if cycle.pull_out.length > 0.0 {
+            cycle.pull_out.length
         } else {
             // As high as a thread of 60 degrees is deep.
             thread.screw.lead / starts / (2.0 * libm::tan(std::f64::consts::FRAC_PI_6)) / slope
         };
-        let angle = cycle.chamfer_angle;
+        let angle = cycle.pull_out.angle;
         let way = thread.end - begin;
         let length = length.min(way.abs());
         if length.is_nan() || length <= 0.0 {

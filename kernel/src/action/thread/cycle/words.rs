@@ -22,8 +22,8 @@ pub(super) type Said = ([Option<f64>; 2], [Option<f64>; 2], [Option<f64>; 2], f6
 /// A position of a thread is on the block.
 pub(super) fn positioned(act: &Act<'_, '_>) -> bool {
     let own = [data::THREAD_MULTI_END_X, data::THREAD_MULTI_END_Z];
-    let axes = AXES.into_iter().filter_map(|role| act.state.place.cartesian.get(role).copied().flatten());
-    let axes = axes.filter_map(|axis| act.state.place.axes.get(usize::from(axis)).map(|axis| axis.data));
+    let axes = AXES.into_iter().filter_map(|role| act.state.place.layout.cartesian.get(role).copied().flatten());
+    let axes = axes.filter_map(|axis| act.state.place.layout.axes.get(usize::from(axis)).map(|axis| axis.data));
     own.into_iter().chain(axes).any(|id| act.block_has(id))
 }
 
@@ -32,16 +32,16 @@ pub(super) fn points(act: &mut Act<'_, '_>, ids: [DataId; 2], axes: bool) -> [Op
     let relative = act.state.modal.code(group::POSITION) == Some(codes::POSITION_RELATIVE);
     let mut points = [None; 2];
     for (slot, (id, role)) in points.iter_mut().zip(ids.into_iter().zip(AXES)) {
-        let Some(axis) = act.state.place.cartesian.get(role).copied().flatten().map(usize::from) else {
+        let Some(axis) = act.state.place.layout.cartesian.get(role).copied().flatten().map(usize::from) else {
             continue;
         };
-        let word = act.state.place.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
+        let word = act.state.place.layout.axes.get(axis).map(|axis| axis.data).filter(|_| axes);
         let datum = act.take(id).or_else(|| word.and_then(|word| act.take(word)));
         let of = |list: &[f64]| list.get(axis).copied().unwrap_or(0.0);
         *slot = datum.map(|datum| {
             if datum.incremental || relative && !datum.absolute {
                 of(&act.programmed()) + datum.value
-            } else if act.block.machine_frame {
+            } else if act.block.flags.machine_frame {
                 datum.value - of(&act.state.place.shift)
             } else {
                 datum.value
@@ -130,8 +130,8 @@ pub(super) fn packed(act: &mut Act<'_, '_>) {
     let cycle = &mut act.state.threads.cycle;
     cycle.finish_cuts = f64::from(word / 10_000);
     let tenths = word / 100 % 100;
-    cycle.chamfer = tenths > 0;
-    cycle.chamfer_leads = (tenths > 0).then(|| f64::from(tenths) / 10.0);
+    cycle.pull_out.on = tenths > 0;
+    cycle.pull_out.leads = (tenths > 0).then(|| f64::from(tenths) / 10.0);
     cycle.nose = f64::from(word % 100);
 }
 
@@ -139,12 +139,12 @@ pub(super) fn packed(act: &mut Act<'_, '_>) {
 pub(super) fn chamfer(act: &mut Act<'_, '_>) {
     if let Some(length) = act.take(data::THREAD_CHAMFER_LENGTH) {
         let cycle = &mut act.state.threads.cycle;
-        cycle.chamfer_length = length.value.abs();
-        cycle.chamfer_leads = None;
-        cycle.chamfer = cycle.chamfer_length > 0.0;
+        cycle.pull_out.length = length.value.abs();
+        cycle.pull_out.leads = None;
+        cycle.pull_out.on = cycle.pull_out.length > 0.0;
     }
     if let Some(angle) = take_within(act, data::THREAD_CHAMFER_ANGLE, 10.0, 80.0) {
-        act.state.threads.cycle.chamfer_angle = angle;
+        act.state.threads.cycle.pull_out.angle = angle;
     }
 }
 
@@ -181,7 +181,7 @@ pub(super) fn thread(
 ) -> Option<Thread> {
     let order = |[x, z]: [Option<f64>; 2]| if kind.face { [x, z] } else { [z, x] };
     let (start, end, offset) = (order(start), order(end), order(offset));
-    let scales = axes.map(|axis| act.state.place.axes.get(axis).map_or(1.0, |a| a.scale));
+    let scales = axes.map(|axis| act.state.place.layout.axes.get(axis).map_or(1.0, |a| a.scale));
     let place = act.programmed();
     let here = axes.map(|axis| place.get(axis).copied().unwrap_or(0.0));
     if end.iter().any(Option::is_none) {
