@@ -50,11 +50,11 @@ pub(crate) enum Command {
     /// List the jobs of a server
     Jobs(Jobs),
     /// Ask a job to stop
-    Cancel(OneJob),
+    Cancel(JobArgs),
     /// Remove an ended job with its results
-    Delete(OneJob),
+    Delete(JobArgs),
     /// Read a result of an ended job
-    Result(ResultOf),
+    Result(ResultArgs),
     /// Check, list and show machines
     #[command(subcommand)]
     Machine(Machine),
@@ -140,7 +140,7 @@ pub(crate) struct Run {
     pub(crate) out: Option<PathBuf>,
     /// Write only these results to --out [default: all but log and console]
     #[arg(long, value_delimiter = ',', value_name = "RESULTS", requires = "out")]
-    pub(crate) write: Vec<What>,
+    pub(crate) write: Vec<ResultKind>,
     /// Write the log file (identification, diagnostics, summaries) instead of the listing
     #[arg(long, requires = "out")]
     pub(crate) nolist: bool,
@@ -179,19 +179,21 @@ pub(crate) struct Run {
 
 impl Run {
     /// A result is to be written.
-    pub(crate) fn wants(&self, what: What) -> bool {
+    pub(crate) fn wants(&self, what: ResultKind) -> bool {
         match what {
-            What::Listing if self.nolist => false,
-            What::Log => self.ef || self.nolist || self.write.contains(&what),
-            What::Console => self.write.contains(&what),
+            ResultKind::Listing if self.nolist => false,
+            ResultKind::Log => self.ef || self.nolist || self.write.contains(&what),
+            ResultKind::Console => self.write.contains(&what),
             _ => self.write.is_empty() || self.write.contains(&what),
         }
     }
 
     /// Something is asked for that is read off the event log after the run.
     pub(crate) fn needs_log(&self) -> bool {
-        let trace = self.wants(What::Trace) && !self.inputs.trace.is_empty();
-        let read = [What::Listing, What::Events, What::Log, What::Console].into_iter().any(|what| self.wants(what));
+        let trace = self.wants(ResultKind::Trace) && !self.inputs.trace.is_empty();
+        let read = [ResultKind::Listing, ResultKind::Events, ResultKind::Log, ResultKind::Console]
+            .into_iter()
+            .any(|what| self.wants(what));
         self.out.is_some() && (read || trace)
     }
 }
@@ -211,7 +213,7 @@ fn levels(text: &str) -> Result<Levels, String> {
     all.map(Levels).ok_or_else(|| "expected off, on, or levels from 1 to 9 with commas between".to_owned())
 }
 
-/// What the exit code of a run tells.
+/// Meaning of the exit code of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExitCodes {
     Plain,
@@ -221,7 +223,7 @@ pub(crate) enum ExitCodes {
 /// Where the server is.
 #[derive(Debug, Args, Clone)]
 pub(crate) struct Remote {
-    /// Talk to the server at this address
+    /// Talk to the server at this address; the token comes from COUNTERPOINT_TOKEN
     #[arg(long, env = "COUNTERPOINT_SERVER", default_value = "http://127.0.0.1:7878", value_name = "URL")]
     pub(crate) server: String,
 }
@@ -238,7 +240,7 @@ pub(crate) struct Submit {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct OneJob {
+pub(crate) struct JobArgs {
     /// The job
     pub(crate) job: String,
     #[command(flatten)]
@@ -252,7 +254,7 @@ pub(crate) struct OneJob {
 #[derive(Debug, Args)]
 pub(crate) struct Follow {
     #[command(flatten)]
-    pub(crate) of: OneJob,
+    pub(crate) of: JobArgs,
     /// Exit with code 1 after warnings, too
     #[arg(long)]
     pub(crate) strict: bool,
@@ -281,12 +283,12 @@ pub(crate) enum State {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct ResultOf {
+pub(crate) struct ResultArgs {
     /// The job
     pub(crate) job: String,
     /// Which result
     #[arg(value_enum)]
-    pub(crate) what: What,
+    pub(crate) what: ResultKind,
     /// Choose the channel of the listing (0 = the merged listing and console of all channels)
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) channel: u32,
@@ -305,7 +307,7 @@ pub(crate) struct ResultOf {
 
 /// Results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum What {
+pub(crate) enum ResultKind {
     Summary,
     Listing,
     Trace,
@@ -389,7 +391,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_help_tells_the_limits_of_the_kernel() {
+    fn the_help_names_the_limits_of_the_kernel() {
         let limits = counterpoint_kernel::options::Limits::default();
         let seconds = limits.simulated_ns / 1_000_000_000;
         for number in [seconds as u64, limits.blocks, limits.zero_time_blocks, limits.events, limits.diagnostics.into()]

@@ -89,18 +89,18 @@ impl Attendant {
         let id = question.id;
         let dialog = question.dialog.unwrap_or_default();
         let who = if question.channel == 0 { "the master".to_owned() } else { format!("channel {}", question.channel) };
-        say::talk(format_args!(
+        say::status_line(format_args!(
             "{} {}",
             styled(WARN, &dialog.title),
             styled(DIM, format!("({who}, {} line {})", question.file, question.line))
         ));
         if !question.problem.is_empty() {
-            say::talk(styled(BAD, &question.problem));
+            say::status_line(styled(BAD, &question.problem));
         }
         let mut values = Values::new();
         for field in &dialog.fields {
             let Some(kind) = &field.kind else {
-                say::talk(format_args!("  {}", field.label));
+                say::status_line(format_args!("  {}", field.label));
                 continue;
             };
             if !is_enabled(field, &values, &question.values) {
@@ -117,7 +117,7 @@ impl Attendant {
                             values.insert(field.variable.clone(), v1::DialogValue { value: Some(value) });
                             break;
                         }
-                        Err(why) => say::talk(styled(BAD, why)),
+                        Err(why) => say::status_line(styled(BAD, why)),
                     },
                     Entry::End => return self.send(Say::Declined(id)).await,
                     Entry::Closed => return Ok(()),
@@ -149,7 +149,7 @@ impl Attendant {
                 }
                 Entry::Line(line) => {
                     let one_of = labels.join(", ");
-                    say::talk(styled(BAD, format!("there is no button '{line}', it must be one of {one_of}")));
+                    say::status_line(styled(BAD, format!("there is no button '{line}', it must be one of {one_of}")));
                 }
                 other => return Ok(other),
             }
@@ -173,8 +173,8 @@ impl Attendant {
         };
         self.lines = Some(lines);
         match entry {
-            Entry::Closed => say::talk(styled(DIM, "\n  is answered")),
-            Entry::End => say::talk(styled(DIM, "\n  declined: the input has ended")),
+            Entry::Closed => say::status_line(styled(DIM, "\n  is answered")),
+            Entry::End => say::status_line(styled(DIM, "\n  declined: the input has ended")),
             Entry::Line(_) => {}
         }
         Ok(entry)

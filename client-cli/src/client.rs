@@ -11,21 +11,83 @@ use counterpoint_proto::v1::jobs_client::JobsClient;
 use counterpoint_proto::v1::machines_client::MachinesClient;
 use counterpoint_proto::v1::operator_client::OperatorClient;
 use counterpoint_proto::v1::results_client::ResultsClient;
-use counterpoint_server::{options::Options, service};
-use tonic::transport::{Channel, Endpoint};
+use counterpoint_server::options::{Options, System};
+use counterpoint_server::service;
+use tonic::metadata::{Ascii, MetadataValue};
+use tonic::service::Interceptor;
+use tonic::service::interceptor::InterceptedService;
+use tonic::transport::{Certificate, Channel, ClientTlsConfig, Endpoint, Identity};
+use tonic::{Request, Status};
 
 use crate::error::Error;
 use crate::pack::Blob;
 
+/// Names in the environment: token, authorities, and certificate and key of the client, the last three PEM files.
+const TOKEN: &str = "COUNTERPOINT_TOKEN";
+const CA: &str = "COUNTERPOINT_CA";
+const CERTIFICATE: &str = "COUNTERPOINT_CLIENT_CERT";
+const KEY: &str = "COUNTERPOINT_CLIENT_KEY";
 /// Bytes of an upload chunk.
 const CHUNK: usize = 64 * 1024;
 /// Digests in one question, so that the message stays small.
 const ASK: usize = 10_000;
 
+/// A connection that adds the token of the caller to each call.
+type Through = InterceptedService<Channel, Bearer>;
+
+/// The token of the caller, if it has one.
+#[derive(Debug, Clone)]
+pub(crate) struct Bearer(Option<MetadataValue<Ascii>>);
+
+impl Bearer {
+    /// From the environment: on a command line everybody on the machine could read it.
+    fn from_environment() -> Result<Self, Error> {
+        let Ok(token) = std::env::var(TOKEN) else { return Ok(Self(None)) };
+        let value = format!("Bearer {}", token.trim()).parse::<MetadataValue<Ascii>>();
+        let mut value = value.map_err(|_| Error::Usage(format!("{TOKEN} is not a token")))?;
+        value.set_sensitive(true);
+        Ok(Self(Some(value)))
+    }
+}
+
+impl Interceptor for Bearer {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        if let Some(token) = &self.0 {
+            request.metadata_mut().insert("authorization", token.clone());
+        }
+        Ok(request)
+    }
+}
+
+/// Certificates of the authorities that the server's is checked with, and the client's own.
+fn tls() -> Result<ClientTlsConfig, Error> {
+    let file = |name: &str| {
+        let path = std::env::var_os(name);
+        let read = |path| std::fs::read(&path).map_err(Error::file(path));
+        path.map(|path| read(std::path::PathBuf::from(path))).transpose()
+    };
+    let mut config = match file(CA)? {
+        Some(authorities) => ClientTlsConfig::new().ca_certificate(Certificate::from_pem(authorities)),
+        None => ClientTlsConfig::new().with_native_roots(),
+    };
+    if let (Some(certificate), Some(key)) = (file(CERTIFICATE)?, file(KEY)?) {
+        config = config.identity(Identity::from_pem(certificate, key));
+    }
+    Ok(config)
+}
+
+fn cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(source) = cause.source() {
+        cause = source;
+    }
+    cause.to_string()
+}
+
 /// A client.
 #[derive(Debug)]
 pub(crate) struct Client {
-    channel: Channel,
+    channel: Through,
     embedded: bool,
     _data: Option<tempfile::TempDir>,
 }
@@ -34,18 +96,13 @@ impl Client {
     /// Connects to a server.
     pub(crate) async fn connect(address: &str) -> Result<Self, Error> {
         let scheme = address.split_once("://").map_or("", |(scheme, _)| scheme).to_ascii_lowercase();
-        if scheme == "https" {
+        if scheme != "http" && scheme != "https" {
             return Err(Error::Usage(format!(
-                "server address '{address}': encrypted connections (https) are not supported yet, and nothing was sent; \
-                 reach the server through a tunnel and give its http address"
+                "server address '{address}' is not an http address: expected http://HOST:PORT or https://HOST:PORT"
             )));
         }
-        if scheme != "http" {
-            return Err(Error::Usage(format!(
-                "server address '{address}' is not an http address: expected http://HOST:PORT"
-            )));
-        }
-        let endpoint = Endpoint::from_shared(address.to_owned())
+        let bearer = Bearer::from_environment()?;
+        let mut endpoint = Endpoint::from_shared(address.to_owned())
             .map_err(|error| Error::Usage(format!("server address '{address}': {error}")))?
             .connect_timeout(Duration::from_secs(5))
             .tcp_nodelay(true)
@@ -53,24 +110,27 @@ impl Client {
             .keep_alive_timeout(Duration::from_secs(10))
             .initial_stream_window_size(1 << 20)
             .initial_connection_window_size(4 << 20);
+        if scheme == "https" {
+            endpoint = endpoint
+                .tls_config(tls()?)
+                .map_err(|error| Error::Usage(format!("certificates for '{address}': {}", cause(&error))))?;
+        }
         let channel = endpoint.connect().await.map_err(|error| {
-            let mut cause: &dyn std::error::Error = &error;
-            while let Some(source) = cause.source() {
-                cause = source;
-            }
+            let cause = cause(&error);
             Error::Connection(format!(
                 "no server answers at {address} ({cause}): start one with `counterpointd`, or give its address with \
                  --server or in COUNTERPOINT_SERVER"
             ))
         })?;
-        Ok(Self { channel, embedded: false, _data: None })
+        Ok(Self { channel: InterceptedService::new(channel, bearer), embedded: false, _data: None })
     }
 
     /// Starts a server in this process and connects to it over loopback; `allow_system`: macros may start commands.
     pub(crate) async fn embed(log: bool, allow_system: bool) -> Result<Self, Error> {
         let data = tempfile::Builder::new().prefix("counterpoint-").tempdir();
         let data = data.map_err(Error::file(std::env::temp_dir()))?;
-        let options = Options { log, allow_system, ..Options::ephemeral(data.path().to_owned()) };
+        let own = Options::ephemeral(data.path().to_owned());
+        let options = Options { log, system: System { allow_system, ..System::default() }, ..own };
         let service = service::build(options).await.map_err(|error| Error::Connection(error.to_string()))?;
         let address = format!("http://{}", service.handle().address());
         // Ends with the runtime, when the command ends.
@@ -92,23 +152,23 @@ impl Client {
         self.embedded
     }
 
-    pub(crate) fn jobs(&self) -> JobsClient<Channel> {
+    pub(crate) fn jobs(&self) -> JobsClient<Through> {
         JobsClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }
 
-    pub(crate) fn machines(&self) -> MachinesClient<Channel> {
+    pub(crate) fn machines(&self) -> MachinesClient<Through> {
         MachinesClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }
 
-    pub(crate) fn operator(&self) -> OperatorClient<Channel> {
+    pub(crate) fn operator(&self) -> OperatorClient<Through> {
         OperatorClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }
 
-    pub(crate) fn results(&self) -> ResultsClient<Channel> {
+    pub(crate) fn results(&self) -> ResultsClient<Through> {
         ResultsClient::new(self.channel.clone()).max_decoding_message_size(service::MAX_MESSAGE)
     }
 
-    fn blobs(&self) -> BlobsClient<Channel> {
+    fn blobs(&self) -> BlobsClient<Through> {
         BlobsClient::new(self.channel.clone())
     }
 

@@ -60,7 +60,7 @@ pub(crate) fn of_job(status: &v1::JobStatus) -> u8 {
         return 255;
     }
     let succeeded = status.state() == v1::JobState::Succeeded;
-    let told = status.highest_severity;
-    let severity = if succeeded || told >= 8 && status.verdict.is_empty() { told } else { told.max(FATAL) };
+    let highest = status.highest_severity;
+    let severity = if succeeded || highest >= 8 && status.verdict.is_empty() { highest } else { highest.max(FATAL) };
     u8::try_from(severity.min(99)).unwrap_or(99)
 }

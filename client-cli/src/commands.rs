@@ -1,6 +1,5 @@
 //! All commands but `run` and `submit`.
 
-use std::path::Path;
 use std::time::Duration;
 
 use counterpoint_proto::v1;
@@ -8,19 +7,19 @@ use counterpoint_proto::v1::event::Kind;
 use counterpoint_proto::v1::watch_job_response::Content;
 use tonic::Code;
 
-use crate::arguments::{Command, Follow, Jobs, Machine, OneJob, Part, ResultOf, State};
+use crate::arguments::{Command, Follow, JobArgs, Jobs, ResultArgs, State};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::error::Error;
+use crate::outcome::ended;
 use crate::progress::Progress;
-use crate::report::{table, time};
-use crate::say::{self, BAD, WARN, styled};
-use crate::{completions, macros, pack, results, run};
+use crate::text::{table, time};
+use crate::{completions, machines, macros, results, run, say};
 
-/// Times a broken watch is taken up again.
+/// How often a broken watch is resumed.
 const RETRIES: u32 = 8;
 
-/// Does a command; gives the exit code.
+/// Carries out a command; gives the exit code.
 pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     match command {
         Command::Run(arguments) => run::run(arguments).await,
@@ -32,7 +31,7 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
         Command::Cancel(arguments) => cancel(arguments).await,
         Command::Delete(arguments) => delete(arguments).await,
         Command::Result(arguments) => result(arguments).await,
-        Command::Machine(arguments) => machine(arguments).await,
+        Command::Machine(arguments) => machines::dispatch(arguments).await,
         Command::Macro(command) => macros::dispatch(&command),
         Command::Explain { what } => macros::explain(&what),
         Command::Completions { shell } => {
@@ -42,24 +41,11 @@ pub(crate) async fn dispatch(command: Command) -> Result<u8, Error> {
     }
 }
 
-/// Findings as talk: file, line, column, text.
-pub(crate) fn say_findings(findings: &[v1::Finding]) {
-    for finding in findings {
-        let word = if finding.error { styled(BAD, "error") } else { styled(WARN, "warning") };
-        let place = match (finding.line, finding.column) {
-            (0, _) => finding.file.clone(),
-            (line, 0) => format!("{}:{line}", finding.file),
-            (line, column) => format!("{}:{line}:{column}", finding.file),
-        };
-        say::talk(format_args!("{place}: {word}: {}", finding.text));
-    }
-}
-
-/// Follows a job, over broken connections too: diagnostics and meetings on standard output.
+/// Follows a job, over broken connections too: diagnostics and waits on standard output.
 async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
     let mut progress = Progress::new(arguments.quiet);
     let (mut cursor, mut failures) = (0, 0);
-    // A connection that breaks is taken up again; a server that never answered is a mistake of the command line.
+    // A connection that breaks is resumed; a server that never answered is a mistake of the command line.
     drop(Client::connect(&arguments.remote.server).await?);
     loop {
         match watch_once(&arguments, &mut cursor, &mut progress, &mut failures).await {
@@ -81,7 +67,7 @@ async fn watch(Follow { of: arguments, strict }: Follow) -> Result<u8, Error> {
 }
 
 async fn watch_once(
-    arguments: &OneJob,
+    arguments: &JobArgs,
     cursor: &mut u64,
     progress: &mut Progress,
     failures: &mut u32,
@@ -117,26 +103,13 @@ fn line(event: &v1::Event) -> Option<String> {
         Kind::Verdict(v) => format!("verdict {}", v.text),
         Kind::Message(m) => format!("message {}", m.text),
         Kind::Wait(w) => format!("waits for {}", w.key),
-        Kind::Release(r) => format!("goes on after {}, waited {}", r.key, time(event.t_ns - r.since_ns)),
+        Kind::Release(r) => format!("continues after {}, waited {}", r.key, time(event.t_ns - r.since_ns)),
         Kind::Lifecycle(l) => l.phase().as_str_name().trim_start_matches("PHASE_").to_lowercase(),
         _ => return None,
     };
     let channel = if event.channel > 0 { format!(" channel {}", event.channel) } else { String::new() };
     let line = if event.line > 0 { format!(" line {}", event.line) } else { String::new() };
     Some(format!("{}{channel}{line}: {text}\n", time(event.t_ns)))
-}
-
-/// Says how a job ended.
-fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
-    if let Some(code) = run::not_run(status) {
-        return code;
-    }
-    let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
-    let succeeded = status.state() == v1::JobState::Succeeded;
-    let warnings = if succeeded && status.highest_severity >= run::WARNING { ", with warnings" } else { "" };
-    let text = format!("{state}{warnings}  {}  {}", time(status.makespan_ns), status.verdict);
-    say::talk(text.trim_end());
-    run::exit_code(status, strict)
 }
 
 /// Answers the questions of a job until it ends.
@@ -213,88 +186,25 @@ fn as_json(job: &v1::JobStatus) -> serde_json::Value {
     })
 }
 
-async fn cancel(arguments: OneJob) -> Result<u8, Error> {
+async fn cancel(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     client.jobs().cancel_job(v1::CancelJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }
 
-async fn delete(arguments: OneJob) -> Result<u8, Error> {
+async fn delete(arguments: JobArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
     client.jobs().delete_job(v1::DeleteJobRequest { job_id: arguments.job }).await?;
     Ok(0)
 }
 
-async fn result(arguments: ResultOf) -> Result<u8, Error> {
+async fn result(arguments: ResultArgs) -> Result<u8, Error> {
     let client = Client::connect(&arguments.remote.server).await?;
-    let ResultOf { job, what, channel, format, crlf, .. } = &arguments;
+    let ResultArgs { job, what, channel, format, crlf, .. } = &arguments;
     let form = results::Form { format: *format, crlf: *crlf };
     match &arguments.output {
         Some(path) => results::file(&client, job, *what, *channel, form, path).await?,
         None => results::each(&client, job, *what, *channel, form, &mut say::data).await?,
     }
-    Ok(0)
-}
-
-async fn machine(command: Machine) -> Result<u8, Error> {
-    match command {
-        Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
-        Machine::List { at } => list(at.server.as_deref()).await,
-        Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,
-    }
-}
-
-async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
-    let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
-    if pack::is_folder(machine) {
-        let (name, files) = pack::machine(Path::new(machine))?;
-        client.upload(&files.blobs()).await?;
-        request = v1::CheckMachineRequest { name, files: run::machine_files(files) };
-    } else {
-        run::known(&client, machine)?;
-    }
-    let answer = client.machines().check_machine(request).await?.into_inner();
-    say_findings(&answer.findings);
-    let verdict = if answer.usable { "usable" } else { "cannot be used" };
-    let count = answer.findings.len();
-    let plural = if count == 1 { "" } else { "s" };
-    say::data(format!("{machine}: {verdict}, {count} finding{plural}\n").as_bytes())?;
-    Ok(if answer.usable { 0 } else { 2 })
-}
-
-async fn list(server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
-    let machines = client.machines().list_machines(v1::ListMachinesRequest {}).await?.into_inner().machines;
-    let mut rows = vec![["machine", "revision", "channels", "description"].map(str::to_owned).to_vec()];
-    rows.extend(machines.into_iter().map(|m| {
-        let revision = if m.shipped { "shipped".to_owned() } else { m.revision };
-        vec![m.name, revision, m.channels.to_string(), m.description]
-    }));
-    say::data(table(&rows, 4).as_bytes())?;
-    Ok(0)
-}
-
-async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Result<u8, Error> {
-    let client = Client::at(server).await?;
-    let name = if pack::is_folder(machine) {
-        run::put_machine(&client, Path::new(machine)).await?
-    } else {
-        run::known(&client, machine)?;
-        machine.to_owned()
-    };
-    let section = match part {
-        Part::All => v1::MachineSection::All,
-        Part::Codes => v1::MachineSection::Codes,
-        Part::Data => v1::MachineSection::Data,
-        Part::Axes => v1::MachineSection::Axes,
-        Part::Channels => v1::MachineSection::Channels,
-        Part::Groups => v1::MachineSection::Groups,
-        Part::Macros => v1::MachineSection::Macros,
-        Part::Refusals => v1::MachineSection::Refusals,
-    };
-    let request = v1::GetMachineRequest { name, section: section.into(), json };
-    let text = client.machines().get_machine(request).await?.into_inner().text;
-    say::data(text.as_bytes())?;
     Ok(0)
 }

@@ -1,4 +1,4 @@
-//! Why a command failed, and the exit code that tells.
+//! Why a command failed, and its exit code.
 
 use std::io::ErrorKind;
 

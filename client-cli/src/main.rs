@@ -1,6 +1,6 @@
 //! `counterpoint`: run NC programs, submit them to a server, watch them, read results.
 //!
-//! Invariants: data goes to standard output, talk to standard error; the exit code says how it ended (0 clean,
+//! Invariants: data goes to standard output, status to standard error; the exit code says how the command ended (0 clean,
 //! 1 the job or macro ended with an error or a verdict, 2 bad usage or machine, 3 server or connection).
 
 mod answers;
@@ -11,8 +11,11 @@ mod codes;
 mod commands;
 mod completions;
 mod error;
+mod findings;
 mod guess;
+mod machines;
 mod macros;
+mod outcome;
 mod pack;
 mod problems;
 mod progress;
@@ -20,6 +23,8 @@ mod report;
 mod results;
 mod run;
 mod say;
+mod summary;
+mod text;
 mod timeline;
 
 use std::process::ExitCode;

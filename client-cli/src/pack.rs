@@ -119,7 +119,7 @@ fn is_program(path: &Path, content: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// `FILE` or `FILE#2102`; a file whose name has a `#` is meant as it stands.
+/// `FILE` or `FILE#2102`; a file whose name has a `#` is taken literally.
 pub(crate) fn program(text: &str) -> Result<(PathBuf, Option<u32>), Error> {
     if let (false, Some((path, number))) = (Path::new(text).is_file(), text.rsplit_once('#')) {
         let digits = number.trim_start_matches(['O', 'o']);

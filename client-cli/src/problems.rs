@@ -7,8 +7,9 @@
 use std::fmt::Write as _;
 
 use crate::macros::remedy;
-use crate::report::{Diagnostic, Member, Summary, Verdict, more};
 use crate::say::{BAD, DIM, WARN, styled};
+use crate::summary::{Diagnostic, Member, Summary, Verdict};
+use crate::text::more;
 
 /// Lowest severity of an error.
 const ERROR: u8 = 8;
@@ -57,15 +58,15 @@ pub(crate) fn problems(summary: &Summary, most: usize) -> String {
     let (errors, others) = groups.split_at(errors);
     let several = summary.channels.iter().filter(|c| !c.program.is_empty()).count() > 1;
     let mut out = String::new();
-    let mut told = Vec::new();
+    let mut explained = Vec::new();
     for (diagnostic, count) in errors.iter().take(most) {
-        out.push_str(&one(diagnostic, *count, several, &mut told));
+        out.push_str(&one(diagnostic, *count, several, &mut explained));
     }
     if let Some(verdict) = &summary.verdict {
         out.push_str(&judged(summary, verdict, several));
     }
     for (diagnostic, count) in others.iter().take(most.saturating_sub(errors.len())) {
-        out.push_str(&one(diagnostic, *count, several, &mut told));
+        out.push_str(&one(diagnostic, *count, several, &mut explained));
     }
     more(&mut out, groups.len(), most, "kinds of diagnostics");
     if out.is_empty() {
@@ -84,7 +85,7 @@ fn class(severity: u8) -> u8 {
     }
 }
 
-fn one(d: &Diagnostic, count: usize, several: bool, told: &mut Vec<u32>) -> String {
+fn one(d: &Diagnostic, count: usize, several: bool, explained: &mut Vec<u32>) -> String {
     let (word, style) = match d.severity {
         0..WARNING => ("note", DIM),
         WARNING..ERROR => ("warning", WARN),
@@ -101,8 +102,8 @@ fn one(d: &Diagnostic, count: usize, several: bool, told: &mut Vec<u32>) -> Stri
     if !d.block.is_empty() && !d.text.contains(&d.block) {
         let _ = writeln!(out, "      {}", styled(DIM, &d.block));
     }
-    if d.severity >= WARNING && !told.contains(&d.number) {
-        told.push(d.number);
+    if d.severity >= WARNING && !explained.contains(&d.number) {
+        explained.push(d.number);
         advise(&mut out, d.number);
     }
     out

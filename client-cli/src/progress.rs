@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use counterpoint_proto::v1;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::report::time;
 use crate::say;
+use crate::text::time;
 
 /// Plain lines at most this often.
 const PLAIN_EVERY: Duration = Duration::from_secs(2);
@@ -35,7 +35,7 @@ impl Progress {
             Self::Plain { said } => {
                 if said.elapsed() >= PLAIN_EVERY {
                     *said = Instant::now();
-                    progress.channels.iter().for_each(|c| say::talk(format_args!("{} {}", c.name, describe(c))));
+                    progress.channels.iter().for_each(|c| say::status_line(format_args!("{} {}", c.name, describe(c))));
                 }
             }
             Self::Bars { all, bars } => {
@@ -83,7 +83,7 @@ impl Steps {
             Self::Plain { said } => {
                 if said.elapsed() >= PLAIN_EVERY {
                     *said = Instant::now();
-                    say::talk(text);
+                    say::status_line(text);
                 }
             }
             Self::Spinner(spinner) => {

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use serde::Deserialize;
-
 use crate::problems::{counts, problems};
-use crate::say::{BAD, DIM, GOOD, WARN, styled};
+use crate::say::{BAD, GOOD, WARN, styled};
+use crate::summary::{Summary, Tool};
+use crate::text::{more, table, time};
 
 /// Diagnostics shown at most.
 const DIAGNOSTICS: usize = 20;
@@ -13,128 +13,6 @@ const DIAGNOSTICS: usize = 20;
 const TOOLS: usize = 20;
 /// Waits shown at most.
 const WAITS: usize = 20;
-
-/// summary.json as far as the report needs it.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Summary {
-    pub(crate) state: String,
-    pub(crate) highest_severity: u8,
-    makespan_ns: i64,
-    pub(crate) channels: Vec<Channel>,
-    waits: Vec<Wait>,
-    pub(crate) verdict: Option<Verdict>,
-    pub(crate) diagnostics: Vec<Diagnostic>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Channel {
-    pub(crate) channel: u32,
-    name: String,
-    pub(crate) program: String,
-    state: String,
-    blocks: u64,
-    end_ns: i64,
-    feed_ns: i64,
-    rapid_ns: i64,
-    misc_ns: i64,
-    wait_ns: i64,
-    tools: Vec<Tool>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Tool {
-    tool: u32,
-    name: String,
-    diameter: Option<f64>,
-    radius: Option<f64>,
-    length_offsets: Vec<u32>,
-    diameter_offsets: Vec<u32>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Wait {
-    key: String,
-    release_ns: Option<i64>,
-    arrivals: Vec<Arrival>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-struct Arrival {
-    channel: u32,
-    t_ns: i64,
-    line: u32,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Verdict {
-    pub(crate) kind: String,
-    pub(crate) text: String,
-    pub(crate) members: Vec<Member>,
-}
-
-/// A channel in the verdict.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Member {
-    pub(crate) channel: u32,
-    pub(crate) file: String,
-    pub(crate) line: u32,
-    pub(crate) block: String,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Diagnostic {
-    pub(crate) number: u32,
-    pub(crate) severity: u8,
-    pub(crate) channel: u32,
-    pub(crate) file: String,
-    pub(crate) line: u32,
-    pub(crate) block: String,
-    pub(crate) text: String,
-    pub(crate) origin: Option<Origin>,
-}
-
-/// The statement of a macro that raised a diagnostic.
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(crate) struct Origin {
-    pub(crate) file: String,
-    pub(crate) line: u32,
-}
-
-/// Simulated time as minutes, seconds and milliseconds, from one hour on with hours.
-pub(crate) fn time(ns: i64) -> String {
-    let ms = ns.saturating_add(500_000) / 1_000_000;
-    let (minutes, seconds, rest) = (ms / 60_000, ms / 1000 % 60, ms % 1000);
-    match minutes / 60 {
-        0 => format!("{minutes:02}:{seconds:02}.{rest:03}"),
-        hours => format!("{hours}:{:02}:{seconds:02}.{rest:03}", minutes % 60),
-    }
-}
-
-/// Lays rows out in columns; the first `left` columns to the left, the rest to the right.
-pub(crate) fn table(rows: &[Vec<String>], left: usize) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut out = String::new();
-    for row in rows {
-        let cells =
-            row.iter().zip(&widths).enumerate().map(|(c, (cell, &width))| {
-                if c < left { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
-            });
-        let line = cells.collect::<Vec<_>>().join("  ");
-        let _ = writeln!(out, "  {}", line.trim_end());
-    }
-    out
-}
 
 /// The report.
 pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
@@ -151,7 +29,7 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     };
     let mut out = format!("{}  {}\n", styled(style, head), time(summary.makespan_ns));
     if summary.cancelled() {
-        let _ = writeln!(out, "cancelled before the end: times and meetings are those of the part that was run");
+        let _ = writeln!(out, "cancelled before the end: times and sync points are those of the part that was run");
     }
     out.push('\n');
     out.push_str(&problems(summary, most(DIAGNOSTICS)));
@@ -159,13 +37,6 @@ pub(crate) fn report(summary: &Summary, verbose: bool) -> String {
     out.push_str(&tools(summary));
     out.push_str(&waits(summary, most(WAITS)));
     out
-}
-
-impl Summary {
-    /// Stopped before its end on request.
-    fn cancelled(&self) -> bool {
-        self.state == "CANCELLED"
-    }
 }
 
 fn channels(summary: &Summary) -> String {
@@ -207,7 +78,7 @@ fn waits(summary: &Summary, most: usize) -> String {
     if summary.waits.is_empty() {
         return String::new();
     }
-    let mut rows = vec![["meeting", "released", "arrivals"].map(str::to_owned).to_vec()];
+    let mut rows = vec![["sync point", "released", "arrivals"].map(str::to_owned).to_vec()];
     for wait in summary.waits.iter().take(most) {
         let arrivals = wait.arrivals.iter().map(|a| match a.line {
             0 => format!("{}: {}", a.channel, time(a.t_ns)),
@@ -218,14 +89,8 @@ fn waits(summary: &Summary, most: usize) -> String {
         rows.push(vec![wait.key.clone(), released, arrivals.collect::<Vec<_>>().join(", ")]);
     }
     let mut out = format!("\n{}", table(&rows, 3));
-    more(&mut out, summary.waits.len(), most, "meetings");
+    more(&mut out, summary.waits.len(), most, "sync points");
     out
-}
-
-pub(crate) fn more(out: &mut String, count: usize, shown: usize, what: &str) {
-    if count > shown {
-        let _ = writeln!(out, "  {}", styled(DIM, format_args!("and {} more {what}", count - shown)));
-    }
 }
 
 #[cfg(test)]
@@ -256,7 +121,7 @@ mod tests {
             "waits":[{"key":"M101","release_ns":null,"arrivals":[{"channel":1,"t_ns":1000000,"line":0}]}]}"#;
         let report = report(&serde_json::from_str(text).unwrap(), false);
         assert!(report.contains("cancelled before the end"), "{report}");
-        assert!(report.contains("M101     not yet") && !report.contains("never"), "{report}");
+        assert!(report.contains("M101        not yet") && !report.contains("never"), "{report}");
         assert!(!report.contains("line 0"), "{report}");
     }
 }

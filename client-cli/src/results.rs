@@ -8,7 +8,7 @@ use bytes::Bytes;
 use counterpoint_proto::v1;
 use tonic::Streaming;
 
-use crate::arguments::{Format, What};
+use crate::arguments::{Format, ResultKind};
 use crate::client::Client;
 use crate::error::Error;
 
@@ -56,7 +56,7 @@ chunks!(
 pub(crate) async fn each(
     client: &Client,
     job: &str,
-    what: What,
+    what: ResultKind,
     channel: u32,
     form: Form,
     put: &mut (dyn FnMut(&[u8]) -> Result<(), Error> + Send),
@@ -69,21 +69,25 @@ pub(crate) async fn each(
     let format = format.into();
     let mut results = client.results();
     match what {
-        What::Summary => drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await,
-        What::Listing | What::Log | What::Console => {
-            let (log, console) = (what == What::Log, what == What::Console);
+        ResultKind::Summary => {
+            drain(results.get_summary(v1::GetSummaryRequest { job_id }).await?.into_inner(), put).await
+        }
+        ResultKind::Listing | ResultKind::Log | ResultKind::Console => {
+            let (log, console) = (what == ResultKind::Log, what == ResultKind::Console);
             let request = v1::GetListingRequest { job_id, channel, log, console, crlf: form.crlf };
             drain(results.get_listing(request).await?.into_inner(), put).await
         }
-        What::Trace => drain(results.get_trace(v1::GetTraceRequest { job_id, channel }).await?.into_inner(), put).await,
-        What::Timeline => {
+        ResultKind::Trace => {
+            drain(results.get_trace(v1::GetTraceRequest { job_id, channel }).await?.into_inner(), put).await
+        }
+        ResultKind::Timeline => {
             drain(results.get_timeline(v1::GetTimelineRequest { job_id, format }).await?.into_inner(), put).await
         }
-        What::Toolpath => {
+        ResultKind::Toolpath => {
             drain(results.get_toolpath(v1::GetToolpathRequest { job_id, format }).await?.into_inner(), put).await
         }
-        What::Events => drain(results.get_events(v1::GetEventsRequest { job_id }).await?.into_inner(), put).await,
-        What::Files => {
+        ResultKind::Events => drain(results.get_events(v1::GetEventsRequest { job_id }).await?.into_inner(), put).await,
+        ResultKind::Files => {
             let mut out = String::new();
             for v1::WrittenFile { path, size } in written(client, job).await? {
                 let _ = writeln!(out, "{size:>10} {path}");
@@ -129,7 +133,13 @@ async fn drain<T: Chunk>(
 }
 
 /// A whole result.
-pub(crate) async fn whole(client: &Client, job: &str, what: What, channel: u32, form: Form) -> Result<Vec<u8>, Error> {
+pub(crate) async fn whole(
+    client: &Client,
+    job: &str,
+    what: ResultKind,
+    channel: u32,
+    form: Form,
+) -> Result<Vec<u8>, Error> {
     let mut whole = Vec::new();
     let mut put = |data: &[u8]| {
         whole.extend_from_slice(data);
@@ -143,12 +153,12 @@ pub(crate) async fn whole(client: &Client, job: &str, what: What, channel: u32, 
 pub(crate) async fn file(
     client: &Client,
     job: &str,
-    what: What,
+    what: ResultKind,
     channel: u32,
     form: Form,
     path: &Path,
 ) -> Result<(), Error> {
-    if what == What::Files {
+    if what == ResultKind::Files {
         return files(client, job, path).await;
     }
     let mut file = std::fs::File::create(path).map_err(Error::file(path))?;

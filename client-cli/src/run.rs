@@ -5,24 +5,21 @@ use std::fmt::Write as _;
 use std::io::IsTerminal as _;
 use std::path::Path;
 
-use counterpoint_kernel::machine::package;
-use counterpoint_lang::ident;
 use counterpoint_proto::v1;
 use counterpoint_proto::v1::watch_job_response::Content;
 
-use crate::arguments::{ExitCodes, Format, Inputs, Run, Submit, What};
+use crate::arguments::{ExitCodes, Format, Inputs, ResultKind, Run, Submit};
 use crate::attend::{Attendant, Next};
 use crate::client::Client;
 use crate::codes::{self, Stage};
 use crate::error::Error;
+use crate::outcome::{exit_code, not_run};
 use crate::progress::{Progress, Steps};
-use crate::report::{Summary, report};
+use crate::report::report;
 use crate::say::{self, DIM, styled};
+use crate::summary::Summary;
 use crate::timeline::{Timeline, draw};
-use crate::{guess, pack, results};
-
-/// Lowest severity of a warning.
-pub(crate) const WARNING: u32 = 4;
+use crate::{guess, machines, pack, results};
 
 /// Runs programs on a server in this process.
 pub(crate) async fn run(arguments: Run) -> Result<u8, Error> {
@@ -63,7 +60,7 @@ async fn carry_out(arguments: Run) -> Result<(v1::JobStatus, Option<u8>), (Stage
 
 /// Results of a job that has ended: into the folder, and the report.
 async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str, bool)) -> Result<(), Error> {
-    let text = results::whole(client, job, What::Summary, 0, Format::Json.into()).await?;
+    let text = results::whole(client, job, ResultKind::Summary, 0, Format::Json.into()).await?;
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|error| Error::Connection(format!("the summary cannot be read: {error}")))?;
     if let Some(folder) = &arguments.out {
@@ -71,7 +68,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         Target { folder, program: first, arguments }.write(client, job, (&summary, &text), &mut steps).await?;
         steps.clear();
         if !arguments.quiet {
-            say::talk(styled(DIM, format!("results are in {}", folder.display())));
+            say::status_line(styled(DIM, format!("results are in {}", folder.display())));
         }
     }
     if arguments.json {
@@ -80,7 +77,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
         let mut out = report(&summary, arguments.verbose);
         files_report(&mut out, &results::written(client, job).await?, arguments.out.is_some());
         if draws {
-            let json = results::whole(client, job, What::Timeline, 0, Format::Json.into()).await?;
+            let json = results::whole(client, job, ResultKind::Timeline, 0, Format::Json.into()).await?;
             let timeline: Timeline = serde_json::from_slice(&json).unwrap_or_default();
             out.push_str(&draw(&timeline, width()));
         }
@@ -89,7 +86,7 @@ async fn show(arguments: &Run, client: &Client, job: &str, (first, draws): (&str
     Ok(())
 }
 
-/// Says what macros have written.
+/// Lists what macros have written.
 fn files_report(out: &mut String, files: &[v1::WrittenFile], kept: bool) {
     if files.is_empty() {
         return;
@@ -118,66 +115,15 @@ async fn machine(client: &Client, inputs: &Inputs, quiet: bool) -> Result<String
         let guess = guess::machine(&inputs.programs)?;
         if !quiet {
             let text = format!("machine {}, guessed from {}; --machine chooses another", guess.machine, guess.why);
-            say::talk(styled(DIM, text));
+            say::status_line(styled(DIM, text));
         }
         return Ok(guess.machine.to_owned());
     };
     if pack::is_folder(machine) {
-        return put_machine(client, Path::new(machine)).await;
+        return machines::put_machine(client, Path::new(machine)).await;
     }
-    known(client, machine)?;
+    machines::known(client, machine)?;
     Ok(machine.clone())
-}
-
-/// Refuses what is neither a folder with a definition nor the name of a machine, as far as that is known here.
-pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
-    let names = package::shipped_names();
-    if names.iter().any(|name| name == machine) {
-        return Ok(());
-    }
-    if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
-        return Err(Error::Usage(format!(
-            "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
-        )));
-    }
-    if client.is_embedded() {
-        let near = ident::nearest(machine, names.iter().map(String::as_str));
-        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
-        return Err(Error::Usage(format!(
-            "there is no machine '{machine}': {near}Shipped are {}; one of your own is a folder with machine.toml",
-            names.join(", ")
-        )));
-    }
-    Ok(())
-}
-
-/// Puts a machine folder on the server; gives `name@revision`.
-pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
-    let (name, files) = pack::machine(folder)?;
-    client.upload(&files.blobs()).await?;
-    let files = machine_files(files);
-    let request = v1::PutMachineRequest { name: name.clone(), files };
-    match client.machines().put_machine(request).await {
-        Ok(response) => {
-            let response = response.into_inner();
-            crate::commands::say_findings(&response.findings);
-            let machine = response.machine.unwrap_or_default();
-            Ok(format!("{}@{}", machine.name, machine.revision))
-        }
-        Err(status) => {
-            for violation in tonic_types::StatusExt::get_error_details(&status).bad_request().into_iter() {
-                violation.field_violations.iter().for_each(|v| {
-                    say::talk(format_args!("{}: {}", v.field, v.description));
-                });
-            }
-            Err(status.into())
-        }
-    }
-}
-
-/// Files of a machine in wire form.
-pub(crate) fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
-    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest }).collect()
 }
 
 async fn submit_pack(
@@ -223,7 +169,7 @@ async fn follow(client: &Client, job: &str, (quiet, attended): (bool, bool)) -> 
     let mut interrupts = 0;
     loop {
         tokio::select! {
-            // Ends with an error only: the end of the job is told by the watch.
+            // Ends with an error only: the watch reports the end of the job.
             Err(error) = &mut attending => return Err(error),
             message = stream.message() => match message?.and_then(|m| m.content) {
                 Some(Content::Progress(_)) if asking.get() => {}
@@ -260,24 +206,6 @@ async fn attend(
         attendant.answer(question).await?;
         asking.set(false);
     }
-}
-
-/// Says why a job was not run at all; gives the exit code then.
-pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
-    if !status.findings.is_empty() {
-        crate::commands::say_findings(&status.findings);
-        return Some(2);
-    }
-    if !status.error.is_empty() {
-        say::error(&Error::Usage(status.error.clone()));
-        return Some(1);
-    }
-    None
-}
-
-/// Exit code of an ended job; `strict`: warnings count as errors.
-pub(crate) fn exit_code(status: &v1::JobStatus, strict: bool) -> u8 {
-    u8::from(status.state() != v1::JobState::Succeeded || strict && status.highest_severity >= WARNING)
 }
 
 /// Columns of the terminal.
@@ -317,14 +245,14 @@ impl Target<'_> {
         let folder = self.folder;
         std::fs::create_dir_all(folder).map_err(Error::file(folder))?;
         let wanted = |what| self.arguments.wants(what);
-        if wanted(What::Summary) {
+        if wanted(ResultKind::Summary) {
             let path = folder.join("summary.json");
             std::fs::write(&path, text).map_err(Error::file(&path))?;
         }
         let stem = Path::new(self.program).file_stem().unwrap_or_default().to_string_lossy();
         let channels: Vec<u32> = summary.channels.iter().filter(|c| !c.program.is_empty()).map(|c| c.channel).collect();
         let form = results::Form { format: Format::Svg, crlf: self.arguments.crlf };
-        for (what, extension) in [(What::Listing, "lce"), (What::Log, "log")] {
+        for (what, extension) in [(ResultKind::Listing, "lce"), (ResultKind::Log, "log")] {
             for &channel in channels.iter().filter(|_| wanted(what)) {
                 let of = if channels.len() == 1 { String::new() } else { format!(".{channel}") };
                 let path = folder.join(format!("{stem}{of}.{extension}"));
@@ -332,25 +260,26 @@ impl Target<'_> {
                 results::file(client, job, what, channel, form, &path).await?;
             }
         }
-        if channels.len() > 1 && wanted(What::Listing) {
+        if channels.len() > 1 && wanted(ResultKind::Listing) {
             let path = folder.join(format!("{stem}.lce"));
             steps.show(&path);
-            results::file(client, job, What::Listing, 0, form, &path).await?;
+            results::file(client, job, ResultKind::Listing, 0, form, &path).await?;
         }
-        if wanted(What::Console) {
-            results::file(client, job, What::Console, 0, form, &folder.join("console.txt")).await?;
+        if wanted(ResultKind::Console) {
+            results::file(client, job, ResultKind::Console, 0, form, &folder.join("console.txt")).await?;
         }
-        for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(What::Trace)) {
+        for &channel in channels.iter().filter(|_| !self.arguments.inputs.trace.is_empty() && wanted(ResultKind::Trace))
+        {
             let path = folder.join(format!("{channel}.trace"));
             steps.show(&path);
-            results::file(client, job, What::Trace, channel, Format::Svg.into(), &path).await?;
+            results::file(client, job, ResultKind::Trace, channel, Format::Svg.into(), &path).await?;
         }
         let files = [
-            (What::Events, Format::Json, "events.jsonl"),
-            (What::Timeline, Format::Svg, "timeline.svg"),
-            (What::Timeline, Format::Json, "timeline.json"),
-            (What::Toolpath, Format::Svg, "toolpath.svg"),
-            (What::Toolpath, Format::Json, "toolpath.json"),
+            (ResultKind::Events, Format::Json, "events.jsonl"),
+            (ResultKind::Timeline, Format::Svg, "timeline.svg"),
+            (ResultKind::Timeline, Format::Json, "timeline.json"),
+            (ResultKind::Toolpath, Format::Svg, "toolpath.svg"),
+            (ResultKind::Toolpath, Format::Json, "toolpath.json"),
         ];
         for (what, format, name) in files {
             if wanted(what) {
@@ -359,7 +288,7 @@ impl Target<'_> {
                 results::file(client, job, what, 0, format.into(), &path).await?;
             }
         }
-        if wanted(What::Files) {
+        if wanted(ResultKind::Files) {
             results::files(client, job, &folder.join("files")).await?;
         }
         Ok(())

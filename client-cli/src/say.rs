@@ -1,4 +1,4 @@
-//! Talk on standard error in colours by meaning, data on standard output.
+//! Status on standard error in colours by meaning, data on standard output.
 //!
 //! Invariant: a closed pipe ends the command quietly.
 
@@ -26,14 +26,14 @@ pub(crate) fn styled(style: Style, text: impl std::fmt::Display) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// A line of talk.
-pub(crate) fn talk(text: impl std::fmt::Display) {
+/// Prints a line of status.
+pub(crate) fn status_line(text: impl std::fmt::Display) {
     let _ = writeln!(anstream::stderr(), "{text}");
 }
 
 /// An error.
 pub(crate) fn error(error: &Error) {
-    talk(format_args!("{} {error}", styled(BAD, "error:")));
+    status_line(format_args!("{} {error}", styled(BAD, "error:")));
 }
 
 /// Data.

@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 use anstyle::{AnsiColor, Color, Style};
 use serde::Deserialize;
 
-use crate::report::time;
 use crate::say::styled;
+use crate::text::time;
 
 /// timeline.json as far as the drawing needs it.
 #[derive(Debug, Default, Deserialize)]

@@ -5,6 +5,10 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use counterpoint_server::access::Role;
+use counterpoint_server::options::{Guard, Options};
+use counterpoint_server::service;
+
 fn counterpoint(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
     command.args(arguments).env_remove("COUNTERPOINT_SERVER").stdin(Stdio::null()).output().unwrap()
@@ -25,10 +29,10 @@ fn a_clean_program_gives_a_report_on_standard_output() {
     let folder = tempfile::tempdir().unwrap();
     let path = program(folder.path(), "part.nc", "%\nO1000\nG90 G0 X10. Y5.\nG1 X20. F100.\nM30\n%\n");
     let output = counterpoint(&["run", &path]);
-    let (out, talk) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert_eq!(code(&output), 0, "{out}{talk}");
+    let (out, status) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(code(&output), 0, "{out}{status}");
     assert!(out.starts_with("SUCCEEDED") && out.contains("part.nc"), "{out}");
-    assert!(talk.contains("fanuc-mill"), "the default machine is named: {talk}");
+    assert!(status.contains("fanuc-mill"), "the default machine is named: {status}");
     let output = counterpoint(&["run", "--quiet", &path]);
     assert!(output.stdout.is_empty() && output.stderr.is_empty());
 }
@@ -199,9 +203,12 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     let lathe = "O1\nG50 S2500\nT0101\nG96 S200 M3\nG0 X52. Z2.\nG1 Z-30. F0.2\nM30\n";
     let lathe = program(folder.path(), "lathe.nc", lathe);
     let output = counterpoint(&["run", &lathe]);
-    let talk = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(code(&output), 0, "{talk}");
-    assert!(talk.contains("machine fanuc-2path-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"), "{talk}");
+    let status = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(code(&output), 0, "{status}");
+    assert!(
+        status.contains("machine fanuc-2path-lathe, guessed from G50 S2500 (line 2), G96 S200 (line 4)"),
+        "{status}"
+    );
     for (name, text, reason) in [
         ("bare.nc", "O1\nG0 X1.\nM30\n", "shows which one it is for"),
         ("part.h", "0 BEGIN PGM PART MM\n1 L X+10 R0 FMAX\n2 END PGM PART MM\n", "a Heidenhain control"),
@@ -209,9 +216,9 @@ fn a_machine_is_guessed_with_a_reason_or_asked_for() {
     ] {
         let path = program(folder.path(), name, text);
         let output = counterpoint(&["run", &path]);
-        let talk = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(code(&output), 2, "{talk}");
-        assert!(talk.contains("no machine was given") && talk.contains(reason), "{talk}");
+        let status = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(code(&output), 2, "{status}");
+        assert!(status.contains("no machine was given") && status.contains(reason), "{status}");
         assert!(output.stdout.is_empty(), "nothing was run");
         assert_eq!(code(&counterpoint(&["run", "--exit-code", "severity", &path])), 201);
     }
@@ -237,15 +244,43 @@ fn warnings_are_counted_and_strict_makes_them_an_error() {
 fn a_server_that_cannot_be_reached_is_an_error_at_once() {
     for command in ["watch", "wait", "attend", "cancel"] {
         let output = counterpoint(&[command, "job", "--server", "http://127.0.0.1:1"]);
-        let talk = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(code(&output), 3, "{talk}");
-        assert!(talk.contains("no server answers at http://127.0.0.1:1") && talk.contains("counterpointd"), "{talk}");
-        let output = counterpoint(&[command, "job", "--server", "https://127.0.0.1:1"]);
-        let talk = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(code(&output), 2, "{talk}");
-        assert!(talk.contains("https") && talk.contains("not supported yet"), "{talk}");
+        let status = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(code(&output), 3, "{status}");
+        assert!(
+            status.contains("no server answers at http://127.0.0.1:1") && status.contains("counterpointd"),
+            "{status}"
+        );
         assert_eq!(code(&counterpoint(&[command, "job", "--server", "localhost:1"])), 2);
     }
+}
+
+#[test]
+fn the_token_and_the_authorities_come_from_the_environment() {
+    let folder = tempfile::tempdir().unwrap();
+    let access = folder.path().join("access.toml");
+    let (token, row) = counterpoint_server::access::token::create("t", "t", Role::Read, None).unwrap();
+    std::fs::write(&access, row).unwrap();
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
+    let guard = Guard { access, ..Guard::default() };
+    let options = Options {
+        guard,
+        listen: "127.0.0.1:0".parse().unwrap(),
+        data: folder.path().join("data"),
+        ..Options::default()
+    };
+    let service = runtime.block_on(service::build(options)).unwrap();
+    let url = service.handle().url();
+    runtime.spawn(service.run(std::future::pending()));
+    let list = |url: &str, name: &str, value: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoint"));
+        let output = command.args(["jobs", "--server", url]).env(name, value).stdin(Stdio::null()).output().unwrap();
+        (code(&output), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    assert_eq!(list(&url, "COUNTERPOINT_TOKEN", &token), (0, String::new()));
+    let (status, talk) = list(&url, "COUNTERPOINT_TOKEN", "cpt_00");
+    assert!(status == 3 && talk.contains("token is not known"), "{status} {talk}");
+    let (status, talk) = list("https://127.0.0.1:1", "COUNTERPOINT_CA", "no-such.pem");
+    assert!(status != 0 && talk.contains("'no-such.pem' does not exist"), "{talk}");
 }
 
 #[test]
@@ -394,10 +429,10 @@ fields = [
     assert!(texts(&counterpoint(&run)).contains("no answer for the dialog 'Clamp'"), "nobody attends");
     // Two lines that are refused here and by the machine, then the values, then the button.
     let output = answering(&attended, "much\n99\nyes\n\n12\nyes\nok\n");
-    let talk = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(texts(&output).contains("OK 12"), "{} {talk}", texts(&output));
-    assert!(talk.contains("'much' is no number") && talk.contains("must be 1 to 40, not 99"), "{talk}");
-    assert!(talk.contains("Force, kN, 1 to 40, whole [20]:"), "{talk}");
+    let status = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(texts(&output).contains("OK 12"), "{} {status}", texts(&output));
+    assert!(status.contains("'much' is no number") && status.contains("must be 1 to 40, not 99"), "{status}");
+    assert!(status.contains("Force, kN, 1 to 40, whole [20]:"), "{status}");
     let output = answering(&attended, "12\n");
     assert!(texts(&output).contains("no answer for the dialog 'Clamp'"), "the end of the input declines");
 }
@@ -427,9 +462,9 @@ fields = [
     let attended = ["run", "--json", "--attend", "--machine", &machine.display().to_string(), &path];
     for (lines, asked, text) in [("no\nok\n", false, "OK 0"), ("yes\n7\nok\n", true, "OK 7")] {
         let output = answering(&attended, lines);
-        let talk = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!((talk.contains("Pressure"), talk.contains("Reason")), (asked, false), "{talk}");
+        let status = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((status.contains("Pressure"), status.contains("Reason")), (asked, false), "{status}");
         let summary = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(summary.contains(text), "{talk} {summary}");
+        assert!(summary.contains(text), "{status} {summary}");
     }
 }

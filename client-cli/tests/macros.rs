@@ -44,13 +44,13 @@ fn check_finds_everything_in_every_file() {
     let files =
         [("a.mac", "A=CODE_RAPDI\n$XM=3\nB=UNSET\n"), ("b.mac", "PPRINT/'x'+1\n"), ("good.mac", "A=TWICE(1)\n"), TWICE];
     let folder = folder(&files);
-    let (code, out, talk) = counterpoint(folder.path(), &["check", "a.mac", "b.mac", "good.mac", "twice.mac"]);
+    let (code, out, status) = counterpoint(folder.path(), &["check", "a.mac", "b.mac", "good.mac", "twice.mac"]);
     assert_eq!((code, out.as_str()), (1, "files: 4, errors: 3, warnings: 1\n"));
     let expected = "Error 02910032: there is no identifier CODE_RAPDI\n  --> a.mac:1:3\n    1 | A=CODE_RAPDI\n      \
                     |   ^^^^^^^^^^\n      = did you mean CODE_RAPID?\n";
-    assert!(talk.starts_with(expected), "{talk}");
+    assert!(status.starts_with(expected), "{status}");
     for part in ["Error 02910024", "Warning 02910027", "  --> b.mac:1:12\n"] {
-        assert!(talk.contains(part), "{part}: {talk}");
+        assert!(status.contains(part), "{part}: {status}");
     }
     assert_eq!(counterpoint(folder.path(), &["check", "good.mac", "twice.mac"]).0, 0);
     assert_eq!(counterpoint(folder.path(), &["check", "none.mac"]).0, 2);
@@ -60,13 +60,14 @@ fn check_finds_everything_in_every_file() {
 #[test]
 fn check_prints_json() {
     let folder = folder(&[("a.mac", "A=CODE_RAPDI\nB=UNSET\n"), TWICE]);
-    let (code, out, talk) = counterpoint(folder.path(), &["check", "--json", "a.mac", "twice.mac"]);
-    assert_eq!((code, talk.as_str()), (1, ""));
+    let (code, out, status) = counterpoint(folder.path(), &["check", "--json", "a.mac", "twice.mac"]);
+    assert_eq!((code, status.as_str()), (1, ""));
     let document: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!((&document["errors"], &document["warnings"]), (&1.into(), &1.into()));
     let finding = &document["files"][0]["findings"][0];
     let expected = serde_json::json!({
         "file": "a.mac", "line": 1, "column": 3, "width": 10, "number": "02910032", "severity": 8, "type": "error",
+        "name": "unknown-identifier",
         "text": "there is no identifier CODE_RAPDI", "help": "did you mean CODE_RAPID?", "source": "A=CODE_RAPDI",
     });
     assert_eq!(finding, &expected);
@@ -79,8 +80,8 @@ fn strong_declaration_is_asked_for() {
         folder(&[("m.mac", "DECLAR/GLOBAL,REAL,TOP=1\nZDEEP=TOP\n"), ("use.mac", "DECLAR/A=TOP\nPPRINT/'!(*)',A\n")]);
     let code = |arguments: &[&str]| counterpoint(folder.path(), arguments).0;
     assert_eq!(code(&["check", "m.mac"]), 0);
-    let (_, out, talk) = counterpoint(folder.path(), &["check", "--strong", "partial", "m.mac"]);
-    assert!(out.contains("errors: 1,") && talk.contains("02910026") && talk.contains("m.mac:1:1"), "{out}{talk}");
+    let (_, out, status) = counterpoint(folder.path(), &["check", "--strong", "partial", "m.mac"]);
+    assert!(out.contains("errors: 1,") && status.contains("02910026") && status.contains("m.mac:1:1"), "{out}{status}");
     let (_, out, _) = counterpoint(folder.path(), &["check", "--strong", "full", "m.mac"]);
     assert!(out.contains("errors: 2,"), "{out}");
     assert_eq!(code(&["check", "--strong", "partial", "m.mac", "use.mac"]), 0, "files before the last declare");
@@ -103,8 +104,8 @@ fn fmt_rewrites_in_place_only_what_changes() {
     assert_eq!(read("a.mac"), "IF/A.EQ.1\r\n  $$ why\r\n  PPRINT/'x'\r\nENDOF/IF\r\n");
     assert_eq!(std::fs::metadata(folder.path().join("twice.mac")).unwrap().modified().unwrap(), old);
     assert_eq!(counterpoint(folder.path(), &["fmt", "--check", "a.mac"]), (0, String::new(), String::new()));
-    let (code, _, talk) = counterpoint(folder.path(), &["fmt", "bad.mac"]);
-    assert!(code == 1 && talk.contains("bad.mac:1:5") && read("bad.mac") == "A=(1\n", "{talk}");
+    let (code, _, status) = counterpoint(folder.path(), &["fmt", "bad.mac"]);
+    assert!(code == 1 && status.contains("bad.mac:1:5") && read("bad.mac") == "A=(1\n", "{status}");
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(names.len(), 3, "nothing is left behind");
 }
@@ -123,13 +124,13 @@ fn fmt_reads_standard_input_and_refuses_other_encodings() {
 fn run_prints_what_the_last_file_prints_and_nothing_else() {
     let main = "PPRINT/'!(*)',TWICE(4)\nERROR/4,'look'\nOPEN/20,'STDOUT'\nWRITE/20,'console'\n";
     let folder = folder(&[TWICE, ("main.mac", main), ("stop.mac", "PPRINT/'a'\nERROR/8,'bad'\nPPRINT/'b'\n")]);
-    let (code, out, talk) = counterpoint(folder.path(), &["run", "twice.mac", "main.mac"]);
+    let (code, out, status) = counterpoint(folder.path(), &["run", "twice.mac", "main.mac"]);
     assert_eq!((code, out.as_str()), (0, "8\n"));
-    assert!(talk.starts_with("Warning 02910090: look\n  --> main.mac:2:1 in main.mac\n"), "{talk}");
-    assert!(talk.ends_with("console\n"), "{talk}");
-    let (code, out, talk) = counterpoint(folder.path(), &["run", "stop.mac"]);
+    assert!(status.starts_with("Warning 02910090: look\n  --> main.mac:2:1 in main.mac\n"), "{status}");
+    assert!(status.ends_with("console\n"), "{status}");
+    let (code, out, status) = counterpoint(folder.path(), &["run", "stop.mac"]);
     assert_eq!((code, out.as_str()), (1, "a\n"));
-    assert!(talk.contains("Error 02910090: bad"), "{talk}");
+    assert!(status.contains("Error 02910090: bad"), "{status}");
     let (code, out, _) = counterpoint(folder.path(), &["run", "main.mac"]);
     assert_eq!((code, out.as_str()), (1, ""), "TWICE is not there");
 }
@@ -138,7 +139,7 @@ fn run_prints_what_the_last_file_prints_and_nothing_else() {
 fn the_trace_stands_between_what_is_printed() {
     let main = "a=twice(1) $$ two\nif/a.gt.2\npprint/'no'\nelse\npprint/'!(*)',a\nendof/if\n";
     let folder = folder(&[TWICE, ("main.mac", main)]);
-    let (code, out, talk) = counterpoint(folder.path(), &["run", "--trace", "twice.mac", "main.mac"]);
+    let (code, out, status) = counterpoint(folder.path(), &["run", "--trace", "twice.mac", "main.mac"]);
     let expected = [
         " Macro:* Entering main.mac",
         " Macro:  A=TWICE(1)",
@@ -154,7 +155,7 @@ fn the_trace_stands_between_what_is_printed() {
         " Macro:  ENDMAC",
         " Macro:* Leaving main.mac, Returning to regular processing",
     ];
-    assert_eq!((code, out.lines().collect::<Vec<_>>()), (0, expected.to_vec()), "{talk}");
+    assert_eq!((code, out.lines().collect::<Vec<_>>()), (0, expected.to_vec()), "{status}");
 }
 
 #[test]
@@ -177,8 +178,8 @@ fn lines_come_as_they_are_printed_and_a_closed_pipe_ends_the_run() {
 #[test]
 fn a_budget_ends_a_run() {
     let folder = folder(&[("loop.mac", "AGAIN: JUMPTO/AGAIN\n")]);
-    let (code, _, talk) = counterpoint(folder.path(), &["run", "--ticks", "1000", "loop.mac"]);
-    assert!(code == 1 && talk.contains("02910055"), "{talk}");
+    let (code, _, status) = counterpoint(folder.path(), &["run", "--ticks", "1000", "loop.mac"]);
+    assert!(code == 1 && status.contains("02910055"), "{status}");
     assert_eq!(counterpoint(folder.path(), &["run", "--ticks", "0", "loop.mac"]).0, 2);
 }
 
@@ -193,10 +194,10 @@ fn files_of_a_macro_stay_below_the_folder() {
     std::fs::write(inner.join("m.mac"), text).unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(outer.path(), inner.join("link")).unwrap();
-    let (code, out, talk) = counterpoint(&inner, &["run", "m.mac"]);
+    let (code, out, status) = counterpoint(&inner, &["run", "m.mac"]);
     let expected = if cfg!(unix) { "0 5\n13\nTRUE\nFALSE sub\n" } else { "0 5\n13\nFALSE\nFALSE sub\n" };
-    assert_eq!((code, out.as_str()), (0, expected), "{talk}");
-    assert_eq!(talk.matches("Warning 02910067").count(), 2, "{talk}");
+    assert_eq!((code, out.as_str()), (0, expected), "{status}");
+    assert_eq!(status.matches("Warning 02910067").count(), 2, "{status}");
     assert_eq!(std::fs::read_to_string(inner.join("out.txt")).unwrap(), "X1.5\n");
     assert_eq!(std::fs::read_to_string(inner.join("sub/in.txt")).unwrap(), "in\n");
     assert!(!outer.path().join("out.txt").exists());
@@ -207,8 +208,8 @@ fn the_console_is_read_and_temporary_files_go_away() {
     let text = "OPEN/20,'STDIN'\nREAD/20,'!(*) !(A)',N,T\nPPRINT/'!(*) !(*)',N*2,T\nREAD/20,'!(A)',T\nPPRINT/'!(*)',$ERRNO\n\
                 T=$FTMPFILE('m.mac')\nPPRINT/'!(*)',$FACCESS(T)\nPPRINT/'!(*)',$FLEN($DATE)\n";
     let folder = folder(&[("m.mac", text)]);
-    let (code, out, talk) = typed(folder.path(), &["run", "m.mac"], "6 holes\n");
-    assert_eq!((code, out.as_str()), (0, "12 holes\n-1\nTRUE\n23\n"), "{talk}");
+    let (code, out, status) = typed(folder.path(), &["run", "m.mac"], "6 holes\n");
+    assert_eq!((code, out.as_str()), (0, "12 holes\n-1\nTRUE\n23\n"), "{status}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 

@@ -9,7 +9,18 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
+
+use counterpoint_mdspec::{Check, Example, Fences, Role, Suite};
+
+/// Languages of files, and commands.
+const FENCES: Fences = &[
+    ("toml", Role::Program),
+    ("macro", Role::Program),
+    ("nc", Role::Program),
+    ("text", Role::Program),
+    ("console", Role::Program),
+];
 
 fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
@@ -75,53 +86,55 @@ fn files(folder: &Path) -> Vec<(PathBuf, String)> {
     found
 }
 
-#[test]
-fn every_step_of_the_tutorial_is_true() {
+/// Writes the files of the page and runs its commands, from top to bottom.
+fn steps(examples: &[Example], check: &mut Check<'_>) {
     let folder = tempfile::tempdir().unwrap();
-    let page = std::fs::read_to_string(project().join("docs/tutorial-control.md")).unwrap();
-    let mut lines = page.lines();
-    let (mut found, mut steps) = (String::new(), 0);
-    let mut above = String::new();
-    while let Some(line) = lines.next() {
-        let _ = writeln!(found, "{line}");
-        let title = std::mem::take(&mut above);
-        above = if line.is_empty() { title.clone() } else { line.to_owned() };
-        let Some(info) = line.strip_prefix("```") else { continue };
-        let body: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
-        match info.split(' ').collect::<Vec<_>>().as_slice() {
-            ["console"] => {
-                steps += 1;
-                for command in body.iter().filter_map(|line| line.strip_prefix("$ ")) {
-                    let _ = write!(found, "$ {command}\n{}", run(folder.path(), command));
-                }
+    let (mut line, mut steps) = (1, 0);
+    for fence in examples.iter().flat_map(|example| &example.fences) {
+        line = fence.line;
+        if fence.kind == "console" {
+            steps += 1;
+            let mut found = String::new();
+            for command in fence.body.text.lines().filter_map(|line| line.strip_prefix("$ ")) {
+                let _ = write!(found, "$ {command}\n{}", run(folder.path(), command));
             }
-            [_, name, how @ ..] => {
-                assert!(title.starts_with(&format!("**{name}**")), "no name above the fence of {name}");
-                let text = body.join("\n") + "\n";
-                write(folder.path(), name, how, &text);
-                found.push_str(&text);
-            }
-            other => panic!("no fence is called {other:?}"),
+            check.outcome(fence, &found);
+            continue;
         }
-        found.push_str("```\n");
+        let mut words = fence.words.split(' ');
+        let name = words.next().unwrap_or_default();
+        if !fence.above.starts_with(&format!("**{name}**")) {
+            check.wrong(fence.line, &format!("no name above the fence of {name}"));
+        }
+        write(folder.path(), name, &words.collect::<Vec<_>>(), &fence.body.text);
     }
     assert!(steps >= 9, "{steps}");
-    for (number, (found, shown)) in found.lines().zip(page.lines()).enumerate() {
-        assert_eq!(found, shown, "line {}", number + 1);
-    }
-    assert_eq!(found.lines().count(), page.lines().count());
-    assert_eq!(files(&folder.path().join("tern")), files(&project().join("machines/tern-bar-lathe")));
+    let mut same = |what: &str, same: bool| {
+        if !same {
+            check.wrong(line, &format!("what the page has written is not {what}"));
+        }
+    };
+    same(
+        "machines/tern-bar-lathe",
+        files(&folder.path().join("tern")) == files(&project().join("machines/tern-bar-lathe")),
+    );
     for (name, text) in files(&project().join("examples/bar-part")) {
-        assert_eq!(text, std::fs::read_to_string(folder.path().join(&name)).unwrap(), "{}", name.display());
+        let written = std::fs::read_to_string(folder.path().join(&name)).unwrap_or_default();
+        same(&format!("examples/bar-part/{}", name.display()), text == written);
     }
 }
 
-#[test]
-fn the_shipped_machine_runs_its_example() {
+fn the_shipped_machine_runs_its_example() -> Result<(), String> {
     let example = project().join("examples/bar-part");
     let [program, answers] = ["pin.nc", "answers.toml"].map(|name| example.join(name).display().to_string());
     let machine = ["run", "--machine", "tern-bar-lathe", "--answers", &answers, "--no-timeline", &program];
     let output = Command::new(env!("CARGO_BIN_EXE_counterpoint")).args(machine).stdin(Stdio::null()).output().unwrap();
     let out = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success() && out.starts_with("SUCCEEDED"), "{out}");
+    if output.status.success() && out.starts_with("SUCCEEDED") { Ok(()) } else { Err(out.into_owned()) }
+}
+
+fn main() -> ExitCode {
+    let mut suite = Suite::whole(&project().join("docs/tutorial-control.md"), FENCES, steps);
+    suite.test("the_shipped_machine_runs_its_example", the_shipped_machine_runs_its_example);
+    suite.run()
 }

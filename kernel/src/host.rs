@@ -24,7 +24,7 @@ pub(crate) mod variables;
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::fault::{Fault, Outcome};
 use counterpoint_lang::format::{Register, Registers};
-use counterpoint_lang::host::{Command, Host, HostFn, Step};
+use counterpoint_lang::host::{Blocks, Command, Dialog, Host, HostFn, Step, Variables};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{Scale, State};
 
@@ -34,30 +34,6 @@ use crate::machine::macros::model::Hook;
 use crate::macros::calls::unwinding;
 use crate::macros::issued::Later;
 use crate::macros::values::{code_id, data_id};
-use crate::multi::shared::Shared;
-use crate::state::burden::weight;
-
-impl Shared {
-    /// A global variable that all kernels share.
-    fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
-        if self.globals.len() <= index {
-            self.globals.resize(index + 1, Value::Unset);
-        }
-        if let Some(value) = self.globals.get_mut(index) {
-            access(value);
-        }
-    }
-
-    /// Counts a change of what all kernels share; true if it has become too much.
-    pub(crate) fn grown(&mut self, bytes: usize, limit: u64) -> bool {
-        let Self { hoard, globals, named, files, .. } = self;
-        let bytes_of_files = files.bytes() as u64;
-        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
-            let names: usize = named.keys().map(|name| name.len() + 60).sum();
-            weight(globals.iter().chain(named.values())) + names as u64
-        })
-    }
-}
 
 impl Registers for Kernel<'_> {
     fn code_name(&self, code: u32) -> String {
@@ -83,7 +59,7 @@ impl Registers for Kernel<'_> {
     }
 }
 
-impl Host for Kernel<'_> {
+impl Variables for Kernel<'_> {
     fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value> {
         self.read_variable(index, indices)
     }
@@ -146,21 +122,16 @@ impl Host for Kernel<'_> {
         }
         scale.held_by(from, || "blocks of EXEC/NEXT".to_owned());
     }
+}
 
-    fn stopped(&self) -> bool {
-        self.ports.control.cancelled()
-    }
-
+impl Blocks for Kernel<'_> {
     fn command(&mut self, state: &mut State, command: Command<'_>) -> Outcome<i32> {
         self.going_on(state)?;
         self.macro_command(state, command)
     }
+}
 
-    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
-        self.going_on(state)?;
-        self.macro_function(state, function, arguments)
-    }
-
+impl Dialog for Kernel<'_> {
     fn report(&mut self, state: &mut State, diagnostic: Diagnostic) {
         if self.macros.calls.ending || self.ports.control.cancelled() {
             return;
@@ -198,21 +169,16 @@ impl Host for Kernel<'_> {
     fn trace(&mut self, step: Step<'_>) {
         self.trace_step(step);
     }
+}
 
-    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
-        self.openable(state, path)
+impl Host for Kernel<'_> {
+    fn function(&mut self, state: &mut State, function: HostFn, arguments: &[Value]) -> Outcome<Value> {
+        self.going_on(state)?;
+        self.macro_function(state, function, arguments)
     }
 
-    fn may_write(&mut self, path: &str) -> i32 {
-        self.file_writable(path)
-    }
-
-    fn read_file(&mut self, path: &str) -> Option<String> {
-        self.file_text(path)
-    }
-
-    fn write_file(&mut self, path: &str, text: &str) -> bool {
-        self.keep_file(path, text)
+    fn stopped(&self) -> bool {
+        self.ports.control.cancelled()
     }
 }
 

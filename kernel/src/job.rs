@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 pub use counterpoint_event::Outcome;
 use counterpoint_lang::compile;
+pub use counterpoint_sync::sink::{Sink, WrittenFiles};
 
 use crate::control::{Control, Stop};
 use crate::files::Files;
-use crate::log::event::Event;
-use crate::log::fold::Folds;
 use crate::log::info::Info;
 use crate::machine::Machine;
 use crate::machine::finding::Finding;
@@ -57,27 +56,6 @@ pub struct PrepareError {
     pub cancelled: bool,
 }
 
-/// Text files that macros have written, ascending by path with `/` between parts.
-pub type WrittenFiles = Vec<(String, Arc<str>)>;
-
-/// Receives what a job logs.
-pub trait Sink: Send {
-    /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
-    /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
-    fn folds(&mut self) -> Option<&mut Folds> {
-        None
-    }
-
-    /// The files that macros have written; once, when all kernels have ended.
-    fn files(&mut self, files: WrittenFiles) {
-        let _ = files;
-    }
-
-    /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
-    /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
-    fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;
-}
-
 /// Bytes of a text that are searched between two looks at whether the job is to end.
 const PIECE: usize = 1 << 20;
 
@@ -114,7 +92,8 @@ impl Job {
             cancelled: true,
         };
         spec.options.limits = spec.options.limits.capped();
-        let (info, sources) = match crate::mcd::layout::assign(&spec, files, stop) {
+        let syntax = crate::dialect::of(&spec.machine).syntax();
+        let (info, sources) = match crate::mcd::layout::assign(&spec, syntax, files, stop) {
             _ if stop.asked() => return Err(cancelled()),
             Ok(assigned) => assigned,
             Err(findings) => return Err(PrepareError { findings, cancelled: false }),

@@ -71,9 +71,10 @@ fn copy_with_ledger(from: &Path, to: &Path) -> Result<Contents, Refusal> {
     let left_out = gone.len();
     let rows = checkup.rows()?;
     let needed = rows.blobs();
-    for digest in &needed {
-        let new = target.blob(digest);
-        let old = from.join("blobs").join(digest.get(..2).unwrap_or_default()).join(digest);
+    for (tenant, digest) in &needed {
+        let new = target.blob(tenant, digest);
+        let Ok(place) = new.strip_prefix(to) else { continue };
+        let old = from.join(place);
         match new.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| copy_file(&old, &new)) {
             // The examination of the backup reports it.
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}

@@ -5,6 +5,7 @@
 
 use std::fmt::Debug;
 use std::io::{self, Read};
+use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -27,8 +28,14 @@ pub(crate) fn is_digest(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Keeps blobs. All calls may block.
+/// Keeps the blobs of a tenant: what others have uploaded is not there. All calls may block.
 pub(crate) trait Blobs: Send + Sync + Debug {
+    /// Those of a tenant.
+    fn of(&self, tenant: &str) -> Arc<dyn Blobs>;
+
+    /// Tenants that have blobs.
+    fn tenants(&self) -> io::Result<Vec<String>>;
+
     fn has(&self, digest: &str) -> bool;
 
     /// Refuses when one of these is not there.

@@ -171,13 +171,28 @@ impl Doctor {
     }
 
     fn blobs(&mut self, rows: &Rows) -> Result<(), Refusal> {
-        let upload = "upload the file again";
         let mut damaged = BTreeSet::new();
+        for tenant in self.store.tenants()? {
+            self.blobs_of(&tenant, &mut damaged)?;
+        }
+        for (tenant, digest) in rows.blobs() {
+            let known = damaged.contains(&(tenant.to_owned(), digest.to_owned()));
+            if !known && !self.blobs.of(tenant).has(digest) {
+                let path = self.store.blob(tenant, digest);
+                self.lasting(path, "a blob that jobs or machines need is gone", "upload the file again");
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads all blobs of a tenant.
+    fn blobs_of(&mut self, tenant: &str, damaged: &mut BTreeSet<(String, String)>) -> Result<(), Refusal> {
+        let blobs = self.blobs.of_tenant(tenant);
         for first in 0..=255u8 {
-            for name in self.store.blobs(&format!("{first:02x}"))? {
-                let path = self.store.blob(&name);
+            for name in self.store.blobs(tenant, &format!("{first:02x}"))? {
+                let path = self.store.blob(tenant, &name);
                 let what = if is_digest(&name) {
-                    match self.blobs.has_its_digest(&name)? {
+                    match blobs.has_its_digest(&name)? {
                         true => continue,
                         false => "the content of the blob has changed",
                     }
@@ -190,16 +205,8 @@ impl Doctor {
                 if self.repair {
                     fs::remove_file(&path)?;
                 }
-                self.mendable(path, what, "it is removed, ", upload);
-                damaged.insert(name);
-            }
-        }
-        let jobs = rows.jobs.iter().flat_map(|record| record.files.iter().map(|(_, digest)| digest));
-        let machines = rows.jobs.iter().map(|record| &record.machine).chain(&rows.machines);
-        let needed: BTreeSet<&String> = jobs.chain(machines.flat_map(|machine| machine.files.values())).collect();
-        for digest in needed {
-            if !damaged.contains(digest) && !self.blobs.has(digest) {
-                self.lasting(self.store.blob(digest), "a blob that jobs or machines need is gone", upload);
+                self.mendable(path, what, "it is removed, ", "upload the file again");
+                damaged.insert((tenant.to_owned(), name));
             }
         }
         Ok(())

@@ -5,6 +5,7 @@
 //! [`service::Handle`]. Invariants: a submit answers only after the job is on stable storage; a watcher reads the
 //! log and never stands between a kernel and its log; nothing here knows how a block is processed.
 
+pub mod access;
 pub mod backup;
 mod blobs;
 pub mod doctor;
@@ -15,13 +16,16 @@ mod ledger;
 pub mod local;
 pub mod log;
 mod machines;
+mod metrics;
 mod net;
 pub mod options;
+mod pace;
 mod queue;
 pub mod reason;
 mod results;
 mod rpc;
 pub mod runner;
 pub mod service;
+mod tenant;
 
 pub use ledger::record::Record;

@@ -4,8 +4,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::{Parser, Subcommand};
+use counterpoint_server::access::{Role, token};
 use counterpoint_server::backup::{self, Contents};
 use counterpoint_server::doctor;
 use counterpoint_server::options::{Flags, Options};
@@ -59,11 +61,41 @@ enum Command {
         #[arg(long, value_name = "FOLDER")]
         data: Option<PathBuf>,
     },
+    /// Make tokens for callers
+    #[command(subcommand)]
+    Token(Token),
+}
+
+#[derive(Debug, Subcommand)]
+enum Token {
+    /// Print a new token, and add its row to the file of identities, or print the row if there is no such file
+    New {
+        /// Tenant that its caller belongs to
+        #[arg(long)]
+        tenant: String,
+        /// What its caller may do
+        #[arg(long, value_enum)]
+        role: Role,
+        /// Name of its caller in the audit log
+        #[arg(long, default_value = "token")]
+        name: String,
+        /// Days until it expires [default: never]
+        #[arg(long, value_name = "N")]
+        days: Option<u64>,
+        /// File of identities [default: that of the configuration]
+        #[arg(long, value_name = "FILE.toml")]
+        access: Option<PathBuf>,
+    },
 }
 
 /// Does what needs no server of its own.
-fn run(command: &Command, data: &Path) -> ExitCode {
+fn run(command: &Command, options: &Options) -> ExitCode {
+    let data = &options.data;
     let done = match command {
+        Command::Token(Token::New { tenant, role, name, days, access }) => {
+            let access = access.as_ref().unwrap_or(&options.guard.access);
+            new_token(name, tenant, *role, *days, access)
+        }
         Command::Doctor { data: own, repair } => return examine(own.as_deref().unwrap_or(data), *repair),
         Command::Backup { to, data: own } => {
             backup::backup(own.as_deref().unwrap_or(data), to).map(|Contents { jobs, blobs, left_out }| {
@@ -82,6 +114,20 @@ fn run(command: &Command, data: &Path) -> ExitCode {
             ExitCode::from(3)
         }
     }
+}
+
+/// Prints a new token; its row goes into the file of identities, or is printed too.
+fn new_token(name: &str, tenant: &str, role: Role, days: Option<u64>, access: &Path) -> Result<(), String> {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let expires_s = days.map(|days| now.saturating_add(days.saturating_mul(86_400)));
+    let (token, row) = token::create(name, tenant, role, expires_s)?;
+    if access.as_os_str().is_empty() {
+        println!("{token}\n\n{row}");
+    } else {
+        token::append(access, &row).map_err(|error| format!("'{}': {error}", access.display()))?;
+        println!("{token}");
+    }
+    Ok(())
 }
 
 /// Examines a folder and prints what was found.
@@ -116,7 +162,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     if let Some(command) = arguments.command {
-        return run(&command, &options.data);
+        return run(&command, &options);
     }
     logging();
     match tokio::runtime::Builder::new_multi_thread().enable_all().thread_name("rpc").build() {
@@ -143,29 +189,32 @@ fn logging() {
 async fn serve(options: Options) -> Result<(), service::Error> {
     let service = service::build(options).await?;
     let handle = service.handle();
-    println!("listening on http://{}", handle.address());
+    println!("listening on {}", handle.url());
     tokio::select! {
         result = service.run(std::future::pending()) => result,
         () = signals(handle) => Ok(()),
     }
 }
 
-/// Passes stop signals on; ends only when signals cannot be had, and then never.
+/// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(unix)]
 async fn signals(handle: service::Handle) {
     use tokio::signal::unix::{SignalKind, signal};
-    if let (Ok(mut terminate), Ok(mut interrupt)) = (signal(SignalKind::terminate()), signal(SignalKind::interrupt())) {
+    if let (Ok(mut terminate), Ok(mut interrupt), Ok(mut hangup)) =
+        (signal(SignalKind::terminate()), signal(SignalKind::interrupt()), signal(SignalKind::hangup()))
+    {
         loop {
             tokio::select! {
                 _ = terminate.recv() => handle.stop(),
                 _ = interrupt.recv() => handle.stop(),
+                _ = hangup.recv() => handle.reload(),
             }
         }
     }
     std::future::pending().await
 }
 
-/// Passes stop signals on; ends only when signals cannot be had, and then never.
+/// Passes signals on to the server. If signal handlers cannot be installed, waits forever.
 #[cfg(not(unix))]
 async fn signals(handle: service::Handle) {
     while tokio::signal::ctrl_c().await.is_ok() {

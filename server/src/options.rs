@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 mod groups;
 
-pub use groups::{Connections, ConnectionsFlags, Maxima, MaximaFlags, Retention, RetentionFlags};
+pub use groups::{Connections, ConnectionsFlags, Guard, GuardFlags, Maxima, MaximaFlags};
+pub use groups::{Retention, RetentionFlags, System, SystemFlags};
 
 /// Options of a server.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,12 +32,14 @@ pub struct Options {
     pub grace_s: u64,
     /// Seconds that a dialog of an attended job waits for the operator before it fails.
     pub operator_wait_s: u64,
-    /// Macros may start commands of the operating system (`SYSTEM`), with the rights of the server.
-    pub allow_system: bool,
-    /// Seconds after which such a command is ended.
-    pub system_wait_s: u64,
     /// Free bytes on the disk of the data folder below which no run starts and no job or upload is accepted.
     pub min_free_bytes: u64,
+    /// Who may call.
+    #[serde(flatten)]
+    pub guard: Guard,
+    /// Commands of the operating system.
+    #[serde(flatten)]
+    pub system: System,
     /// What nobody may ask for more of.
     #[serde(flatten)]
     pub maxima: Maxima,
@@ -65,9 +68,9 @@ impl Default for Options {
             attempts: 3,
             grace_s: 30,
             operator_wait_s: 600,
-            allow_system: false,
-            system_wait_s: 60,
             min_free_bytes: 256 << 20,
+            guard: Guard::default(),
+            system: System::default(),
             maxima: Maxima::default(),
             connections: Connections::default(),
             retention: Retention::default(),
@@ -174,16 +177,15 @@ pub struct Flags {
     /// Seconds that a dialog of an attended job waits for the operator before it fails
     #[arg(long, env = "COUNTERPOINT_OPERATOR_WAIT_S", value_name = "SECONDS")]
     pub operator_wait_s: Option<u64>,
-    /// Macros may start commands of the operating system, with the rights of the server: only where all machine
-    /// definitions are trusted
-    #[arg(long, env = "COUNTERPOINT_ALLOW_SYSTEM", value_name = "BOOL", num_args = 0..=1, default_missing_value = "true")]
-    pub allow_system: Option<bool>,
-    /// Seconds after which such a command is ended
-    #[arg(long, env = "COUNTERPOINT_SYSTEM_WAIT_S", value_name = "SECONDS")]
-    pub system_wait_s: Option<u64>,
     /// Free disk space below which no run starts and no job or upload is accepted, bytes
     #[arg(long, env = "COUNTERPOINT_MIN_FREE_BYTES", value_name = "BYTES")]
     pub min_free_bytes: Option<u64>,
+    /// Guard
+    #[command(flatten)]
+    pub guard: GuardFlags,
+    /// System
+    #[command(flatten)]
+    pub system: SystemFlags,
     /// Maxima
     #[command(flatten)]
     pub maxima: MaximaFlags,
@@ -211,9 +213,9 @@ impl Flags {
         set(&mut options.attempts, self.attempts);
         set(&mut options.grace_s, self.grace_s);
         set(&mut options.operator_wait_s, self.operator_wait_s);
-        set(&mut options.allow_system, self.allow_system);
-        set(&mut options.system_wait_s, self.system_wait_s);
         set(&mut options.min_free_bytes, self.min_free_bytes);
+        self.guard.over(&mut options.guard);
+        self.system.over(&mut options.system);
         self.maxima.over(&mut options.maxima);
         self.connections.over(&mut options.connections);
         self.retention.over(&mut options.retention);

@@ -105,6 +105,15 @@ pub enum Refusal {
     /// The name belongs to a machine that is shipped with the server.
     #[error("'{0}' is the name of a machine shipped with the server; choose another name")]
     MachineShipped(String),
+    /// Who calls is not known.
+    #[error("{0}")]
+    Unauthenticated(String),
+    /// Who calls may not do this.
+    #[error("{0}")]
+    PermissionDenied(String),
+    /// Too many calls of one identity; when the next may come.
+    #[error("too many calls a second (max_calls_per_s)")]
+    RateLimited(Duration),
 }
 
 impl Refusal {
@@ -141,6 +150,9 @@ impl Refusal {
             Self::UploadStalled(_) => ("UPLOAD_STALLED", Code::DeadlineExceeded),
             Self::MachineTooLarge(_) => ("MACHINE_TOO_LARGE", Code::InvalidArgument),
             Self::MachineShipped(_) => ("MACHINE_SHIPPED", Code::AlreadyExists),
+            Self::Unauthenticated(_) => ("UNAUTHENTICATED", Code::Unauthenticated),
+            Self::PermissionDenied(_) => ("PERMISSION_DENIED", Code::PermissionDenied),
+            Self::RateLimited(_) => ("RATE_LIMITED", Code::ResourceExhausted),
         }
     }
 
@@ -173,6 +185,9 @@ impl From<Refusal> for Status {
             }
             Refusal::QueueFull(_) | Refusal::Draining { .. } | Refusal::Storage(_) | Refusal::TooManyUploads => {
                 details.set_retry_info(Some(Duration::from_secs(1)));
+            }
+            Refusal::RateLimited(wait) => {
+                details.set_retry_info(Some(*wait));
             }
             Refusal::DiskFull(_) => {
                 details.set_retry_info(Some(Duration::from_secs(10)));

@@ -21,7 +21,8 @@ use tonic_health::server::HealthReporter;
 use crate::jobs::Core;
 use crate::local;
 use crate::local::disk::Disk;
-use crate::net;
+use crate::metrics::Metrics;
+use crate::net::{self, Gate};
 use crate::options::Options;
 use crate::reason::Refusal;
 use crate::rpc;
@@ -51,6 +52,12 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// The address for monitoring is not one.
+    #[error("'{0}' is not an address for metrics: expected ADDRESS:PORT, for example 127.0.0.1:9464")]
+    Metrics(String),
+    /// Calls cannot be guarded as asked.
+    #[error("{0}")]
+    Guard(String),
     /// The descriptor set is unreadable.
     #[error("reflection: {0}")]
     Reflection(#[from] tonic_reflection::server::Error),
@@ -60,6 +67,9 @@ pub enum Error {
 #[derive(Debug)]
 pub struct Service {
     core: Arc<Core>,
+    gate: Arc<Gate>,
+    /// Where monitoring asks.
+    monitor: Option<TcpListener>,
     listener: TcpListener,
     address: SocketAddr,
     stop: tokio::sync::watch::Sender<Stop>,
@@ -77,6 +87,8 @@ enum Stop {
 #[derive(Debug, Clone)]
 pub struct Handle {
     address: SocketAddr,
+    metrics: Option<SocketAddr>,
+    gate: Arc<Gate>,
     stop: tokio::sync::watch::Sender<Stop>,
 }
 
@@ -85,6 +97,23 @@ impl Handle {
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// The bound address for monitoring, if there is one.
+    #[must_use]
+    pub fn metrics(&self) -> Option<SocketAddr> {
+        self.metrics
+    }
+
+    /// The address as clients are to be given it.
+    #[must_use]
+    pub fn url(&self) -> String {
+        format!("{}://{}", if self.gate.encrypts() { "https" } else { "http" }, self.address)
+    }
+
+    /// Reads identities and certificates again, and opens the audit log again. What cannot be read stays as it is.
+    pub fn reload(&self) {
+        self.gate.reload();
     }
 
     /// Asks the server to drain; a second call asks it to stop at once.
@@ -114,26 +143,38 @@ pub async fn build_with(options: Options, runner: impl Runner) -> Result<Service
 /// # Errors
 /// When the address or the data folder cannot be used.
 pub async fn build_on(options: Options, runner: impl Runner, disk: Disk) -> Result<Service, Error> {
+    let metrics = Arc::new(Metrics::new());
+    let gate = Arc::new(Gate::open(&options, metrics.clone()).map_err(Error::Guard)?);
     let address = options.listen;
     let listen = |error| Error::Listen { address, error };
     let listener = TcpListener::bind(address).await.map_err(listen)?;
     let address = listener.local_addr().map_err(listen)?;
+    let monitor = match options.connections.metrics.as_str() {
+        "" => None,
+        text => {
+            let address = text.parse().map_err(|_| Error::Metrics(text.to_owned()))?;
+            let listen = |error| Error::Listen { address, error };
+            Some(TcpListener::bind(address).await.map_err(listen)?)
+        }
+    };
     let folder = options.data.display().to_string();
     let data = move |reason: String| Error::Data { folder: folder.clone(), reason };
     let opened = tokio::task::spawn_blocking(move || {
-        let core = Core::new(options.clone(), Box::new(runner), local::open(&options, disk)?);
+        let seams = local::open(&options, disk, &metrics)?;
+        let core = Core::new(options, Box::new(runner), seams, metrics);
         core.recover()?;
         Ok::<_, Refusal>(core)
     });
     let core = opened.await.map_err(|e| data(e.to_string()))?.map_err(|e| data(e.to_string()))?;
-    Ok(Service { core, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
+    Ok(Service { core, gate, monitor, listener, address, stop: tokio::sync::watch::Sender::new(Stop::No) })
 }
 
 impl Service {
     /// A handle on it.
     #[must_use]
     pub fn handle(&self) -> Handle {
-        Handle { address: self.address, stop: self.stop.clone() }
+        let metrics = self.monitor.as_ref().and_then(|listener| listener.local_addr().ok());
+        Handle { address: self.address, metrics, gate: self.gate.clone(), stop: self.stop.clone() }
     }
 
     /// Serves until `shutdown` resolves or [`Handle::stop`] is called, then drains: health NOT_SERVING, no new jobs,
@@ -142,25 +183,33 @@ impl Service {
     /// # Errors
     /// When the descriptor set is unreadable.
     pub async fn run(self, shutdown: impl Future<Output = ()>) -> Result<(), Error> {
-        let Self { core, listener, stop, .. } = self;
+        let Self { core, gate, monitor, listener, stop, .. } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
         let reporter = tokio::spawn(report(health.clone(), core.clone()));
-        let reflection = tonic_reflection::server::Builder::configure()
-            .register_encoded_file_descriptor_set(DESCRIPTORS)
-            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
-            .build_v1()?;
+        // Ends with the server.
+        let mut monitoring = tokio::task::JoinSet::new();
+        if let Some(listener) = monitor {
+            monitoring.spawn(net::monitor(listener, core.clone()));
+        }
         let mut routes = Routes::builder();
         routes
             .add_service(health_service)
-            .add_service(reflection)
             .add_service(JobsServer::new(rpc::Jobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(BlobsServer::new(rpc::Blobs(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(MachinesServer::new(rpc::Machines(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(ResultsServer::new(rpc::Results(core.clone())).max_decoding_message_size(MAX_MESSAGE))
             .add_service(OperatorServer::new(rpc::Operator(core.clone())).max_decoding_message_size(MAX_MESSAGE));
+        if core.options.guard.reflection {
+            let builder = || {
+                tonic_reflection::server::Builder::configure()
+                    .register_encoded_file_descriptor_set(DESCRIPTORS)
+                    .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+            };
+            routes.add_service(builder().build_v1()?).add_service(builder().build_v1alpha()?);
+        }
         let close = tokio::sync::watch::Sender::new(false);
         let closed = core.clone();
-        let server = net::serve(listener, routes.routes().prepare(), &core.options, close.subscribe());
+        let server = net::serve(listener, routes.routes().prepare(), &core.options, gate, close.subscribe());
         let mut server = std::pin::pin!(server);
         let asked = stop.clone();
         tokio::select! {

@@ -9,7 +9,7 @@ const HELP: &str = "\
 Usage: cargo xtask TASK
 
   ci      Run everything a change must pass (.ci/run)
-  spec    Run the specification pages and scenarios only
+  spec    Run the specification pages and scenarios only; spec FILTER those whose name contains it
   bench   Run the benchmarks of the kernel
   tidy    Check floors, cycles, and sizes of files and types; --update rewrites the list of exceptions
   doc     Build the documentation of the code, with warnings as errors
@@ -40,6 +40,17 @@ fn complain(text: &str) {
     eprintln!("{text}");
 }
 
+/// The pages of all kinds. All are run, so that `UPDATE=1` writes all of them.
+fn spec(filter: &[&str]) -> bool {
+    let pages: [&[&str]; 3] = [
+        &["counterpoint-tests", "--test", "emulator", "--test", "tables_spec", "--test", "scenarios"],
+        &["counterpoint-lang", "--test", "spec"],
+        &["counterpoint-cli", "--test", "tutorial"],
+    ];
+    let run = |pages: &&[&str]| cargo(&[&["test", "--no-fail-fast", "--package"], *pages, filter].concat());
+    pages.iter().filter(|pages| !run(pages)).count() == 0
+}
+
 fn tidied(update: bool) -> bool {
     match tidy::check(&root(), update) {
         Ok(findings) => {
@@ -58,11 +69,8 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words[..] {
         ["ci"] => run("bash", &[".ci/run"], None),
-        ["spec"] => {
-            let pages = ["--test", "emulator", "--test", "tables_spec", "--test", "scenarios"];
-            let kernel = [&["test", "--package", "counterpoint-tests"], &pages[..]].concat();
-            cargo(&kernel) && cargo(&["test", "--package", "counterpoint-lang", "--test", "spec"])
-        }
+        ["spec"] => spec(&[]),
+        ["spec", filter] => spec(&[filter]),
         ["bench"] => cargo(&["bench", "--package", "counterpoint-kernel"]),
         ["tidy"] => tidied(false),
         ["tidy", "--update"] => tidied(true),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use counterpoint_lang::compile;
-use counterpoint_lang::tools;
+use counterpoint_lang::layout;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Macro {
@@ -97,7 +97,7 @@ pub(crate) enum Style {
     C,
 }
 
-impl From<Style> for tools::Style {
+impl From<Style> for layout::Style {
     fn from(style: Style) -> Self {
         match style {
             Style::Standard => Self::Standard,

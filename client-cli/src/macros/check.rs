@@ -1,8 +1,7 @@
 //! `macro check`: every mistake of every file.
 
-use counterpoint_kernel::machine::macros;
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::tools;
+use counterpoint_lang_standalone::check_all;
 use serde_json::json;
 
 use super::arguments::Check;
@@ -13,9 +12,9 @@ use crate::say;
 
 pub(super) fn check(arguments: &Check) -> Result<u8, Error> {
     let files = super::read(&arguments.files)?;
-    let mut host = macros::standalone();
+    let mut host = super::standalone::standalone();
     host.attach(Box::new(Sandbox::here()?));
-    let found = tools::check_all(&files, &mut host, arguments.strong.into());
+    let found = check_all(&files, &mut host, arguments.strong.into());
     let errors = found.iter().flatten().filter(|finding| finding.is_error()).count();
     let warnings = found.iter().flatten().count() - errors;
     if arguments.json {
@@ -41,6 +40,7 @@ fn as_json(finding: &Diagnostic) -> serde_json::Value {
         "column": finding.column,
         "width": finding.width,
         "number": finding.number.to_string(),
+        "name": finding.number.name(),
         "severity": finding.severity,
         "type": finding.word().to_lowercase(),
         "text": finding.message,

@@ -5,8 +5,8 @@
 use counterpoint_kernel::diag;
 use counterpoint_kernel::machine::ident::{self as control, takes};
 use counterpoint_kernel::machine::macros::{identifiers, system, without};
+use counterpoint_lang::explain::{self, Entry};
 use counterpoint_lang::func::{self, Way};
-use counterpoint_lang::tools::explain::{self, Entry};
 use counterpoint_lang::{format, ident};
 use include_dir::{Dir, include_dir};
 
@@ -49,7 +49,7 @@ fn alarm_name(word: &str) -> Option<(&str, u32)> {
     Some((letters, digits.parse().ok().filter(|_| plain)?))
 }
 
-/// The pages of the diagnostics that an alarm of a control stands for: they name it. Zeros before the number may be
+/// The pages of the diagnostics that name an alarm of a control. Zeros before the number may be
 /// left out, and so may the letters.
 fn alarm(what: &str) -> Option<String> {
     let word = what.trim().to_uppercase().replace('/', "");
@@ -97,7 +97,7 @@ fn without_links(text: &str) -> String {
     out + rest
 }
 
-/// The name in upper case, as it stands in the tables; a function or variable also without its dollar sign.
+/// The name in upper case, as the tables write it; a function or variable also without its dollar sign.
 fn named(what: &str) -> Option<String> {
     let bare = what.trim();
     if !bare.starts_with(|c: char| c.is_ascii_alphabetic())

@@ -6,7 +6,7 @@ use std::io::{Read as _, Write as _};
 use std::path::Path;
 
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::tools;
+use counterpoint_lang::layout;
 
 use super::arguments::Fmt;
 use super::say_finding;
@@ -51,8 +51,8 @@ fn one(path: &Path, arguments: &Fmt) -> Result<u8, Error> {
     Ok(0)
 }
 
-fn formatted(text: &str, style: tools::Style) -> Result<String, Vec<Diagnostic>> {
-    let new = tools::format(text, style)?;
+fn formatted(text: &str, style: layout::Style) -> Result<String, Vec<Diagnostic>> {
+    let new = layout::format(text, style)?;
     let carriage_returns = text.find('\n').is_some_and(|at| text.get(..at).is_some_and(|line| line.ends_with('\r')));
     Ok(if carriage_returns { new.replace('\n', "\r\n") } else { new })
 }

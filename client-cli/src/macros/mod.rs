@@ -10,12 +10,13 @@ mod fmt;
 mod kinds;
 mod run;
 mod sandbox;
+mod standalone;
 mod terms;
 
 use std::path::{Path, PathBuf};
 
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::tools::File;
+use counterpoint_lang_standalone::File;
 
 use crate::error::Error;
 use crate::say;
@@ -51,5 +52,5 @@ fn say_finding(finding: &Diagnostic) {
     let style = if finding.is_error() { say::BAD } else { say::WARN };
     let text = finding.to_string();
     let (head, rest) = text.split_once(' ').unwrap_or((&text, ""));
-    say::talk(format_args!("{} {}", say::styled(style, head), rest.trim_end()));
+    say::status_line(format_args!("{} {}", say::styled(style, head), rest.trim_end()));
 }

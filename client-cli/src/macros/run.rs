@@ -3,9 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use counterpoint_kernel::machine::macros;
-use counterpoint_lang::tools::{self, RunOptions};
 use counterpoint_lang::vm::Limits;
+use counterpoint_lang_standalone::{self as standalone, RunOptions};
 
 use super::arguments::Run;
 use super::sandbox::Sandbox;
@@ -18,10 +17,10 @@ pub(super) fn run(arguments: &Run) -> Result<u8, Error> {
         limits.ticks = ticks;
     }
     let broken = Rc::new(RefCell::new(None));
-    let mut host = macros::standalone();
+    let mut host = super::standalone::standalone();
     host.attach(Box::new(Sandbox::here()?.telling(Rc::clone(&broken))));
     let options = RunOptions { trace: arguments.trace, strong: arguments.strong.into(), limits };
-    let failed = tools::run(&files, &mut host, options);
+    let failed = standalone::run(&files, &mut host, options);
     match broken.take() {
         Some(error) => Err(error),
         None => Ok(u8::from(failed)),

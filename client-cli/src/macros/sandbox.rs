@@ -11,7 +11,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use cap_std::ambient_authority;
 use cap_std::fs::{Dir, Metadata, OpenOptions};
 use counterpoint_lang::diag::Diagnostic;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Outside, Shelf, Stream};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, NOT_FOUND, Shelf};
+use counterpoint_lang_standalone::{Outside, Stream};
 
 use crate::error::Error;
 use crate::say;
@@ -122,7 +123,7 @@ impl Shelf for Sandbox {
 impl Outside for Sandbox {
     fn line(&mut self, stream: Stream, text: &str) -> bool {
         if stream == Stream::Console {
-            say::talk(text);
+            say::status_line(text);
             return true;
         }
         match say::line(text) {

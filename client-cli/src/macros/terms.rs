@@ -41,10 +41,10 @@ const OPERATORS: &[Row] = &[
     (":", "Range of a text or sequence: T(2:4), T(:4), Q(2:)."),
     (
         "$",
-        "At the end of a line: the statement goes on in the next line. Before a name: a system variable or function.",
+        "At the end of a line: the statement continues in the next line. Before a name: a system variable or function.",
     ),
     ("$$", "The rest of the line is a comment."),
-    ("'", "Begins and ends a text; doubled it stands for itself: 'it''s'."),
+    ("'", "Begins and ends a text; doubled it means itself: 'it''s'."),
     ("#", "A keyword or record by number: #71, #2000:1030, #28000:*."),
     (
         "%",
@@ -92,7 +92,7 @@ const PATTERNS: &[Row] = &[
     ("[] [^]", "In a regular expression: one character of the set, or none of it after ^: [A-Z0-9], [^;]."),
     ("^", "At the beginning of a regular expression: the beginning of the text."),
     ("$", "At the end of a regular expression: the end of the text."),
-    ("*", "In a regular expression: what stands before it, any number of times."),
+    ("*", "In a regular expression: what comes before it, any number of times."),
     (r"\< \>", "In a regular expression: beginning and end of a word of letters, digits and underscores."),
     (
         r"\( \)",
@@ -123,7 +123,7 @@ const KEYWORDS: &[Row] = &[
     ("REG", "Type of a variable: a data identifier. It begins with REG_NONE."),
     ("EXTERN", "In DECLAR: a function outside of the macros; not supported here."),
     ("FUNCTION", "In DECLAR/EXTERN; functions of macros are written with MACRO/."),
-    ("NOW", "EXEC/NOW: the block is carried out at once, before the macro goes on."),
+    ("NOW", "EXEC/NOW: the block is carried out at once, before the macro continues."),
     ("NEXT", "EXEC/NEXT, and without a word: the block is carried out after the current one."),
     ("FRONT", "OPEN/unit,FRONT and without a word: from the beginning of the file."),
     ("REAR", "OPEN/unit,REAR: at the end of the file."),

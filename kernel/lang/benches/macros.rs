@@ -3,10 +3,10 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::host::Test;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang_standalone::Standalone;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const LOOPS: [(&str, &str); 22] = [
@@ -66,7 +66,7 @@ const LOOPS: [(&str, &str); 22] = [
 
 fn loops(criterion: &mut Criterion) {
     for (name, text) in LOOPS {
-        let (mut program, mut host) = (Program::new(), Test::new());
+        let (mut program, mut host) = (Program::new(), Standalone::new());
         let added = compile::add(&mut program, &mut host, Source::new(name, text), Options::default());
         assert!(!added.has_errors(), "{:?}", added.diagnostics);
         let mut state = State::new(Limits { ticks: u64::MAX, ..Limits::default() });
@@ -77,7 +77,7 @@ fn loops(criterion: &mut Criterion) {
                 vm::run(&program, &mut state, &mut host, index, &mut arguments)
             });
         });
-        assert!(host.diagnostics.is_empty(), "{name}: {:?}", host.diagnostics);
+        assert!(host.output.diagnostics.is_empty(), "{name}: {:?}", host.output.diagnostics);
     }
 }
 

@@ -343,6 +343,30 @@ pub struct Short {
     pub bodies: Vec<body::Body>,
 }
 
+/// Registers of a macro.
+#[derive(Clone, Debug, Default)]
+pub struct Registers {
+    /// How many there are.
+    pub count: usize,
+    /// Those that hold constants.
+    pub constants: Vec<(Slot, Value)>,
+    /// Those cleared at entry.
+    pub locals: Vec<Slot>,
+}
+
+/// What goes into a macro and what comes out.
+#[derive(Clone, Debug, Default)]
+pub struct Signature {
+    /// It is a user function.
+    pub is_function: bool,
+    /// Registers of `$P` arguments.
+    pub arguments: Vec<(u8, Slot)>,
+    /// Registers and types of the parameters of a function.
+    pub parameters: Vec<(Slot, Option<Kind>)>,
+    /// Register and type of the result of a function.
+    pub result: Option<(Slot, Option<Kind>)>,
+}
+
 /// Compiled macro.
 #[derive(Clone, Debug)]
 pub struct Code {
@@ -356,18 +380,10 @@ pub struct Code {
     pub short: Short,
     /// Place of the statement of each instruction.
     pub places: Vec<Span>,
-    /// Number of registers.
-    pub registers: usize,
-    /// Registers that hold constants.
-    pub constants: Vec<(Slot, Value)>,
-    /// Registers cleared at entry.
-    pub locals: Vec<Slot>,
-    /// Registers of `$P` arguments.
-    pub arguments: Vec<(u8, Slot)>,
-    /// Registers and types of the parameters of a function.
-    pub parameters: Vec<(Slot, Option<Kind>)>,
-    /// Register and type of the result of a function.
-    pub result: Option<(Slot, Option<Kind>)>,
+    /// Registers.
+    pub registers: Registers,
+    /// Arguments, parameters and result.
+    pub signature: Signature,
     /// Register lists.
     pub lists: Vec<Vec<Slot>>,
     /// Declarations.
@@ -380,8 +396,6 @@ pub struct Code {
     pub functions: Vec<&'static Function>,
     /// Statements in standard style, for the trace.
     pub statements: Vec<String>,
-    /// Is a user function.
-    pub is_function: bool,
 }
 
 impl Code {
@@ -392,19 +406,14 @@ impl Code {
             ops: Vec::new(),
             short: Short::default(),
             places: Vec::new(),
-            registers: 0,
-            constants: Vec::new(),
-            locals: Vec::new(),
-            arguments: Vec::new(),
-            parameters: Vec::new(),
-            result: None,
+            registers: Registers::default(),
+            signature: Signature::default(),
             lists: Vec::new(),
             declarations: Vec::new(),
             shared: Vec::new(),
             homes: Vec::new(),
             functions: Vec::new(),
             statements: Vec::new(),
-            is_function: false,
         }
     }
 }

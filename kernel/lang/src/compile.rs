@@ -234,7 +234,7 @@ impl<'a> MacroCompiler<'a> {
         self.emit(Op::Return);
         self.finish_jumps();
         self.warn_uninitialised();
-        if self.code.ops.len() > MAX_CODE || self.code.registers > MAX_CODE {
+        if self.code.ops.len() > MAX_CODE || self.code.registers.count > MAX_CODE {
             self.error(one.span, Number::TOO_LARGE, "this macro is too large; split it into functions");
         }
         self.code.short.forms = fast::forms(&self.code, &self.temporaries);
@@ -243,11 +243,11 @@ impl<'a> MacroCompiler<'a> {
 
     fn header(&mut self, header: &crate::ast::Header) {
         self.code.name.clone_from(&header.name);
-        self.code.is_function = true;
-        let cleared = self.code.locals.len();
+        self.code.signature.is_function = true;
+        let cleared = self.code.registers.locals.len();
         for (name, kind) in &header.parameters {
             let slot = self.new_local(name, *kind, Some(0));
-            self.code.parameters.push((slot, *kind));
+            self.code.signature.parameters.push((slot, *kind));
             if let Some(local) = self.locals.get_mut(name) {
                 local.written = true;
             }
@@ -256,9 +256,9 @@ impl<'a> MacroCompiler<'a> {
         if let Some(local) = self.locals.get_mut(&header.name) {
             local.written = true;
         }
-        self.code.result = Some((slot, header.result));
+        self.code.signature.result = Some((slot, header.result));
         // Parameters and the result are set at every entry.
-        self.code.locals.truncate(cleared);
+        self.code.registers.locals.truncate(cleared);
     }
 
     fn error(&mut self, span: Span, number: Number, message: impl Into<String>) {
@@ -280,8 +280,8 @@ impl<'a> MacroCompiler<'a> {
     }
 
     fn slot(&mut self) -> Slot {
-        self.code.registers += 1;
-        Slot::try_from(self.code.registers - 1).unwrap_or(0)
+        self.code.registers.count += 1;
+        Slot::try_from(self.code.registers.count - 1).unwrap_or(0)
     }
 
     fn temporary(&mut self) -> Slot {
@@ -304,12 +304,13 @@ impl<'a> MacroCompiler<'a> {
                         _ => other.equals(&value) == Some(true),
                     }
             };
-            if let Some((slot, _)) = self.code.constants.iter().rev().take(50).find(|(_, other)| same(other)) {
+            if let Some((slot, _)) = self.code.registers.constants.iter().rev().take(50).find(|(_, other)| same(other))
+            {
                 return *slot;
             }
         }
         let slot = self.slot();
-        self.code.constants.push((slot, value));
+        self.code.registers.constants.push((slot, value));
         slot
     }
 

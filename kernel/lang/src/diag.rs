@@ -111,17 +111,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_has_a_page() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/diagnostics");
-        let list = std::fs::read_to_string(format!("{folder}/README.md")).unwrap();
-        for Row { number, name, .. } in TABLE {
-            let page = std::fs::read_to_string(format!("{folder}/{number}.md"));
-            assert!(page.is_ok_and(|page| page.starts_with(&format!("# {number} `{name}`: "))), "no page for {number}");
-            assert!(list.contains(&format!("({number}.md)")), "{number} is not listed");
-        }
-    }
-
-    #[test]
     fn rendered_with_a_caret() {
         let source = Source::new("park.mac", "A=1\nB=$XX+1");
         let diagnostic = Diagnostic::new(&source, Span { start: 6, end: 9 }, Number::UNKNOWN_VARIABLE, "no $XX")

@@ -72,7 +72,7 @@ fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut Stat
     let mut diagnostic = Diagnostic::new(&code.source, place, fault.number, fault.message);
     diagnostic.severity = severity;
     diagnostic.macro_name = Some(code.name.clone());
-    diagnostic.in_function = code.is_function;
+    diagnostic.in_function = code.signature.is_function;
     diagnostic.statement = Some(standard_line(code.source.slice(place)));
     state.failed |= diagnostic.is_error();
     host.report(state, diagnostic);
@@ -80,5 +80,5 @@ fn report(code: &Code, place: Span, fault: Fault, severity: u8, state: &mut Stat
 
 /// A macro as the trace names it.
 fn shown(code: &Code) -> Macro<'_> {
-    Macro { name: &code.name, is_function: code.is_function }
+    Macro { name: &code.name, is_function: code.signature.is_function }
 }

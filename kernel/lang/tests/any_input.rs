@@ -4,12 +4,12 @@ use counterpoint_lang::bytecode::fast::Fast;
 use counterpoint_lang::compile::{self, Options, Program};
 use counterpoint_lang::diag::{Diagnostic, Number};
 use counterpoint_lang::format::{Format, read, wildcard_text, write};
-use counterpoint_lang::host::Test;
+use counterpoint_lang::layout::{self, Style};
 use counterpoint_lang::pattern::Pattern;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, Style};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang_standalone::{Standalone, check};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -222,7 +222,7 @@ struct Seen {
 }
 
 fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("any", text), options);
     if added.has_errors() {
         return None;
@@ -240,9 +240,9 @@ fn run(text: &str, options: Options, short_forms: bool) -> Option<Seen> {
         ends,
         arguments: format!("{arguments:?}"),
         ticks: state.ticks,
-        printed: host.printed,
-        traced: host.traced,
-        diagnostics: host.diagnostics,
+        printed: host.output.printed,
+        traced: host.output.traced,
+        diagnostics: host.output.diagnostics,
     })
 }
 
@@ -266,7 +266,7 @@ proptest! {
     #[test]
     fn any_pieces(text in soup()) {
         execute(&text);
-        for diagnostic in tools::check(&text, "any") {
+        for diagnostic in check(&text, "any") {
             let _ = diagnostic.to_string();
         }
     }
@@ -285,8 +285,8 @@ proptest! {
     #[test]
     fn formatting_twice_is_formatting_once(text in soup()) {
         for style in [Style::Standard, Style::C] {
-            if let Ok(once) = tools::format(&text, style) {
-                let twice = tools::format(&once, style);
+            if let Ok(once) = layout::format(&text, style) {
+                let twice = layout::format(&once, style);
                 prop_assert_eq!(twice.ok(), Some(once));
             }
         }
@@ -294,7 +294,7 @@ proptest! {
 
     #[test]
     fn any_format(format in "[-!(^)VFXsef.:0-9ATLMR*@#+ a]{0,20}", number in any::<f64>(), line in ".{0,20}") {
-        let mut host = Test::new();
+        let mut host = Standalone::new();
         if let Ok(format) = Format::output(&format) {
             let values = vec![Value::Real(number); format.arguments];
             let _ = write(&mut String::new(), &format, &values, &mut host);
@@ -339,7 +339,7 @@ fn reading_takes_linear_time() {
     let time = |count: usize| {
         let text = "A=1+(2*3)//'x'.EQ.{1,2} $$ c\n".repeat(count) + &"(".repeat(count) + &"'".repeat(count);
         let start = std::time::Instant::now();
-        let diagnostics = tools::check(&text, "long");
+        let diagnostics = check(&text, "long");
         assert!(!diagnostics.is_empty());
         start.elapsed().as_secs_f64()
     };
@@ -351,7 +351,7 @@ fn reading_takes_linear_time() {
 #[test]
 fn deep_nesting_is_refused_with_a_number() {
     let deep = "IF/.TRUE.\n".repeat(5000);
-    let diagnostics = tools::check(&deep, "deep");
+    let diagnostics = check(&deep, "deep");
     assert!(diagnostics.iter().any(|diagnostic| diagnostic.number == Number::TOO_DEEP));
     assert!(diagnostics.len() <= 201);
 }

@@ -2,9 +2,9 @@
 
 use counterpoint_lang::compile::{self, Options, Program};
 use counterpoint_lang::diag::Number;
-use counterpoint_lang::host::Test;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang_standalone::Standalone;
 
 struct Seen {
     end: End,
@@ -16,7 +16,7 @@ struct Seen {
 }
 
 fn run(text: &str, limits: Limits) -> Seen {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("hostile", text), Options::default());
     assert!(!added.has_errors(), "{text}\n{:?}", added.diagnostics);
     let mut state = State::new(limits);
@@ -24,8 +24,8 @@ fn run(text: &str, limits: Limits) -> Seen {
     let (end, _) = vm::run(&program, &mut state, &mut host, index, &mut []);
     Seen {
         end,
-        numbers: host.diagnostics.iter().map(|diagnostic| diagnostic.number).collect(),
-        texts: host.diagnostics.iter().map(|diagnostic| diagnostic.message.clone()).collect(),
+        numbers: host.output.diagnostics.iter().map(|diagnostic| diagnostic.number).collect(),
+        texts: host.output.diagnostics.iter().map(|diagnostic| diagnostic.message.clone()).collect(),
         ticks: limits.ticks - state.ticks,
         turns: state.object(0).and_then(|turns| turns.as_real()).unwrap_or(0.0),
     }

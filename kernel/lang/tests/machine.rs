@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 use counterpoint_lang::compile::{self, Options, Program};
 use counterpoint_lang::diag::Number;
-use counterpoint_lang::host::Test;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang_standalone::Standalone;
 
-fn run(text: &str, limits: Limits) -> (Test, End) {
-    let (mut program, mut host) = (Program::new(), Test::new());
+fn run(text: &str, limits: Limits) -> (Standalone, End) {
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     assert_eq!(added.diagnostics, [], "{text}");
     let mut state = State::new(limits);
@@ -18,7 +18,7 @@ fn run(text: &str, limits: Limits) -> (Test, End) {
 }
 
 fn first(text: &str) -> Number {
-    run(text, Limits::default()).0.diagnostics.first().unwrap().number
+    run(text, Limits::default()).0.output.diagnostics.first().unwrap().number
 }
 
 #[test]
@@ -51,15 +51,15 @@ fn registers_beyond_the_window_work_alike() {
     text += "S=0\nDECLAR/REAL,A(3)\nDO/I=1,3\nA(I)=A(I)+V399*2-V0\nS=S+A(I)*I-V399/2\nENDOF/DO\nPPRINT/'!(*)',S";
     let (host, end) = run(&text, Limits::default());
     let sum: f64 = (1..=3).map(|i| 798.5 * f64::from(i) - 199.75).sum();
-    assert_eq!((end, host.printed), (End::Normal, vec![format!("{sum}")]));
+    assert_eq!((end, host.output.printed), (End::Normal, vec![format!("{sum}")]));
 }
 
 #[test]
 fn a_fault_ends_the_function_and_its_caller_goes_on() {
     let text = "MACRO/F(X)\nF=1\nF=1/X\nF=2\nENDMAC\nA=F(0)\nPPRINT/'!(*)',A";
     let (host, end) = run(text, Limits::default());
-    assert_eq!((end, host.printed), (End::Normal, vec!["1".to_owned()]));
-    let fault = host.diagnostics.first().unwrap();
+    assert_eq!((end, host.output.printed), (End::Normal, vec!["1".to_owned()]));
+    let fault = host.output.diagnostics.first().unwrap();
     assert_eq!((fault.number, fault.line, fault.macro_name.as_deref()), (Number::BAD_ARITHMETIC, 3, Some("F")));
 }
 
@@ -68,20 +68,20 @@ fn depth_and_ticks_are_limited_through_calls() {
     let chain: String = (1..40).map(|n| format!("MACRO/F{n}(X)\nF{n}=F{}(X+1)\nENDMAC\n", n - 1)).collect();
     let text = format!("MACRO/F0(X)\nF0=X\nENDMAC\n{chain}A=F39(0)\nPPRINT/'!(*)',A");
     let (host, end) = run(&text, Limits::default());
-    assert_eq!((end, host.printed), (End::Normal, vec!["39".to_owned()]));
+    assert_eq!((end, host.output.printed), (End::Normal, vec!["39".to_owned()]));
     let (host, _) = run(&text, Limits { depth: 20, ..Limits::default() });
-    assert_eq!(host.diagnostics.first().unwrap().number, Number::DEPTH);
+    assert_eq!(host.output.diagnostics.first().unwrap().number, Number::DEPTH);
     let (host, end) = run(&text, Limits { ticks: 100, ..Limits::default() });
-    assert_eq!((end, host.diagnostics.first().unwrap().number), (End::Budget, Number::TICKS));
-    assert!(host.printed.is_empty());
+    assert_eq!((end, host.output.diagnostics.first().unwrap().number), (End::Budget, Number::TICKS));
+    assert!(host.output.printed.is_empty());
     let endless = "MACRO/F(X)\nF=X\nWHILE/X.EQ.X\nENDOF/WHILE\nENDMAC\nA=F(1)\nPPRINT/'after'";
     let (host, end) = run(endless, Limits { ticks: 10_000, ..Limits::default() });
-    assert_eq!((end, host.printed.len()), (End::Budget, 0));
+    assert_eq!((end, host.output.printed.len()), (End::Budget, 0));
 }
 
 /// What can be seen of a run: its end, what it printed and reported, and the steps that it cost.
 fn seen(text: &str, limits: Limits) -> (End, Vec<String>, Vec<String>, u64) {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     assert!(!added.has_errors(), "{text}: {:?}", added.diagnostics);
     let mut state = State::new(limits);
@@ -90,8 +90,8 @@ fn seen(text: &str, limits: Limits) -> (End, Vec<String>, Vec<String>, u64) {
     let reported = |one: &counterpoint_lang::diag::Diagnostic| {
         format!("{:?} {:?} {:?} {}", one.number, one.macro_name, one.statement, one.message)
     };
-    let reported = host.diagnostics.iter().map(reported).collect();
-    (end, host.printed, reported, limits.ticks - state.ticks)
+    let reported = host.output.diagnostics.iter().map(reported).collect();
+    (end, host.output.printed, reported, limits.ticks - state.ticks)
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn a_small_function_does_what_a_large_one_does() {
 }
 
 fn compiles(text: &str) -> bool {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     !added.has_errors()
 }

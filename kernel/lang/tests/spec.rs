@@ -1,68 +1,51 @@
-//! Runs the language guide: every `macro` block of `tests/spec/lang/*.md` with the blocks that follow it.
+//! The pages of `tests/spec/lang`: what macros do. One test an example; `tests/spec/README.md` says what the fences mean.
 //!
-//! What comes out: `output` holds what the macro prints, `commands` what it asks of the control, `diagnostics` one line
-//! `number line` for each diagnostic of the checker or of the run, `messages` their full text, `trace` the trace,
-//! `standard` and `c` the macro in a style. A block that is not given must be empty (`messages`, `trace`, `standard` and
-//! `c` are only compared where they are given). What goes in: `file NAME` is a file, `program` the NC program, `console`
-//! lines of the console, `dialogs` answers (`name: button, %G01=value`), `settings` lines `name=value`, `macros` lines
-//! `id name`, `block` identifiers with values. Words behind `macro`: `partial`, `full` (strong declaration),
-//! `declaration`, `data`, `startup` (kind of macro), `channel=2` (the second of two channels).
+//! Beside them: formatting keeps the meaning of every example, and everything that the language has is in one.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used, reason = "helpers of tests")]
 
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
+use counterpoint_lang::diag::Diagnostic;
 use counterpoint_lang::func;
-use counterpoint_lang::host::{Answer, Domain, SystemVariable, Test};
+use counterpoint_lang::host::SystemVariable;
+use counterpoint_lang::layout::{self, Style};
 use counterpoint_lang::parse;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, Style};
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang_standalone::{Answer, Domain, Standalone};
+use counterpoint_mdspec::{Check, Example, Fences, Role, Suite, counted, severity_name};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
+use std::process::ExitCode;
 
-struct Example {
-    line: usize,
-    options: String,
-    text: String,
-    expected: BTreeMap<String, String>,
-}
+const FENCES: Fences = &[
+    ("macro", Role::Program),
+    ("file", Role::Input),
+    ("program", Role::Input),
+    ("console", Role::Input),
+    ("dialogs", Role::Input),
+    ("settings", Role::Input),
+    ("variables", Role::Input),
+    ("macros", Role::Input),
+    ("block", Role::Input),
+    ("output", Role::Outcome),
+    ("commands", Role::Outcome),
+    ("diagnostics", Role::Outcome),
+    ("messages", Role::Outcome),
+    ("trace", Role::Outcome),
+    ("standard", Role::Outcome),
+    ("c", Role::Outcome),
+];
 
-fn examples(page: &str) -> Vec<Example> {
-    let mut examples: Vec<Example> = Vec::new();
-    let mut lines = page.lines().enumerate();
-    while let Some((number, line)) = lines.next() {
-        let Some(kind) = line.strip_prefix("```").map(str::trim) else { continue };
-        let mut text = String::new();
-        for (_, line) in lines.by_ref() {
-            if line.trim_end() == "```" {
-                break;
-            }
-            text.push_str(line);
-            text.push('\n');
-        }
-        match kind.split_once(' ').unwrap_or((kind, "")) {
-            ("macro", options) => examples.push(Example {
-                line: number + 1,
-                options: options.to_owned(),
-                text,
-                expected: BTreeMap::new(),
-            }),
-            ("", _) => {}
-            (_, _) => {
-                if let Some(example) = examples.last_mut() {
-                    example.expected.insert(kind.to_owned(), text);
-                }
-            }
-        }
-    }
-    examples
+fn words(example: &Example) -> &str {
+    example.fence("macro").map_or("", |fence| &fence.words)
 }
 
 fn options(example: &Example) -> Options {
-    let mut options =
-        Options { uninitialised: true, trace: example.expected.contains_key("trace"), ..Options::default() };
-    for word in example.options.split_whitespace() {
+    let mut options = Options { uninitialised: true, trace: example.fence("trace").is_some(), ..Options::default() };
+    for word in words(example).split_whitespace() {
         match word {
             "partial" => options.strong = Strong::Partial,
             "full" => options.strong = Strong::Full,
@@ -70,15 +53,15 @@ fn options(example: &Example) -> Options {
             "data" => options.place = Place::Data,
             "startup" => options.place = Place::Startup,
             "channel=2" => {}
-            _ => panic!("line {}: no option {word}", example.line),
+            _ => panic!("line {}: '{word}' after 'macro' means nothing", example.line),
         }
     }
     options
 }
 
 /// The double with everything a block gives it.
-fn host(example: &Example) -> Test {
-    let mut host = Test::new();
+fn host(example: &Example) -> Standalone {
+    let mut host = Standalone::new();
     host.variable("$TAPEN", Some(Kind::Text), false);
     let table = SystemVariable { name: "$TLTAB".to_owned(), kind: None, writable: true, indices: 2 };
     let domain = Domain { indices: vec![Some(9), Some(20)], ..Domain::default() };
@@ -86,10 +69,11 @@ fn host(example: &Example) -> Test {
     host.set_system("$TAPEN", Value::text("jobs/flange.nc"));
     host.group("CODE_RAPID", 1);
     host.group("CODE_INTERP_LINEAR", 1);
-    for (kind, text) in &example.expected {
+    for fence in &example.fences {
+        let text = &fence.body.text;
         let lines = text.lines();
-        match kind.as_str() {
-            "program" => host.program = lines.map(str::to_owned).collect(),
+        match fence.kind.as_str() {
+            "program" => host.program.blocks = lines.map(str::to_owned).collect(),
             "console" => host.typed = lines.map(str::to_owned).collect(),
             "settings" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
@@ -97,7 +81,7 @@ fn host(example: &Example) -> Test {
             }
             "variables" => {
                 let pairs = lines.filter_map(|line| line.split_once('='));
-                host.nc_variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
+                host.program.variables = pairs.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
             }
             "macros" => lines
                 .filter_map(|line| line.split_once(' '))
@@ -113,11 +97,8 @@ fn host(example: &Example) -> Test {
                 let values = values.map(|(name, value)| (name.to_owned(), number_or_text(value))).collect();
                 host.answer(name, Answer { button, values });
             }),
-            kind => {
-                if let Some(name) = kind.strip_prefix("file ") {
-                    host.files.insert(name.to_owned(), text.clone());
-                }
-            }
+            "file" => drop(host.disk.files.insert(fence.words.clone(), text.clone())),
+            _ => {}
         }
     }
     host
@@ -127,15 +108,23 @@ fn number_or_text(text: &str) -> Value {
     text.parse().map_or_else(|_| Value::text(text), Value::Real)
 }
 
-fn run(example: &Example) -> BTreeMap<&'static str, String> {
+/// What comes out of a macro.
+struct Found {
+    /// By kind of fence.
+    texts: BTreeMap<&'static str, String>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// Runs the text with everything that the example gives it.
+fn run(example: &Example, text: &str) -> Found {
     let options = options(example);
     let (mut program, mut host) = (Program::new(), host(example));
-    let added = compile::add(&mut program, &mut host, Source::new("page", example.text.as_str()), options);
+    let added = compile::add(&mut program, &mut host, Source::new("page", text), options);
     let mut diagnostics = added.diagnostics.clone();
     if !added.has_errors() {
         let limits = Limits { ticks: 1_000_000, ..Limits::default() };
         let mut state = State::new(limits);
-        if example.options.contains("channel=2") {
+        if words(example).contains("channel=2") {
             (state.channel, state.channels) = (2, 2);
         }
         for index in &added.macros {
@@ -143,77 +132,75 @@ fn run(example: &Example) -> BTreeMap<&'static str, String> {
         }
         vm::close_all(&mut state, &mut host);
     }
-    diagnostics.append(&mut host.diagnostics);
-    let (mut shown, mut messages) = (String::new(), String::new());
-    for diagnostic in diagnostics {
-        let _ = writeln!(messages, "{diagnostic}");
-        let _ = writeln!(shown, "{} {}", diagnostic.number, diagnostic.line);
-    }
+    diagnostics.append(&mut host.output.diagnostics);
+    let messages = diagnostics.iter().fold(String::new(), |mut text, diagnostic| {
+        let _ = writeln!(text, "{diagnostic}");
+        text
+    });
     let joined = |lines: &[String]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    let styled = |style| tools::format(&example.text, style).unwrap_or_default();
-    BTreeMap::from([
-        ("output", joined(&host.printed)),
-        ("commands", joined(&host.commands)),
-        ("diagnostics", shown),
+    let styled = |style| layout::format(text, style).unwrap_or_default();
+    let texts = BTreeMap::from([
+        ("output", joined(&host.output.printed)),
+        ("commands", joined(&host.output.commands)),
         ("messages", messages),
-        ("trace", joined(&host.traced)),
+        ("trace", joined(&host.output.traced)),
         ("standard", styled(Style::Standard)),
         ("c", styled(Style::C)),
-    ])
+    ]);
+    Found { texts, diagnostics }
 }
 
-#[test]
-fn the_guide_is_true() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/spec/lang");
-    let mut pages: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    pages.sort();
-    let (mut count, mut failures) = (0, String::new());
-    for path in pages.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
-        for example in examples(&std::fs::read_to_string(path).unwrap()) {
-            count += 1;
-            for (kind, found) in run(&example) {
-                let optional = matches!(kind, "trace" | "standard" | "c" | "messages")
-                    || (kind == "diagnostics" && example.expected.contains_key("messages"));
-                let wanted = match example.expected.get(kind) {
-                    Some(wanted) => wanted.as_str(),
-                    None if optional => continue,
-                    None => "",
-                };
-                if wanted != found {
-                    let place = format!("{}:{}", path.file_name().unwrap().to_string_lossy(), example.line);
-                    let _ = writeln!(failures, "--- {place} {kind}\nwanted:\n{wanted}found:\n{found}");
-                }
-            }
+fn check(example: &Example, check: &mut Check<'_>) {
+    let Some(fence) = example.fence("macro") else { return };
+    let found = run(example, &fence.body.text);
+    let (mut beside, mut elsewhere) = (BTreeMap::<u32, Vec<String>>::new(), Vec::new());
+    for diagnostic in &found.diagnostics {
+        let severity = severity_name(diagnostic.severity);
+        let name = diagnostic.number.name().map_or_else(|| diagnostic.number.to_string(), str::to_owned);
+        let here =
+            diagnostic.file == "page" && (1..=fence.body.text.lines().count()).contains(&(diagnostic.line as usize));
+        match here {
+            true => beside.entry(diagnostic.line).or_default().push(format!("{severity} {name}")),
+            false => elsewhere.push(format!("{severity} {name} at {}:{}", diagnostic.file, diagnostic.line)),
         }
     }
-    assert!(failures.is_empty(), "{failures}");
-    assert!(count > 50, "only {count} examples");
-}
-
-#[test]
-fn formatting_is_stable_and_keeps_the_meaning() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/spec/lang");
-    for entry in std::fs::read_dir(folder).unwrap() {
-        for example in examples(&std::fs::read_to_string(entry.unwrap().path()).unwrap()) {
-            for style in [Style::Standard, Style::C] {
-                let Ok(once) = tools::format(&example.text, style) else { continue };
-                assert_eq!(tools::format(&once, style).unwrap(), once);
-                let lines = once.lines().count() == example.text.lines().count();
-                let again = Example { text: once, ..example_of(&example) };
-                let (before, after) = (run(&example), run(&again));
-                assert_eq!(before.get("output"), after.get("output"), "{}", example.text);
-                assert_eq!(before.get("commands"), after.get("commands"));
-                if lines {
-                    assert_eq!(before.get("diagnostics"), after.get("diagnostics"), "{}", example.text);
-                }
-            }
+    beside.values_mut().for_each(|marks| *marks = counted(marks));
+    check.marks(fence, beside);
+    check.required("diagnostics", &counted(&elsewhere).iter().map(|one| format!("{one}\n")).collect::<String>());
+    for (kind, text) in &found.texts {
+        match *kind {
+            "output" | "commands" => check.required(kind, text),
+            _ => check.given(kind, || text.clone()),
         }
     }
 }
 
-fn example_of(example: &Example) -> Example {
-    let expected = example.expected.clone();
-    Example { line: example.line, options: example.options.clone(), text: String::new(), expected }
+/// Both styles are stable, and what the macro does stays the same.
+fn formatted(example: &Example) -> Result<(), String> {
+    let text = example.text("macro");
+    for style in [Style::Standard, Style::C] {
+        let Ok(once) = layout::format(text, style) else { continue };
+        let twice = layout::format(&once, style).unwrap_or_default();
+        let (before, after) = (run(example, text), run(example, &once));
+        let places = |found: &Found| found.diagnostics.iter().map(|d| (d.number, d.line)).collect::<Vec<_>>();
+        let same_lines = once.lines().count() == text.lines().count();
+        let same = |kind| before.texts.get(kind) == after.texts.get(kind);
+        if twice != once || !same("output") || !same("commands") || (same_lines && places(&before) != places(&after)) {
+            return Err(format!("{}, line {}: {style:?} changes the macro:\n{once}", example.name, example.line));
+        }
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/spec/lang");
+    let mut suite = Suite::of(&folder, FENCES, check);
+    let examples: Vec<Example> = suite.pages().iter().flat_map(|page| page.examples.clone()).collect();
+    for example in examples.clone() {
+        suite.test(&format!("formatting::{}", example.name), move || formatted(&example));
+    }
+    suite.test("everything_has_an_example", move || everything_has_an_example(&examples));
+    suite.run()
 }
 
 /// Codes of string formats: every letter of output and input formats, the characters of numbers, the registers.
@@ -235,19 +222,14 @@ const EXPRESSIONS: &str = r"\. [A-Z] [^0-9] '^a $' * \{2\} \{3,\} \{1,3\} \( \) 
 /// Codes of dates.
 const DATES: &str = "%a %A %b %B %c %d %H %I %j %m %M %p %S %s %U %w %W %x %X %y %Y %z %Z %% %#d %#c %#x";
 
-#[test]
-fn every_function_statement_operator_and_format_has_a_block() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/spec/lang");
-    let mut text = String::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        for example in examples(&std::fs::read_to_string(entry.unwrap().path()).unwrap()) {
-            // Only what has an outcome counts.
-            let outcomes = ["output", "commands", "diagnostics", "messages", "trace"];
-            if outcomes.iter().any(|kind| example.expected.get(*kind).is_some_and(|text| !text.is_empty())) {
-                text.push_str(&example.text);
-            }
-        }
-    }
+/// Functions, statements, operators and formats, in an example that has an outcome.
+fn everything_has_an_example(examples: &[Example]) -> Result<(), String> {
+    let outcomes = ["output", "commands", "diagnostics", "messages", "trace"];
+    let shows = |example: &&Example| {
+        let marked = example.fence("macro").is_some_and(|fence| !fence.body.marks.is_empty());
+        marked || outcomes.iter().any(|kind| !example.text(kind).is_empty())
+    };
+    let text: String = examples.iter().filter(shows).map(|example| example.text("macro")).collect();
     let upper = text.to_uppercase();
     let mut missing: Vec<String> = Vec::new();
     let mut want = |there: bool, name: &str| {
@@ -265,5 +247,5 @@ fn every_function_statement_operator_and_format_has_a_block() {
         .flat_map(|list| list.split_whitespace())
         .for_each(|name| want(text.contains(name), name));
     VARIANTS.split_whitespace().for_each(|name| want(upper.contains(name), name));
-    assert!(missing.is_empty(), "no block of the guide shows {missing:?}");
+    if missing.is_empty() { Ok(()) } else { Err(format!("no example shows {missing:?}")) }
 }

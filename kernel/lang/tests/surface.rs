@@ -3,13 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
 use counterpoint_lang::diag::Number;
-use counterpoint_lang::host::Test;
+use counterpoint_lang::layout;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, RunOptions};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, End, Limits, State};
+use counterpoint_lang_standalone::Standalone;
+use counterpoint_lang_standalone::{self as standalone, RunOptions, check_all};
 
-fn embedded(program: &mut Program, host: &mut Test, text: &str) -> (End, Value) {
+fn embedded(program: &mut Program, host: &mut Standalone, text: &str) -> (End, Value) {
     let added = compile::embedded(program, host, Source::new("embedded", text), Options::default());
     assert_eq!(added.diagnostics, [], "{text}");
     let index = *added.macros.last().unwrap();
@@ -18,7 +19,7 @@ fn embedded(program: &mut Program, host: &mut Test, text: &str) -> (End, Value) 
 
 #[test]
 fn embedded_code_is_an_expression_or_statements() {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let (end, value) = embedded(&mut program, &mut host, "2*3+1");
     assert_eq!((end, value.as_real()), (End::Normal, Some(7.0)));
     let (end, value) = embedded(&mut program, &mut host, "%G01=5");
@@ -29,7 +30,7 @@ fn embedded_code_is_an_expression_or_statements() {
 
 #[test]
 fn arguments_come_back_as_the_macro_left_them() {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let text = "$P1=$P1+1\n$P2=$P2(2:)\nOUTPUT\n";
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     let mut arguments = [Value::Real(1.0), Value::text("G64"), Value::Real(9.0)];
@@ -38,59 +39,59 @@ fn arguments_come_back_as_the_macro_left_them() {
     assert_eq!(arguments[0].as_real(), Some(2.0));
     assert_eq!(arguments[1].as_text(), Some("64"));
     assert_eq!(arguments[2].as_real(), Some(9.0));
-    assert_eq!(host.commands, ["OUTPUT,2,64"]);
+    assert_eq!(host.output.commands, ["OUTPUT,2,64"]);
 }
 
 #[test]
 fn locals_start_afresh_and_objects_stay() {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let text = "DECLAR/OBJECT,REAL,RUNS\nRUNS+=1\nA+=1\nPPRINT/'!(*) !(*)',RUNS,A";
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     let mut state = State::new(Limits::default());
     for _ in 0..2 {
         vm::run(&program, &mut state, &mut host, added.macros[0], &mut []);
     }
-    assert_eq!(host.printed, ["1 1", "2 1"]);
+    assert_eq!(host.output.printed, ["1 1", "2 1"]);
 }
 
 #[test]
 fn the_place_of_a_macro_restricts_it() {
     for (place, text) in [(Place::Data, "OUTPUT"), (Place::Startup, "OUTPUT"), (Place::Declaration, "TAPERD")] {
         let options = Options { place, ..Options::default() };
-        let added = compile::add(&mut Program::new(), &mut Test::new(), Source::new("m", text), options);
+        let added = compile::add(&mut Program::new(), &mut Standalone::new(), Source::new("m", text), options);
         assert_eq!(added.diagnostics[0].number, Number::NOT_HERE);
     }
 }
 
 #[test]
 fn included_files_define_functions_once() {
-    let (mut program, mut host) = (Program::new(), Test::new());
-    host.files.insert("f.mac".into(), "MACRO/TWO()\nTWO=2\nENDMAC\nINCLUD/'f.mac'\n".into());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
+    host.disk.files.insert("f.mac".into(), "MACRO/TWO()\nTWO=2\nENDMAC\nINCLUD/'f.mac'\n".into());
     let text = "INCLUD/'f.mac'\nINCLUD/'f.mac'\nPPRINT/'!(*)',TWO()";
     let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
     assert_eq!(added.diagnostics, []);
     vm::run(&program, &mut State::new(Limits::default()), &mut host, added.macros[0], &mut []);
-    assert_eq!(host.printed, ["2"]);
+    assert_eq!(host.output.printed, ["2"]);
 }
 
-fn run(files: &[(&str, &str)], options: RunOptions) -> (bool, Test) {
+fn run(files: &[(&str, &str)], options: RunOptions) -> (bool, Standalone) {
     let files: Vec<(String, String)> = files.iter().map(|(n, t)| ((*n).to_owned(), (*t).to_owned())).collect();
-    let mut host = Test::new();
-    (tools::run(&files, &mut host, options), host)
+    let mut host = Standalone::new();
+    (standalone::run(&files, &mut host, options), host)
 }
 
 #[test]
 fn run_runs_the_last_file() {
     let functions = ("f", "MACRO/TWICE(V)\nTWICE=2*V\nENDMAC");
     let (failed, host) = run(&[functions, ("m", "PPRINT/'!(*)',TWICE(4)")], RunOptions::default());
-    assert!(!failed && host.printed == ["8"] && host.diagnostics.is_empty());
+    assert!(!failed && host.output.printed == ["8"] && host.output.diagnostics.is_empty());
     let (failed, host) = run(&[("m", "PPRINT/'a'\nERROR/8,'bad'\nPPRINT/'b'")], RunOptions::default());
-    assert!(failed && host.printed == ["a"]);
-    let text = host.diagnostics[0].to_string();
+    assert!(failed && host.output.printed == ["a"]);
+    let text = host.output.diagnostics[0].to_string();
     let wanted = "Error 02910090: bad\n  --> m:2:1 in m\n    2 | ERROR/8,'bad'\n      | ^^^^^^^^^^^^^\n";
     assert!(text.starts_with(wanted), "{text}");
     let (failed, host) = run(&[("m", "A=")], RunOptions::default());
-    assert!(failed && host.diagnostics[0].number == Number::SYNTAX);
+    assert!(failed && host.output.diagnostics[0].number == Number::SYNTAX);
     let (_, host) = run(&[("m", "a=1")], RunOptions { trace: true, ..RunOptions::default() });
     let wanted = [
         " Macro:* Entering m",
@@ -98,7 +99,7 @@ fn run_runs_the_last_file() {
         " Macro:  ENDMAC",
         " Macro:* Leaving m, Returning to regular processing",
     ];
-    assert_eq!(host.traced, wanted);
+    assert_eq!(host.output.traced, wanted);
 }
 
 #[test]
@@ -109,7 +110,7 @@ fn files_are_checked_together() {
         file("define", "MACRO/TWICE(V)\nTWICE=2*V\nENDMAC\nA=TWYCE(1)"),
     ];
     let numbers = |strong| -> Vec<Vec<Number>> {
-        let found = tools::check_all(&files, &mut Test::new(), strong);
+        let found = check_all(&files, &mut Standalone::new(), strong);
         found.iter().map(|all| all.iter().map(|d| d.number).collect()).collect()
     };
     let off = [vec![Number::NO_FILE], vec![Number::UNKNOWN_FUNCTION]];
@@ -117,7 +118,7 @@ fn files_are_checked_together() {
     assert_eq!(numbers(Strong::Partial), off);
     assert_eq!(numbers(Strong::Full), [vec![Number::NO_FILE], vec![Number::UNDECLARED, Number::UNKNOWN_FUNCTION]]);
     let files = [file("m", "DECLAR/GLOBAL,A\nDECLAR/OBJECT,B\nINCLUD/'no'\nC=1")];
-    let found = tools::check_all(&files, &mut Test::new(), Strong::Partial);
+    let found = check_all(&files, &mut Standalone::new(), Strong::Partial);
     let lines: Vec<u32> = found[0].iter().filter(|d| d.number == Number::UNDECLARED).map(|d| d.line).collect();
     assert_eq!(lines, [1, 2, 3]);
 }
@@ -125,7 +126,7 @@ fn files_are_checked_together() {
 #[test]
 fn a_file_has_its_limits() {
     let numbers = |text: &str| -> Vec<Number> {
-        let (mut program, mut host) = (Program::new(), Test::new());
+        let (mut program, mut host) = (Program::new(), Standalone::new());
         let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
         added.diagnostics.iter().map(|diagnostic| diagnostic.number).collect()
     };
@@ -147,12 +148,12 @@ fn budgets_end_a_run() {
         ("DECLAR/REAL,A(200)", Number::SIZE),
         ("OPEN/20,'a'\nOPEN/21,'b'", Number::UNITS),
     ] {
-        let (mut program, mut host) = (Program::new(), Test::new());
+        let (mut program, mut host) = (Program::new(), Standalone::new());
         let added = compile::add(&mut program, &mut host, Source::new("m", text), Options::default());
         assert_eq!(added.diagnostics, []);
         vm::run(&program, &mut State::new(limits), &mut host, added.macros[0], &mut []);
-        assert_eq!(host.diagnostics[0].number, number, "{text}");
-        assert_eq!(host.diagnostics[0].macro_name.as_deref(), Some("m"));
+        assert_eq!(host.output.diagnostics[0].number, number, "{text}");
+        assert_eq!(host.output.diagnostics[0].macro_name.as_deref(), Some("m"));
     }
 }
 
@@ -165,10 +166,10 @@ fn work_on_long_values_costs_more_steps() {
     {
         let more = if text == "U=T" { "\nU+='x'" } else { "" };
         let file = ("m".to_owned(), format!("{long}A: PPRINT/'x'\n{text}{more}\nJUMPTO/A"));
-        let mut host = Test::new();
-        assert!(tools::run(&[file], &mut host, RunOptions { limits, ..RunOptions::default() }));
-        assert_eq!(host.diagnostics[0].number, Number::TICKS, "{text}");
-        assert!(host.printed.len() < 500, "{text} ran {} times", host.printed.len());
+        let mut host = Standalone::new();
+        assert!(standalone::run(&[file], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.output.diagnostics[0].number, Number::TICKS, "{text}");
+        assert!(host.output.printed.len() < 500, "{text} ran {} times", host.output.printed.len());
     }
 }
 
@@ -179,17 +180,17 @@ fn what_macros_pile_up_in_the_host_is_bounded() {
         ["X=$FMRU_SETPARAM(H,'k',$FSWRIT('!(*)',N),1)", "X=$FCEADD(CODE_STOP)", "X=$FTMPFILE()", "X=$FMRU_OPEN()"]
     {
         let text = format!("H=$FMRU_OPEN()\nN=0\nA: N+=1\n{text}\nJUMPTO/A");
-        let mut host = Test::new();
-        assert!(tools::run(&[("m".to_owned(), text)], &mut host, RunOptions { limits, ..RunOptions::default() }));
-        assert_eq!(host.diagnostics[0].number, Number::TICKS);
-        assert!(host.files.is_empty());
+        let mut host = Standalone::new();
+        assert!(standalone::run(&[("m".to_owned(), text)], &mut host, RunOptions { limits, ..RunOptions::default() }));
+        assert_eq!(host.output.diagnostics[0].number, Number::TICKS);
+        assert!(host.disk.files.is_empty());
     }
 }
 
 #[test]
 fn a_comment_behind_a_continuation_stands_still_when_formatted_again() {
     let text = "CASE/A\nWHEN/B$ why\n,C $ and\n,D\nENDOF/CASE\n";
-    let once = tools::format(text, tools::Style::Standard).unwrap();
+    let once = layout::format(text, layout::Style::Standard).unwrap();
     assert!(once.contains("\n    $$ why\n"), "{once}");
-    assert_eq!(tools::format(&once, tools::Style::Standard).unwrap(), once);
+    assert_eq!(layout::format(&once, layout::Style::Standard).unwrap(), once);
 }

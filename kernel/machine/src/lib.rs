@@ -14,6 +14,7 @@ pub mod model;
 pub mod number;
 pub mod package;
 pub mod paths;
+pub mod preprocessor;
 pub mod refusals;
 pub mod show;
 pub mod tables;

@@ -7,6 +7,7 @@ pub use behaviour::*;
 pub use rows::*;
 
 use super::ident::{CodeId, DataId};
+use super::preprocessor::Preprocessor;
 use super::tables::Tables;
 use counterpoint_event::Unit;
 use counterpoint_event::{MAX_AXES, Position};
@@ -161,21 +162,6 @@ pub enum MachineKind {
     MergingLathe,
     /// Composite of components.
     Composite,
-}
-
-/// Program pre-processor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Preprocessor {
-    /// None: plain words only.
-    None,
-    /// Fanuc custom macro B.
-    Fanuc,
-    /// Okuma user task.
-    Okuma,
-    /// Siemens 840D.
-    Siemens,
-    /// Heidenhain, conversational and ISO.
-    Heidenhain,
 }
 
 /// Shape of program text.

@@ -1,6 +1,7 @@
 //! One event as one line of JSON.
 //!
-//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow. `file` is
+//! Every object begins with `seq, t_ns, dur_ns, channel, kind, file, line`; the kind's own fields follow, and the word
+//! of a diagnostic after its fields. `file` is
 //! empty when `line` is 0 and belongs to no block. *Invariants:* each line is valid JSON whatever the texts and numbers
 //! of the event are; a number that JSON cannot hold is `null`; positions are objects with every axis of the channel, in
 //! channel order.
@@ -12,6 +13,7 @@ use crate::geometry::Loop;
 use counterpoint_event::event::fields::{Field, Fields, Presence, Record, Value};
 use counterpoint_event::event::{Event, Kind, Motion, MotionKind};
 use counterpoint_event::info::{Axis, Info};
+use counterpoint_fault as diag;
 
 /// Appends the event as one JSON object and a newline. `seq` is its number in the log, from 1.
 pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
@@ -21,6 +23,12 @@ pub fn write_event(info: &Info, seq: u64, event: &Event, out: &mut Vec<u8>) {
     object.out.push(b'{');
     event.head(seq, &mut object);
     event.kind.fields(&mut object);
+    if let Kind::Diagnostic(diagnostic) = &event.kind
+        && let Some(name) = diag::name(diagnostic.number)
+    {
+        object.name("name");
+        serial(object.out, name);
+    }
     out.extend_from_slice(b"}\n");
 }
 

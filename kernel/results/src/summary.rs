@@ -18,6 +18,7 @@ pub use crate::tools::Tool;
 use crate::told::{Told, What};
 use counterpoint_event::event::{FileId, Origin, VerdictKind};
 use counterpoint_event::info::{self, BLOCK_TEXT, Info};
+use counterpoint_fault as diag;
 use tally::Tally;
 
 /// Diagnostics that a summary lists; the log holds them all.
@@ -133,6 +134,9 @@ pub struct Member {
 pub struct Diagnostic {
     /// Stable number.
     pub number: u32,
+    /// Word of the number, left out where only the machine knows the number.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
     /// 0–3 message, 4–7 warning, 8–15 error, 16–99 fatal.
     pub severity: u8,
     /// Channel, 0 = master.
@@ -236,6 +240,7 @@ impl Findings {
         let (file, block) = self.place(told.file, told.line);
         self.diagnostics.push(Diagnostic {
             number: diagnostic.number,
+            name: diag::name(diagnostic.number).unwrap_or_default().to_owned(),
             severity: diagnostic.severity,
             channel: told.channel,
             file,

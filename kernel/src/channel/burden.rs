@@ -31,7 +31,8 @@ impl Kernel<'_> {
         let events = self.ports.emitter.count();
         let several = self.channel.env.machine.channels.len() > 1;
         let interpreter = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.memory());
-        let tables = (self.flow.lines.compiled.bytes() + self.flow.lines.tables) as u64;
+        let compiled = self.dialect.interpreter.as_deref().map_or(0, |interpreter| interpreter.tables());
+        let tables = self.flow.tables as u64 + compiled;
         let parts = [
             (self.channel.burden.results, "diagnostics and meetings"),
             (interpreter, "variables of the program"),

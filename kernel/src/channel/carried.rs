@@ -52,7 +52,7 @@ impl Kernel<'_> {
         let Self { channel, ports: _, plan: _, flow, dialect, macros } = self;
         let Channel { env: _, at, block: _, text, acting: _, state, reports, burden } = channel;
         let At { channel, clock, micro: _, file: _, line: _, blocks, idle_blocks } = at;
-        let BlockText { edited: _, stripped: _, tape } = text;
+        let BlockText { edited: _, tape } = text;
         let Reports { diagnostics, alarms: _, raised, waits: _ } = reports;
         Carried {
             channel,

@@ -6,14 +6,10 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::modal_call::ModalCall;
+use super::custom_macro::{By, CodeMacro, ModalCall, WordKind};
 use super::passes::Passes;
 use super::search::Labels;
-use super::word_calls::{By, WordKind, WordMacro};
 use crate::dialect;
-use crate::dialect::fanuc::Line;
-use crate::dialect::fanuc::loops::Pairs;
-use crate::dialect::kept::Kept;
 use crate::log::event::{FileId, Stop};
 use crate::mcd::program::Range;
 use crate::mcd::spot::Spot;
@@ -70,21 +66,6 @@ pub(crate) enum Pending {
     End(Stop),
 }
 
-/// What is kept about lines that may run again.
-#[derive(Debug, Default)]
-pub(crate) struct LineCache {
-    /// A line may run again, so compiled lines are worth keeping.
-    pub(crate) caching: bool,
-    /// Compiled lines of the pre-processor.
-    pub(crate) compiled: Kept<Line>,
-    /// Loop partners by program (file and first line).
-    pub(crate) pairs: FxHashMap<(FileId, u32), Arc<Pairs>>,
-    /// Lines of labels by file and label.
-    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
-    /// Bytes of loop partners and labels.
-    pub(crate) tables: usize,
-}
-
 /// Printing statements of the program.
 #[derive(Debug, Default)]
 pub(crate) struct Printing {
@@ -99,27 +80,38 @@ pub(crate) struct Printing {
 pub(crate) struct Flow {
     pub(crate) frames: Vec<Frame>,
     pub(crate) pending: Option<Pending>,
-    /// The macro that a word of the block calls.
-    pub(crate) word_call: Option<Box<WordMacro>>,
+    /// The macro that a code of the block calls.
+    pub(crate) code_macro: Option<Box<CodeMacro>>,
     /// Macro that blocks call without saying so.
     pub(crate) modal_call: Option<Box<ModalCall>>,
     /// The pre-processor of another control calls behind blocks that move.
     pub(crate) modal_text: bool,
     pub(crate) pass: Passes,
-    /// What is kept about lines that may run again.
-    pub(crate) lines: LineCache,
-    /// Printing statements of the program.
+    /// The program has jumped back or called, so a line may run again.
+    pub(crate) repeats: bool,
+    /// Printing statements.
     pub(crate) printing: Printing,
-    /// Loops that the programs are in: level of the program and statement that opens the loop.
-    pub(crate) loops: Vec<(usize, Spot)>,
+    /// Loops that the programs are in.
+    pub(crate) loops: dialect::Loops,
     /// Byte at which the block being processed begins in its line.
     pub(crate) offset: u32,
+    /// Lines of labels by file and label.
+    pub(crate) labels: FxHashMap<FileId, Arc<Labels>>,
+    /// Bytes of labels.
+    pub(crate) tables: usize,
     /// Plain words are for the pre-processor too.
     pub(crate) watched: bool,
     /// Definitions run into and texts of no program that have been told of, by file and line.
     pub(crate) told: Vec<(FileId, u32)>,
     /// The rewind-stop that opens the program has been met.
     pub(crate) opened: bool,
+}
+
+impl Flow {
+    /// Subprograms that are running.
+    pub(crate) fn level(&self) -> usize {
+        self.frames.len().saturating_sub(1)
+    }
 }
 
 impl Frame {

@@ -7,7 +7,6 @@ use crate::control::State;
 use crate::diag::{self, Facts};
 use crate::log::event::{Diagnostic, FileId, Kind, Member, Phase, Verdict, VerdictKind};
 use crate::mcd::program::Range;
-use crate::multi::order::Order;
 use crate::multi::verdict;
 use crate::multi::waits::{Finish, Terminal};
 use counterpoint_fault::{Acted, Halt};
@@ -46,7 +45,7 @@ impl Kernel<'_> {
         self.initial_frame();
         self.load(file)?;
         self.tell_leader(file, range);
-        self.interpreter_started();
+        self.interpreter_start();
         self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.start)(self))
     }
 
@@ -219,17 +218,5 @@ impl Kernel<'_> {
         let place = verdict::place(self.channel.env.info, self.channel.at.file, line);
         let reason = format!("polls at {place} for a variable that nobody is left to change");
         self.limit(&reason, VerdictKind::PartnerSpinning)
-    }
-}
-
-impl Order {
-    /// Who can never go on, if that is new.
-    pub(crate) fn judge(&mut self, t: i64, info: &crate::log::info::Info) -> Option<Verdict> {
-        let dead = self.waits.dead();
-        if self.judged || dead == crate::multi::waits::Set::default() {
-            return None;
-        }
-        self.judged = true;
-        Some(verdict::of(dead, t, &self.waits, info))
     }
 }

@@ -9,6 +9,7 @@ mod burden;
 mod calls;
 pub(crate) mod carried;
 mod code_time;
+pub(crate) mod custom_macro;
 mod cycle_codes;
 mod cycle_event;
 pub(crate) mod data;
@@ -17,27 +18,23 @@ pub(crate) mod emit;
 pub(crate) mod flow;
 mod frame;
 pub(crate) mod hook_points;
-mod interpreted;
+mod host;
 mod letter_zero;
 pub(crate) mod life;
-mod macro_call;
-pub(crate) mod macros;
-pub(crate) mod modal_call;
 mod motion;
 pub(crate) mod parts;
 mod passes;
 pub(crate) mod plan;
-mod print;
 mod refusals;
 pub(crate) mod report;
 pub(crate) mod scan;
 mod search;
 mod spindle;
+mod statement;
 mod tool_data;
 mod unknown;
 pub(crate) mod variables;
 mod wait;
-pub(crate) mod word_calls;
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::pattern::Memory;
@@ -86,7 +83,7 @@ impl<'a> Kernel<'a> {
             ports,
             plan,
             flow: Flow::default(),
-            dialect: DialectState { interpreter: crate::dialect::interpreter(machine), ..DialectState::default() },
+            dialect: DialectState::new(machine),
             macros: Box::default(),
         }
     }

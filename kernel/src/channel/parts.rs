@@ -4,7 +4,8 @@ use super::emit::Emitter;
 use super::plan::Plan;
 use super::variables::ChannelVariables;
 use crate::control::{Control, Progress};
-use crate::dialect::Interpreter;
+use crate::dialect::{self, Dialect, Interpreter};
+use crate::machine::Machine;
 use crate::multi::coordinator::switch::Port;
 use crate::state::channel::Environment;
 
@@ -16,13 +17,23 @@ pub(crate) struct Ports<'a> {
     pub(crate) emitter: Emitter<'a>,
 }
 
-/// Pre-processor of a channel.
-#[derive(Default)]
+/// The dialect of a channel.
 pub(crate) struct DialectState {
-    /// Variables of the custom macros.
+    /// Which dialect.
+    pub(crate) kind: &'static dyn Dialect,
+    /// Numbered variables.
     pub(crate) variables: ChannelVariables,
-    /// Interpreter of another control than the one whose variables are above.
+    /// Interpreter of what is more than plain words; it is away while it works.
     pub(crate) interpreter: Option<Box<dyn Interpreter>>,
+    /// What the interpreter has read of programs no longer holds; it is told when it comes back.
+    pub(crate) is_stale: bool,
+}
+
+impl DialectState {
+    pub(crate) fn new(machine: &Machine) -> Self {
+        let kind = dialect::of(machine);
+        Self { kind, variables: ChannelVariables::default(), interpreter: kind.interpreter(machine), is_stale: false }
+    }
 }
 
 /// What a kernel is given when it is made.

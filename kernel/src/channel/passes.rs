@@ -92,7 +92,7 @@ impl Kernel<'_> {
     /// # Errors
     /// When the loop is hopeless.
     pub(crate) fn end_pass(&mut self, target: u32, from: u32) -> Acted {
-        self.flow.lines.caching = true;
+        self.flow.repeats = true;
         let (file, depth) =
             (self.flow.frames.last().map_or(self.channel.at.file, |frame| frame.file), self.flow.frames.len());
         let key = (file, target, from);

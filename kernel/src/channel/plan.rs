@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::actions::{Action, Actions};
+use super::custom_macro::CodeCalls;
 use super::data::RECALLED;
 use super::hook_points::HookPoints;
 use super::refusals::Refusals;
 use super::scan::Scanner;
-use super::word_calls::WordCalls;
 use crate::machine::Machine;
 use crate::machine::ident::{DataId, codes, data};
-use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Preprocessor, Register};
+use crate::machine::model::{AxisRole, CodeForm, CodeRow, Dimension, Register};
 use crate::mcd::tape::Tape;
 
 /// Compiled form of the machine for the block loop.
@@ -25,7 +25,7 @@ pub(crate) struct Plan {
     /// What else is asked of the actions.
     pub(crate) actions: &'static Actions,
     /// Words that call programs; `None` when the machine has none.
-    pub(crate) word_calls: Option<Box<WordCalls>>,
+    pub(crate) code_calls: Option<Box<CodeCalls>>,
     /// First enabled row of each code.
     pub(crate) rows_of_code: Vec<Option<u16>>,
     pub(crate) registers: Registers,
@@ -329,7 +329,7 @@ fn rows_of_code(machine: &Machine) -> Vec<Option<u16>> {
 fn lead_is_feed(machine: &Machine) -> bool {
     let row = |id| machine.data.iter().find(|row| row.id == id && row.enable && row.process && row.modal);
     let registers = [data::INTERP_THREAD_PITCH, data::FEED_UPR].map(|id| row(id).and_then(|row| row.register));
-    machine.preprocessor == Preprocessor::Fanuc && registers[0].is_some() && registers[0] == registers[1]
+    crate::dialect::of(machine).lead_is_feed() && registers[0].is_some() && registers[0] == registers[1]
 }
 
 impl Plan {
@@ -351,13 +351,14 @@ impl Plan {
         hooks: Option<&'static HookPoints>,
     ) -> Self {
         let registers = Registers::new(machine);
+        let syntax = crate::dialect::of(machine).syntax();
         Self {
             hooks,
-            unmarked: crate::dialect::concerns(machine.preprocessor).map(|_| Arc::new(Scanner::without_marks(machine))),
-            scanner: Scanner::new(machine, opskip),
+            unmarked: syntax.needs_interpreter.map(|_| Arc::new(Scanner::without_marks(machine, syntax))),
+            scanner: Scanner::new(machine, syntax, opskip),
             action_of_row: machine.codes.iter().map(|row| (actions.of)(row.id)).collect(),
             actions,
-            word_calls: WordCalls::new(machine),
+            code_calls: CodeCalls::new(machine),
             rows_of_code: rows_of_code(machine),
             rules: Rules::new(machine, registers.g),
             registers,

@@ -8,11 +8,12 @@ mod numbers;
 mod passed;
 
 use crate::diag;
-use crate::dialect::fanuc::{Names, Number, key_word};
 use crate::machine::Machine;
 use crate::machine::model::Register;
+use crate::mcd::key_words::{Names, Number, key_word};
 use crate::mcd::program::program_name;
 use crate::mcd::special::{self, Early};
+use crate::mcd::syntax::Syntax;
 use crate::state::block::{Block, Word, irregular};
 use numbers::{Read, parse_number};
 
@@ -21,8 +22,8 @@ use numbers::{Read, parse_number};
 pub(crate) enum Kind {
     /// Plain words, now in the block.
     Words,
-    /// It needs the pre-processor.
-    Macro,
+    /// A statement, or words with expressions: it needs the pre-processor.
+    Statement,
 }
 
 /// What the scanner needs of the machine, prepared once.
@@ -37,12 +38,7 @@ pub(crate) struct Scanner {
     texts: Vec<(Vec<u8>, u16)>,
     /// How numbers of each register are read, in primary and in secondary units.
     reads: Vec<[Read; 2]>,
-    /// Custom macro: variables and statements stand among the words.
-    macros: bool,
-    /// Which blocks are not plain words, for the pre-processor of another control.
-    foreign: Option<fn(&[u8]) -> bool>,
-    /// Names are left on blocks, which are no words however they are spelled.
-    names_stay: bool,
+    syntax: &'static Syntax,
     /// Active optional-skip levels, bit n.
     levels: u16,
     sequence: Option<u8>,
@@ -59,8 +55,8 @@ pub(crate) struct Scanner {
 const NONE: u8 = u8::MAX;
 
 impl Scanner {
-    /// For a machine and the active optional-skip levels.
-    pub(crate) fn new(machine: &Machine, opskip: &[u8]) -> Self {
+    /// For a machine, the syntax of its pre-processor and the active optional-skip levels.
+    pub(crate) fn new(machine: &Machine, syntax: &'static Syntax, opskip: &[u8]) -> Self {
         let pair =
             |p: &Option<(String, String)>| p.as_ref().map(|(a, b)| (a.clone().into_bytes(), b.clone().into_bytes()));
         let ascii = |c: Option<char>| c.and_then(|c| u8::try_from(c).ok());
@@ -80,9 +76,8 @@ impl Scanner {
         }
         let register_of = |id| machine.data.iter().find(|row| row.id == id && row.enable).and_then(|row| row.register);
         let sequence = register_of(crate::machine::ident::data::SEQNO);
-        // On Siemens controls the colon is the letter of main blocks.
-        let siemens = machine.preprocessor == crate::machine::model::Preprocessor::Siemens;
-        let definition = register_of(crate::machine::ident::data::DEFSUB_ID).filter(|_| !siemens);
+        // Elsewhere the colon is the letter of main blocks.
+        let definition = register_of(crate::machine::ident::data::DEFSUB_ID).filter(|_| syntax.numbered_programs);
         Self {
             comment: pair(&machine.format.comment),
             message: pair(&machine.format.message),
@@ -99,9 +94,7 @@ impl Scanner {
                 })
                 .collect(),
             reads: machine.registers.iter().map(|r| reads(machine, r)).collect(),
-            macros: machine.preprocessor == crate::machine::model::Preprocessor::Fanuc,
-            foreign: crate::dialect::concerns(machine.preprocessor),
-            names_stay: machine.preprocessor == crate::machine::model::Preprocessor::Siemens,
+            syntax,
             levels: levels(machine, opskip),
             sequence,
             definition,
@@ -111,14 +104,20 @@ impl Scanner {
         }
     }
 
-    /// The machine has a pre-processor.
-    pub(crate) fn has_preprocessor(&self) -> bool {
-        self.macros || self.foreign.is_some()
+    /// What the pre-processor makes of text.
+    pub(crate) fn syntax(&self) -> &'static Syntax {
+        self.syntax
     }
 
-    /// The pre-processor is that of custom macro.
-    pub(crate) fn has_macros(&self) -> bool {
-        self.macros
+    /// The machine has a pre-processor.
+    pub(crate) fn has_preprocessor(&self) -> bool {
+        self.syntax.has_preprocessor()
+    }
+
+    /// Statements are mixed with words: custom macro.
+    #[inline(always)]
+    pub(crate) fn has_custom_macro(&self) -> bool {
+        self.syntax.key_words.is_some()
     }
 
     /// The levels of optional skip that are on include this one; `None` is the one that a mark without number means.
@@ -149,6 +148,7 @@ impl Scanner {
             registers: early.map_or(&[], |early| &early.registers),
             texts: &self.texts,
             brackets: self.brackets,
+            key_words: self.syntax.key_words.unwrap_or_default(),
         }
     }
 
@@ -160,23 +160,23 @@ impl Scanner {
     /// Splits `line` into `block` (which is cleared first); `watched` leaves all of it to another pre-processor.
     #[inline(always)]
     pub(crate) fn scan(&self, line: &[u8], secondary: bool, block: &mut Block, watched: bool) -> Kind {
-        if self.foreign.is_some_and(|concerns| watched || concerns(line)) {
-            return Kind::Macro;
+        if self.syntax.needs_interpreter.is_some_and(|needs| watched || needs(line)) {
+            return Kind::Statement;
         }
-        self.split(line, secondary, block, self.macros)
+        self.split(line, secondary, block, self.has_custom_macro())
     }
 
     /// The same, with or without the pre-processor.
     #[inline(never)]
     pub(crate) fn scan_as(&self, line: &[u8], secondary: bool, block: &mut Block, preprocess: bool) -> Kind {
-        if preprocess && self.foreign.is_some_and(|concerns| concerns(line)) {
-            return Kind::Macro;
+        if preprocess && self.syntax.needs_interpreter.is_some_and(|needs| needs(line)) {
+            return Kind::Statement;
         }
-        self.split(line, secondary, block, preprocess && self.macros)
+        self.split(line, secondary, block, preprocess && self.has_custom_macro())
     }
 
     #[inline(always)]
-    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, macros: bool) -> Kind {
+    fn split(&self, line: &[u8], secondary: bool, block: &mut Block, statements: bool) -> Kind {
         block.clear();
         let mut at = 0;
         while let Some(&byte) = line.get(at) {
@@ -185,8 +185,8 @@ impl Scanner {
                 continue;
             }
             if let Some(early) = &self.early {
-                if macros && early.opens_macro(line, at) {
-                    return Kind::Macro;
+                if statements && early.opens_statement(line, at) {
+                    return Kind::Statement;
                 }
                 if let Some(next) = self.early(early, line, at, secondary, block) {
                     at = next;
@@ -199,11 +199,11 @@ impl Scanner {
                         at = next;
                         continue;
                     }
-                    None if macros && self.opens_macro(line, at) => return Kind::Macro,
+                    None if statements && self.opens_statement(line, at) => return Kind::Statement,
                     None => {}
                 }
-            } else if macros && (byte == b'#' || self.opens_macro(line, at)) {
-                return Kind::Macro;
+            } else if statements && (byte == b'#' || self.opens_statement(line, at)) {
+                return Kind::Statement;
             }
             at = self.other(line, at, byte, block);
         }
@@ -230,7 +230,7 @@ impl Scanner {
             return end;
         }
         if byte == b'<'
-            && self.macros
+            && self.has_custom_macro()
             && block.name().is_none()
             && let Some(end) = program_name(line, at)
         {
@@ -242,7 +242,7 @@ impl Scanner {
             return at + 1;
         }
         // Unknown text runs to the next blank or the start of a word.
-        let mut end = if self.names_stay { marks::name_end(line, at) } else { at }.max(at + 1);
+        let mut end = if self.syntax.keeps_names { marks::name_end(line, at) } else { at }.max(at + 1);
         while let Some(&next) = line.get(end) {
             if next <= b' ' || Some(next) == self.opskip || self.starts_comment(line, end) || starts_word(line, end) {
                 break;
@@ -292,7 +292,7 @@ impl Scanner {
     }
 
     /// A letter, `#` or `[` where a number was expected, or key words: text for the pre-processor.
-    fn opens_macro(&self, line: &[u8], at: usize) -> bool {
+    fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         special::starts_expression(line, at + 1) || key_word(self.names(), line, at)
     }
 

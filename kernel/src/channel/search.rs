@@ -113,7 +113,7 @@ impl Kernel<'_> {
 
     /// Labels of the current file, found once. A block with a word for a label has it, unless it calls a range.
     fn labels(&mut self) -> Arc<Labels> {
-        if let Some(labels) = self.flow.lines.labels.get(&self.channel.at.file) {
+        if let Some(labels) = self.flow.labels.get(&self.channel.at.file) {
             return Arc::clone(labels);
         }
         let mut labels = Labels::default();
@@ -133,9 +133,9 @@ impl Kernel<'_> {
                 }
             }
         }
-        self.flow.lines.tables += labels.len() * 64;
+        self.flow.tables += labels.len() * 64;
         let labels = Arc::new(labels);
-        self.flow.lines.labels.insert(self.channel.at.file, Arc::clone(&labels));
+        self.flow.labels.insert(self.channel.at.file, Arc::clone(&labels));
         labels
     }
 

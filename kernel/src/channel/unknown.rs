@@ -8,9 +8,10 @@
 use super::Kernel;
 use super::letter_zero::letter_for_zero;
 use crate::diag::{self, Facts};
+use crate::dialect::Unknown;
 use crate::machine::ident::codes;
 use crate::machine::macros::model::Hook;
-use crate::machine::model::{CodeForm, Preprocessor};
+use crate::machine::model::CodeForm;
 use crate::state::block::irregular;
 use counterpoint_fault::Acted;
 
@@ -99,28 +100,21 @@ impl Kernel<'_> {
     fn not_known(&self, text: &str) -> (&'static Facts, String) {
         let text = shortened(text);
         let is_g = text.starts_with(['G', 'g']);
+        let dialect = self.dialect.kind;
         if self.is_code_word(&text) {
             let lacks = format!("machine {} has no {text}", self.channel.env.machine.name);
-            let why = match self.channel.env.machine.preprocessor {
-                Preprocessor::Fanuc if is_g => format!("PS0010 improper G-code: {lacks}"),
-                Preprocessor::Siemens if is_g => format!("12470 unknown G function: {lacks}"),
-                _ => lacks,
+            let why = match dialect.unknown_g_code().filter(|_| is_g) {
+                Some(alarm) => format!("{alarm}: {lacks}"),
+                None => lacks,
             };
             return (&diag::UNKNOWN_CODE, why);
         }
-        let why = match self.channel.env.machine.preprocessor {
-            Preprocessor::Fanuc if self.is_word_like(&text) => {
-                format!("PS0009 improper address: this control has no address for {text}")
-            }
-            Preprocessor::Fanuc if self.is_letter(&text) => format!("PS0005 no number: {text} has no number"),
-            Preprocessor::Fanuc if text.starts_with('.') => {
-                format!("PS0007 decimal point: {text} comes after another point")
-            }
-            Preprocessor::Fanuc => format!("PS0004 bad word: {text} is not a word"),
-            Preprocessor::Siemens => format!("12550 name not defined or option missing: {text} is not known"),
-            _ => format!("{text} is not known to this control"),
+        let kind = match () {
+            () if self.is_word_like(&text) => Unknown::Word,
+            () if self.is_letter(&text) => Unknown::Address,
+            () => Unknown::Text,
         };
-        (&diag::UNKNOWN_TEXT, why)
+        (&diag::UNKNOWN_TEXT, dialect.unknown_text(&text, kind))
     }
 
     /// An address alone.

@@ -1,4 +1,4 @@
-//! Variables of the pre-processor: local, of the channel, common to all channels, and system variables.
+//! Numbered variables: local, of the channel, common to all channels, and system variables.
 //!
 //! Facts: reference channel-synchronisation.md 1.3 (variable ranges) and control-emulator.md 5.4. Invariant: common
 //! variables are touched only in shared operations.
@@ -6,8 +6,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Kernel;
-use crate::diag;
-use crate::dialect::fanuc::{Fault, VACANT, Variables, is_vacant};
+use crate::dialect::{Levels, NotThere, VACANT, is_vacant};
 use crate::machine::ident::codes;
 use crate::state::frames::offsets::EXTENDED;
 use crate::state::modal::group;
@@ -18,15 +17,26 @@ type Locals = [f64; 34];
 /// Variables that only this channel sees.
 #[derive(Debug)]
 pub(crate) struct ChannelVariables {
-    levels: Vec<Locals>,
+    levels: Levels<Locals>,
     own: FxHashMap<u32, f64>,
-    /// Steps of one unit that ROUND rounds to in the expression being evaluated.
-    pub(crate) steps: f64,
+    /// What has no value, and what does not exist, is 0.
+    pub(super) reads_zero: bool,
+    /// System variables that programs write keep their values; otherwise the identification macro is asked where to write
+    /// them.
+    pub(super) keeps_system: bool,
+    /// Those values.
+    kept: FxHashMap<u32, f64>,
 }
 
 impl Default for ChannelVariables {
     fn default() -> Self {
-        Self { levels: vec![[VACANT; 34]], own: FxHashMap::default(), steps: 1.0 }
+        Self {
+            levels: Levels::new([VACANT; 34]),
+            own: FxHashMap::default(),
+            reads_zero: false,
+            keeps_system: false,
+            kept: FxHashMap::default(),
+        }
     }
 }
 
@@ -39,22 +49,20 @@ impl ChannelVariables {
                 *slot = value;
             }
         }
-        self.levels.push(locals);
+        self.levels.enter(locals);
     }
 
     /// Return from a macro call.
     pub(crate) fn leave(&mut self) {
-        if self.levels.len() > 1 {
-            self.levels.pop();
-        }
+        self.levels.leave();
     }
 
     fn local(&self, index: u32) -> f64 {
-        self.levels.last().and_then(|l| l.get(index as usize)).copied().unwrap_or(VACANT)
+        self.levels.here().get(index as usize).copied().unwrap_or(VACANT)
     }
 
     fn set_local(&mut self, index: u32, value: f64) {
-        if let Some(slot) = self.levels.last_mut().and_then(|l| l.get_mut(index as usize)) {
+        if let Some(slot) = self.levels.here_mut().get_mut(index as usize) {
             *slot = value;
         }
     }
@@ -64,32 +72,6 @@ fn within(ranges: &[(u32, u32)], index: u32) -> bool {
     ranges.iter().any(|&(low, high)| (low..=high).contains(&index))
 }
 
-impl Variables for Kernel<'_> {
-    fn get(&mut self, index: u32) -> Result<f64, Fault> {
-        let value = if self.plan.hooks.is_some() && index >= 1000 && !self.is_common(index) {
-            self.identified(index)
-        } else {
-            self.get_known(index)
-        };
-        match value {
-            Err(fault @ Fault::NoVariable(_)) if self.channel.goes_on_at(&diag::MACRO_VARIABLE) => {
-                self.fault(&fault);
-                Ok(0.0)
-            }
-            value => value,
-        }
-    }
-
-    fn unknown_function(&mut self, span: (u32, u32)) -> Result<f64, Fault> {
-        let text = self.span_text(span).to_ascii_uppercase();
-        self.identified_function(&text)
-    }
-
-    fn steps(&self) -> f64 {
-        self.dialect.variables.steps
-    }
-}
-
 impl Kernel<'_> {
     /// A common variable, of all channels or of this one.
     pub(crate) fn is_common(&self, index: u32) -> bool {
@@ -97,39 +79,45 @@ impl Kernel<'_> {
             || within(&self.channel.env.machine.variables.channel, index)
     }
 
-    /// Value of a variable that the kernel itself knows.
-    pub(crate) fn get_known(&mut self, index: u32) -> Result<f64, Fault> {
+    /// Value of a numbered variable.
+    ///
+    /// # Errors
+    /// It does not exist, or the job was stopped.
+    pub(super) fn numbered(&mut self, index: u32) -> Result<f64, NotThere> {
         match self.value_of(index) {
             Ok(value) if !is_vacant(value) => Ok(value),
-            Err(Fault::Stopped) => Err(Fault::Stopped),
-            _ if self.reads_zero() => Ok(0.0),
+            Err(NotThere::Halt(halt)) => Err(NotThere::Halt(halt)),
+            _ if self.dialect.variables.reads_zero => Ok(0.0),
             nothing => nothing,
         }
     }
 
-    fn value_of(&mut self, index: u32) -> Result<f64, Fault> {
+    fn value_of(&mut self, index: u32) -> Result<f64, NotThere> {
         match index {
             0 | 3100 => Ok(VACANT),
             1..=33 => Ok(self.dialect.variables.local(index)),
             _ if within(&self.channel.env.machine.variables.shared, index) => {
                 self.flow.pass.polled = true;
                 self.shared(|order| order.shared.variables.get(&index).copied().unwrap_or(VACANT))
-                    .map_err(|_| Fault::Stopped)
+                    .map_err(NotThere::Halt)
             }
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 Ok(self.dialect.variables.own.get(&index).copied().unwrap_or(VACANT))
             }
-            _ => match self.kept_variable(index) {
-                Some(value) => Ok(value),
-                None => self.system(index).ok_or(Fault::NoVariable(f64::from(index))),
+            _ => match self.dialect.variables.kept.get(&index) {
+                Some(value) => Ok(*value),
+                None => self.system(index).ok_or(NotThere::Missing),
             },
         }
     }
 }
 
 impl Kernel<'_> {
-    /// Writes a variable.
-    pub(crate) fn set_variable(&mut self, index: u32, value: f64) -> Result<(), Fault> {
+    /// Writes a numbered variable.
+    ///
+    /// # Errors
+    /// It does not exist or cannot be written, or the job was stopped.
+    pub(super) fn set_numbered(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
         match index {
             1..=33 => {
                 // A change that the next pass can see is an effect; writing the same value is none.
@@ -148,20 +136,20 @@ impl Kernel<'_> {
                         order.shared.variables.insert(index, value);
                     }
                 })
-                .map_err(|_| Fault::Stopped)
+                .map_err(NotThere::Halt)
             }
             _ if within(&self.channel.env.machine.variables.channel, index) => {
                 self.flow.pass.effects = true;
                 self.dialect.variables.own.insert(index, value);
                 Ok(())
             }
-            _ if self.keep_variable(index, value) => {
+            _ if self.dialect.variables.keeps_system && index >= 1000 => {
                 self.flow.pass.effects = true;
+                self.dialect.variables.kept.insert(index, value);
                 Ok(())
             }
-            _ if self.identify_write(index, value)? => Ok(()),
-            _ if self.system(index).is_some() || matches!(index, 0 | 3100) => Err(Fault::ReadOnly(index)),
-            _ => Err(Fault::NoVariable(f64::from(index))),
+            _ if self.system(index).is_some() || matches!(index, 0 | 3100) => Err(NotThere::ReadOnly),
+            _ => Err(NotThere::Missing),
         }
     }
 

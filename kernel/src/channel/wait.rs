@@ -10,19 +10,12 @@ use counterpoint_fault::{Acted, Halt};
 use super::Kernel;
 use crate::control::State;
 use crate::diag;
-use crate::log::event::{Kind, Member, Release, Verdict, VerdictKind, Wait};
-use crate::log::info::Info;
+use crate::log::event::{Kind, Release, Wait};
 use crate::multi::coordinator::turn::Met;
-use crate::multi::order::{Order, Wake};
+use crate::multi::order::Wake;
+use crate::multi::order::arrive::After;
 use crate::multi::tag::Tag;
-use crate::multi::waits::{Arrival, Finish, Set, Spec, Terminal, Waiting};
-
-/// What the arrival means for the arriving kernel.
-enum After {
-    Go { t: i64, micro: u32, meeting: u64 },
-    Stand(Option<Verdict>),
-    Alarm { text: String, verdict: Option<Verdict> },
-}
+use crate::multi::waits::{Finish, Set, Spec, Terminal, Waiting};
 
 impl Kernel<'_> {
     /// Arrives at a wait, and waits until the others are there.
@@ -120,57 +113,6 @@ fn stand(kernel: &mut Kernel<'_>, tag: Tag, wait: &Arc<Wait>) -> Wake {
     });
     kernel.ports.control.disturb(kernel.channel.at.channel);
     wake
-}
-
-impl Order {
-    /// The arriving kernel carries out its arrival itself.
-    fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> After {
-        let tag = waiting.tag;
-        let (file, line) = (waiting.file, waiting.line);
-        match self.waits.arrive(waiting) {
-            Arrival::Released { channels, t, micro } => {
-                let meeting = self.release(channels, (t, micro), Some(tag.rank));
-                After::Go { t, micro, meeting }
-            }
-            Arrival::Blocked => {
-                let verdict = if self.waits.hopeful(tag.rank) { None } else { self.judge(tag.t, info) };
-                self.block(tag.rank);
-                After::Stand(verdict)
-            }
-            Arrival::Mismatch { channels, members, text } => {
-                let own_place = Member { channel: tag.rank, file, line, waiting_for: Vec::new() };
-                let members = members.into_iter().chain([own_place]).collect();
-                refuse(self, channels, members, text, (tag, own))
-            }
-        }
-    }
-}
-
-/// The control refuses to pair waits: all of them alarm.
-fn refuse(
-    order: &mut Order,
-    channels: Set,
-    mut members: Vec<Member>,
-    text: String,
-    (tag, own): (Tag, Finish),
-) -> After {
-    members.sort_by_key(|m| m.channel);
-    for member in &mut members {
-        let own = member.channel;
-        member.waiting_for = channels.iter().filter(|&c| c != own).collect();
-    }
-    let text = format!("PS0160 waiting codes do not match: {text}");
-    for member in members.iter().filter(|m| m.channel != tag.rank) {
-        let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
-        order.waits.finish(member.channel, finish);
-        let tag = Tag { t: tag.t, micro: tag.micro + 1, rank: member.channel };
-        order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
-    }
-    order.waits.finish(tag.rank, own);
-    let first = !order.judged;
-    order.judged = true;
-    let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
-    After::Alarm { text, verdict: first.then_some(verdict) }
 }
 
 /// Continues after a meeting.

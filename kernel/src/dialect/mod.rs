@@ -1,39 +1,32 @@
-//! Pre-processors: what turns a program line with variables and statements into plain words.
+//! Dialects: what turns a program line with variables and statements into plain words, for each control.
 //!
-//! Facts: reference control-emulator.md 5.4. That of Fanuc is woven into the scanner, since its expressions stand among
-//! the words of any block; the others are [`Interpreter`]s, which get the text of a block that is not plain words and
-//! leave a text that is. Invariant: an interpreter reaches its kernel only through [`Host`].
+//! Facts: reference control-emulator.md 5.4. `definition` says what a dialect is, `table` names all of them, `host` is what
+//! their interpreters see of the kernel. An [`Interpreter`] gets the text of a block that is more than plain words and
+//! leaves words or text. *Invariants:* an interpreter reaches its kernel only through [`Host`]; the folders of the controls
+//! use what they share (`kept`, `numeric`, `text`) and never each other.
 
-pub(crate) mod fanuc;
+mod contour;
+mod definition;
+mod expression;
+mod fanuc;
 mod heidenhain;
 mod host;
-pub(crate) mod kept;
+mod interpreter;
+mod kept;
+mod levels;
 mod numeric;
-pub(crate) mod okuma;
+mod okuma;
+mod plain;
 mod siemens;
+mod table;
 mod text;
 
-pub(crate) use host::{Answer, AxisPlace, Call, Host, Interpreter, Modes, Place, Setting};
-
-use crate::machine::Machine;
-use crate::machine::model::Preprocessor;
-
-/// A new interpreter; none for controls without one, and for custom macro.
-pub(crate) fn interpreter(machine: &Machine) -> Option<Box<dyn Interpreter>> {
-    Some(match machine.preprocessor {
-        Preprocessor::None | Preprocessor::Fanuc => return None,
-        Preprocessor::Okuma => Box::new(okuma::Okuma::new(machine.macros.is_none())),
-        Preprocessor::Siemens => Box::new(siemens::Siemens::default()),
-        Preprocessor::Heidenhain => Box::new(heidenhain::Heidenhain::default()),
-    })
-}
-
-/// Which blocks are for the interpreter of a control: a quick look at the text, false for plain words.
-pub(crate) fn concerns(preprocessor: Preprocessor) -> Option<fn(&[u8]) -> bool> {
-    Some(match preprocessor {
-        Preprocessor::None | Preprocessor::Fanuc => return None,
-        Preprocessor::Okuma => okuma::concerns,
-        Preprocessor::Siemens => siemens::concerns,
-        Preprocessor::Heidenhain => heidenhain::concerns,
-    })
-}
+pub(crate) use definition::{Dialect, Unknown};
+pub(crate) use host::{
+    Answer, AxisPlace, Call, Flow, Frames, Loops, MadeWord, Modes, NotThere, Place, Programs, Report, Values, Words,
+};
+pub(crate) use interpreter::{Interpreter, MacroCall, Remaining, Setting};
+pub(crate) use kept::next_or_first;
+pub(crate) use levels::Levels;
+pub(crate) use numeric::{VACANT, is_vacant};
+pub(crate) use table::{all, of};

@@ -5,6 +5,15 @@
 
 use std::f64::consts::PI;
 
+/// The value of a numbered variable that has none: one special NaN, which counts as zero in arithmetic and equals only
+/// itself.
+pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
+
+/// Tells the vacant value from every other one.
+pub(crate) fn is_vacant(value: f64) -> bool {
+    value.to_bits() == VACANT.to_bits()
+}
+
 /// Degrees of a radian.
 pub(super) const DEGREES: f64 = 180.0 / PI;
 
@@ -19,7 +28,7 @@ pub(super) fn cosine(degrees: f64) -> f64 {
 }
 
 /// Tangent; none where there is none.
-pub(super) fn tangent(degrees: f64) -> Option<f64> {
+fn tangent(degrees: f64) -> Option<f64> {
     let cosine = cosine(degrees);
     (cosine != 0.0).then(|| sine(degrees) / cosine)
 }
@@ -30,7 +39,7 @@ pub(super) fn away(value: f64) -> f64 {
 }
 
 /// The number whose decimal digits are the groups of four bits.
-pub(super) fn from_bcd(value: f64) -> f64 {
+fn from_bcd(value: f64) -> f64 {
     let (mut rest, mut out, mut weight) = (value.abs() as u64, 0.0, 1.0);
     while rest > 0 {
         out += (rest & 15) as f64 * weight;
@@ -41,7 +50,7 @@ pub(super) fn from_bcd(value: f64) -> f64 {
 }
 
 /// The number whose groups of four bits are the decimal digits.
-pub(super) fn to_bcd(value: f64) -> f64 {
+fn to_bcd(value: f64) -> f64 {
     let (mut rest, mut out, mut shift) = (value.abs() as u64, 0_u64, 0_u32);
     while rest > 0 && shift < 64 {
         out |= (rest % 10) << shift;
@@ -49,6 +58,76 @@ pub(super) fn to_bcd(value: f64) -> f64 {
         shift += 4;
     }
     (out as f64).copysign(value)
+}
+
+/// Functions of one number that most controls have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Function {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sqrt,
+    Abs,
+    Ln,
+    Exp,
+    /// To the nearest whole number, halves away from zero.
+    Round,
+    /// To the whole number towards zero.
+    Fix,
+    /// To the whole number away from zero.
+    Fup,
+    Bin,
+    Bcd,
+}
+
+impl Function {
+    /// Name in messages.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Sin => "SIN",
+            Self::Cos => "COS",
+            Self::Tan => "TAN",
+            Self::Asin => "ASIN",
+            Self::Acos => "ACOS",
+            Self::Atan => "ATAN",
+            Self::Sqrt => "SQRT",
+            Self::Abs => "ABS",
+            Self::Ln => "LN",
+            Self::Exp => "EXP",
+            Self::Round => "ROUND",
+            Self::Fix => "FIX",
+            Self::Fup => "FUP",
+            Self::Bin => "BIN",
+            Self::Bcd => "BCD",
+        }
+    }
+
+    /// Value, none outside the domain of the function. Whether it is finite is not checked.
+    pub(super) fn value(self, v: f64) -> Option<f64> {
+        Some(match self {
+            Self::Sin => sine(v),
+            Self::Cos => cosine(v),
+            Self::Tan => tangent(v)?,
+            Self::Asin | Self::Acos if v.abs() > 1.0 => return None,
+            Self::Asin => libm::asin(v) * DEGREES,
+            Self::Acos => libm::acos(v) * DEGREES,
+            Self::Atan => libm::atan(v) * DEGREES,
+            Self::Sqrt if v < 0.0 => return None,
+            Self::Sqrt => v.sqrt(),
+            Self::Abs => v.abs(),
+            Self::Ln if v <= 0.0 => return None,
+            Self::Ln => libm::log(v),
+            Self::Exp => libm::exp(v),
+            Self::Round => v.round(),
+            Self::Fix => v.trunc(),
+            Self::Fup => away(v),
+            Self::Bin => from_bcd(v),
+            Self::Bcd => to_bcd(v),
+        })
+    }
 }
 
 #[cfg(test)]
@@ -67,5 +146,19 @@ mod tests {
     fn decimals_in_bits() {
         assert_eq!((to_bcd(25.0), from_bcd(37.0), from_bcd(-37.0)), (37.0, 25.0, -25.0));
         assert_eq!((away(2.1), away(-2.1)), (3.0, -3.0));
+    }
+
+    #[test]
+    fn functions_have_no_value_outside_their_domain() {
+        for (function, outside) in [
+            (Function::Tan, 90.0),
+            (Function::Asin, 1.1),
+            (Function::Acos, -1.1),
+            (Function::Sqrt, -1.0),
+            (Function::Ln, 0.0),
+        ] {
+            assert_eq!(function.value(outside), None, "{}", function.name());
+        }
+        assert_eq!((Function::Sqrt.value(9.0), Function::Fup.value(-2.1)), (Some(3.0), Some(-3.0)));
     }
 }

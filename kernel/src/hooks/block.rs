@@ -21,10 +21,10 @@ use crate::trace::{self, Stage};
 impl Kernel<'_> {
     /// A text becomes the block: a line of the file, or what EXEC issued.
     pub(crate) fn begin_text(&mut self, text: Option<Arc<String>>) {
-        let machine = self.channel.env.machine;
+        let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
         let runtime = &mut *self.macros;
         if text.is_some() && runtime.reading.unmarked.is_none() {
-            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine)));
+            runtime.reading.unmarked = Some(Arc::new(Scanner::without_marks(machine, syntax)));
         }
         runtime.block.begin(text);
         runtime.variables.store.number = 0;
@@ -165,11 +165,10 @@ impl Kernel<'_> {
         let before = self.switched_scanner().map_or(self.plan.scanner.levels(), |scanner| scanner.levels());
         let wanted = if on { before | 1 << level } else { before & !(1 << level) };
         let levels: Vec<u8> = (1..16).filter(|level| wanted & 1 << level != 0).collect();
-        let machine = self.channel.env.machine;
-        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, &levels)));
+        let (machine, syntax) = (self.channel.env.machine, self.plan.scanner.syntax());
+        self.macros.reading.switched = Some(Arc::new(Scanner::new(machine, syntax, &levels)));
         // Lines compiled before have the parts that were skipped then.
-        self.flow.lines.compiled.clear();
-        self.flow.lines.pairs.clear();
+        self.forget_lines();
     }
 
     /// Embedded code after the pre-processor and Block Startup; false if the block is dropped.

@@ -8,7 +8,6 @@ use crate::channel::Kernel;
 use crate::channel::flow::{Flow, Frame};
 use crate::diag;
 use crate::dialect::Answer;
-use crate::dialect::fanuc::{Fault, Names, Statement, compile, number};
 use crate::log::event::{FileId, Kind};
 use crate::machine::macros::model::Hook;
 use crate::macros::calls::Task;
@@ -109,71 +108,12 @@ impl Kernel<'_> {
         self.flow = Flow::default();
         self.flow.frames.push(Frame::main(file, range, name));
         if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
-            interpreter.begin(reset);
+            interpreter.restart(reset);
         }
-        self.interpreter_started();
+        self.interpreter_start();
         self.plain_macro(Hook::ProgramStartup)?;
         let done = self.follow();
         self.went_on(done)
-    }
-
-    /// Asks the identification macro for a variable; without an answer, what the kernel itself knows counts.
-    pub(crate) fn identified(&mut self, index: u32) -> Result<f64, Fault> {
-        let asked = self.macros.course.identifying;
-        let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return self.get_known(index) };
-        match self.identify_variable(code, index, Value::Null)? {
-            Answer::Unknown => self.get_known(index),
-            Answer::Drop => Ok(0.0),
-            Answer::Keep => Err(Fault::Kept(index)),
-            Answer::Instead(text) => self.value_of_text(&text, Fault::NoVariable(f64::from(index))),
-        }
-    }
-
-    /// Asks it for the value of a function that the control does not have.
-    pub(crate) fn identified_function(&mut self, text: &str) -> Result<f64, Fault> {
-        let unknown = Fault::NoFunction(text.to_owned());
-        let asked = self.macros.course.identifying;
-        let Some(code) = self.hook(Hook::Identification).filter(|_| !asked) else { return Err(unknown) };
-        match self.identify_text(code, text, Value::Null)? {
-            Answer::Unknown => Err(unknown),
-            Answer::Drop => Ok(0.0),
-            Answer::Keep => Err(Fault::KeptFunction(text.to_owned())),
-            Answer::Instead(text) => self.value_of_text(&text, unknown),
-        }
-    }
-
-    /// Asks it where to write a variable that the kernel does not know; true if that is settled.
-    pub(crate) fn identify_write(&mut self, index: u32, value: f64) -> Result<bool, Fault> {
-        let Some(code) = self.hook(Hook::Identification).filter(|_| index >= 1000) else { return Ok(false) };
-        match self.identify_variable(code, index, Value::Real(number(value)))? {
-            Answer::Unknown => Ok(false),
-            Answer::Drop => Ok(true),
-            Answer::Keep => Err(Fault::Kept(index)),
-            Answer::Instead(text) => {
-                let wanted = text.trim().strip_prefix('#').and_then(|text| text.trim().parse::<u32>().ok());
-                match wanted.filter(|wanted| *wanted != index && (*wanted < 1000 || self.is_common(*wanted))) {
-                    Some(wanted) => self.set_variable(wanted, value).map(|()| true),
-                    None => Err(Fault::NoVariable(f64::from(index))),
-                }
-            }
-        }
-    }
-
-    /// The same for a variable: a text that is not changed is an error.
-    fn identify_variable(&mut self, code: u16, index: u32, assigned: Value) -> Result<Answer, Fault> {
-        let asked = format!("#{index}");
-        match self.identify_text(code, &asked, assigned)? {
-            // Evaluating the same text again would ask for ever.
-            Answer::Instead(text) if text.trim() == asked => Err(Fault::NoVariable(f64::from(index))),
-            answer => Ok(answer),
-        }
-    }
-
-    fn identify_text(&mut self, code: u16, text: &str, assigned: Value) -> Result<Answer, Fault> {
-        self.ask_identification(code, text, assigned).map_err(|halt| {
-            self.keep_halt(halt);
-            Fault::Stopped
-        })
     }
 
     /// Runs the identification macro on a text that nobody knows, with the value that is being assigned to it.
@@ -205,25 +145,5 @@ impl Kernel<'_> {
                 Answer::Unknown
             }
         })
-    }
-
-    fn set_identifying(&mut self, on: bool) {
-        self.macros.course.identifying = on;
-    }
-
-    /// Value of an expression that a macro gave in place of something that nobody knows; the same text again would be
-    /// asked for ever, so what nobody knows in it stays `unknown`.
-    fn value_of_text(&mut self, text: &str, unknown: Fault) -> Result<f64, Fault> {
-        let Ok(line) = compile(format!("#1=[{text}]").as_bytes(), Names::default()) else { return Err(unknown) };
-        let Statement::Assign(list) = line.statement else { return Err(unknown) };
-        match list.as_slice() {
-            [(_, value)] => {
-                self.set_identifying(true);
-                let value = value.eval(self);
-                self.set_identifying(false);
-                if let Err(Fault::NoFunction(_)) = value { Err(unknown) } else { value }
-            }
-            _ => Err(unknown),
-        }
     }
 }

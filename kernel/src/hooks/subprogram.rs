@@ -175,7 +175,7 @@ impl Kernel<'_> {
     /// What would end the run, or pull the text away from a pre-processor that is reading it, waits for the end of the
     /// block that was interrupted.
     fn may_return_at_once(&self, target: Option<u32>) -> bool {
-        let has_interpreter = crate::dialect::concerns(self.channel.env.machine.preprocessor).is_some();
+        let has_interpreter = self.plan.scanner.syntax().needs_interpreter.is_some();
         let reading = has_interpreter && self.dialect.interpreter.is_none();
         let ends = self.flow.frames.len() <= 1 && self.channel.env.machine.subprograms.main_return == MainReturn::End;
         !reading && (!ends || target.is_some())

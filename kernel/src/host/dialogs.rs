@@ -7,7 +7,7 @@
 use counterpoint_lang::bytecode::Shared;
 use counterpoint_lang::diag::Number;
 use counterpoint_lang::fault::{Fault, Outcome};
-use counterpoint_lang::host::Host;
+use counterpoint_lang::host::Variables;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::State;
 

@@ -4,7 +4,7 @@
 
 use counterpoint_fault::Halt;
 use counterpoint_lang::fault::Outcome;
-use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Folder, HostFn, NOT_FOUND, Shelf, stored};
+use counterpoint_lang::host::{FAILED, FORBIDDEN, Facts, Files, Folder, HostFn, NOT_FOUND, Shelf, stored};
 use counterpoint_lang::value::Value;
 use counterpoint_lang::vm::{self, State};
 
@@ -21,22 +21,6 @@ impl Kernel<'_> {
         let result = work(&mut folder, self);
         self.macros.outside.folder = folder;
         result
-    }
-
-    pub(crate) fn openable(&mut self, state: &mut State, path: &str) -> i32 {
-        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
-    }
-
-    pub(crate) fn file_writable(&mut self, path: &str) -> i32 {
-        self.with_files(|folder, shelf| folder.writable(shelf, path))
-    }
-
-    pub(crate) fn file_text(&mut self, path: &str) -> Option<String> {
-        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
-    }
-
-    pub(crate) fn keep_file(&mut self, path: &str, text: &str) -> bool {
-        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 
     /// A function of files.
@@ -72,6 +56,24 @@ impl Kernel<'_> {
             self.keep_halt(halt);
             FAILED
         })
+    }
+}
+
+impl Files for Kernel<'_> {
+    fn may_open(&mut self, state: &mut State, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.openable(shelf, state, path))
+    }
+
+    fn may_write(&mut self, path: &str) -> i32 {
+        self.with_files(|folder, shelf| folder.writable(shelf, path))
+    }
+
+    fn read_file(&mut self, path: &str) -> Option<String> {
+        self.with_files(|folder, shelf| folder.load(shelf, path)).ok()
+    }
+
+    fn write_file(&mut self, path: &str, text: &str) -> bool {
+        self.with_files(|folder, shelf| folder.save(shelf, path, text)).is_ok()
     }
 }
 

@@ -62,8 +62,8 @@ impl Kernel<'_> {
             HostFn::ActiveCode => self.active_code(arguments, false),
             HostFn::SetActiveCode => self.active_code(arguments, true),
             HostFn::DataAsCode => self.data_as_code(arguments),
-            HostFn::NcVariable => self.nc_variable(arguments)?,
-            HostFn::SetNcVariable => self.set_nc_variable(arguments)?,
+            HostFn::NcVariable => self.nc_variable(arguments),
+            HostFn::SetNcVariable => Value::Logical(self.set_nc_variable(arguments)),
             HostFn::PreProcessorSetting => self.preprocessor_setting(state, arguments),
             HostFn::MachineFrame => Value::numbers(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
             HostFn::Restart => self.restart_with(state, arguments)?,
@@ -294,45 +294,7 @@ impl Kernel<'_> {
     }
 
     /// `$FCEGNCV`
-    fn nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
-        use crate::dialect::fanuc::is_vacant;
-        if self.dialect.interpreter.is_some() {
-            return Ok(self.interpreted_variable(arguments));
-        }
-        let Some(index) = nc_index(arguments, 1) else { return Ok(Value::Null) };
-        if !self.plan.scanner.has_macros() {
-            return Ok(Value::Null);
-        }
-        Ok(match self.get_known(index) {
-            Ok(value) if !is_vacant(value) => Value::Real(value),
-            Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(counterpoint_fault::Halt::Stopped);
-                Value::Null
-            }
-            _ => Value::Null,
-        })
-    }
-
-    /// `$FCESNCV`
-    fn set_nc_variable(&mut self, arguments: &[Value]) -> Outcome<Value> {
-        if self.dialect.interpreter.is_some() {
-            return Ok(Value::Logical(self.set_interpreted_variable(arguments)));
-        }
-        let value = arguments.get(1).and_then(Value::as_real);
-        let (Some(index), Some(value), true) = (nc_index(arguments, 2), value, self.plan.scanner.has_macros()) else {
-            return Ok(Value::Logical(false));
-        };
-        match self.set_variable(index, value) {
-            Err(crate::dialect::fanuc::Fault::Stopped) => {
-                self.keep_halt(counterpoint_fault::Halt::Stopped);
-                Ok(Value::Logical(false))
-            }
-            done => Ok(Value::Logical(done.is_ok())),
-        }
-    }
-
-    /// A variable of a pre-processor that has names for them.
-    fn interpreted_variable(&mut self, arguments: &[Value]) -> Value {
+    fn nc_variable(&mut self, arguments: &[Value]) -> Value {
         let name = text(arguments, 0).trim().to_owned();
         let indices = indices(arguments, 1);
         let found = self.with_interpreter(|interpreter, kernel| interpreter.variable(kernel, &name, &indices));
@@ -346,7 +308,8 @@ impl Kernel<'_> {
         }
     }
 
-    fn set_interpreted_variable(&mut self, arguments: &[Value]) -> bool {
+    /// `$FCESNCV`
+    fn set_nc_variable(&mut self, arguments: &[Value]) -> bool {
         let name = text(arguments, 0).trim().to_owned();
         let indices = indices(arguments, 2);
         let Some(value) = arguments.get(1) else { return false };
@@ -370,17 +333,6 @@ impl Kernel<'_> {
 /// Indices behind the name of a variable.
 fn indices(arguments: &[Value], from: usize) -> Vec<f64> {
     arguments.get(from..).unwrap_or_default().iter().filter_map(Value::as_real).collect()
-}
-
-/// Number of a variable of the pre-processor: `#100`, or `#` with an index apart.
-fn nc_index(arguments: &[Value], from: usize) -> Option<u32> {
-    let name = text(arguments, 0).trim().strip_prefix('#')?.trim().trim_start_matches('[').trim_end_matches(']');
-    match arguments.get(from).and_then(Value::as_real) {
-        Some(index) if name.is_empty() => {
-            (index.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&index)).then_some(index as u32)
-        }
-        _ => name.parse().ok(),
-    }
 }
 
 /// A register's format as a format of the language.

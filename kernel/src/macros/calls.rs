@@ -112,7 +112,7 @@ impl Calls {
     pub(crate) fn measure(&mut self, program: &Program) {
         self.busy.resize(program.macros.len(), false);
         for code in program.macros.iter().skip(self.arguments.len()) {
-            let bits = code.arguments.iter().filter(|(number, _)| *number < 128);
+            let bits = code.signature.arguments.iter().filter(|(number, _)| *number < 128);
             self.arguments.push(bits.fold(0, |bits, (number, _)| bits | 1 << number));
         }
     }

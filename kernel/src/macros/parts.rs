@@ -106,8 +106,6 @@ pub(crate) struct Restart {
 /// The course of the program.
 #[derive(Debug, Default)]
 pub(crate) struct Course {
-    /// What the identification macro returned is being evaluated; the macro is not asked again.
-    pub(crate) identifying: bool,
     /// Another file that the shutdown macro continues with.
     pub(crate) restart: Option<Restart>,
     /// The kernel's program macros are over: NEXT is ignored.

@@ -17,7 +17,7 @@ use crate::state::block::Block;
 /// error, with its line.
 pub(super) fn divide(machine: &Machine, source: &Source, range: Range) -> Result<Vec<(u16, Range)>, (u16, u32)> {
     let mut found: Vec<(u16, Range)> = Vec::new();
-    let scanner = Scanner::new(machine, &[]);
+    let scanner = Scanner::new(machine, source.syntax(), &[]);
     let mut block = Block::default();
     for line in source.walk(range.first, range.last) {
         scanner.scan_as(source.line(line), false, &mut block, false);

@@ -15,6 +15,7 @@ use super::heads;
 use super::program::{Called, Callers, Range, Shape};
 use super::source::Source;
 use super::sources::Sources;
+use super::syntax::Syntax;
 use crate::control::Stop;
 use crate::files::Files;
 use crate::job::{Program, Spec};
@@ -27,16 +28,21 @@ use crate::machine::model::{Format, RewindStop, StoredFile};
 const MOST_PARAMETERS: usize = 1000;
 
 /// Assigns the programs of a job. When `stop` is asked for meanwhile, what comes out is of no use.
-pub(crate) fn assign(spec: &Spec, files: &dyn Files, stop: &Stop) -> Result<(Info, Sources), Vec<Finding>> {
+pub(crate) fn assign(
+    spec: &Spec,
+    syntax: &'static Syntax,
+    files: &dyn Files,
+    stop: &Stop,
+) -> Result<(Info, Sources), Vec<Finding>> {
     let mut findings = Vec::new();
     check_options(spec, &mut findings);
-    let (table, sources) = file_table(spec, files, stop, &mut findings);
+    let (table, sources) = file_table(spec, syntax, files, stop, &mut findings);
     if spec.programs.is_empty() {
         findings.push(Finding::error("job", 0, 0, "a job needs at least one program"));
     }
     let mut channels = channels(&spec.machine);
     if findings.is_empty() {
-        let candidates = candidates(spec, (&table, &sources), &mut findings);
+        let candidates = candidates(spec, syntax, (&table, &sources), &mut findings);
         place(spec, candidates, &mut channels, &mut findings);
     }
     if findings.iter().any(|f| f.error) {
@@ -106,10 +112,16 @@ fn text_of(source: &Option<Arc<Source>>) -> Option<Arc<Text>> {
     source.as_ref().map(|source| Arc::clone(source.text()))
 }
 
-fn file_table(spec: &Spec, files: &dyn Files, stop: &Stop, findings: &mut Vec<Finding>) -> (Vec<File>, Sources) {
+fn file_table(
+    spec: &Spec,
+    syntax: &'static Syntax,
+    files: &dyn Files,
+    stop: &Stop,
+    findings: &mut Vec<Finding>,
+) -> (Vec<File>, Sources) {
     let (mut table, mut sources) = (Vec::new(), Sources::default());
     let mut known: FxHashSet<String> = FxHashSet::default();
-    let shape = Arc::new(Shape::of(&spec.machine));
+    let shape = Arc::new(Shape::of(&spec.machine, syntax));
     let shaped = |name: &str, bytes| Arc::new(Source::shaped(name, bytes, Arc::clone(&shape), stop.clone()));
     for program in &spec.programs {
         if stop.asked() || !known.insert(program.file.clone()) {
@@ -161,11 +173,12 @@ impl Candidate<'_> {
 
 fn candidates<'a>(
     spec: &'a Spec,
+    syntax: &Syntax,
     (table, sources): (&[File], &Sources),
     findings: &mut Vec<Finding>,
 ) -> Vec<Candidate<'a>> {
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
-    let callers = Callers::of(&spec.machine);
+    let callers = Callers::of(&spec.machine, syntax);
     // One more than fit is enough to say that there are too many.
     for wish in spec.programs.iter().take(spec.machine.channels.len() + 1) {
         let Some(index) = table.iter().position(|f| f.name == wish.file) else { continue };
@@ -303,12 +316,12 @@ fn mains(source: &Source, callers: &Callers) -> Vec<Range> {
 
 /// The first main program of a file.
 pub(crate) fn first_main(source: &Source, machine: &Machine) -> Option<Range> {
-    mains(source, &Callers::of(machine)).first().copied()
+    mains(source, &Callers::of(machine, source.syntax())).first().copied()
 }
 
 /// Main programs of a file from a line on, in the order of the channels; none in place of one that ends before it.
 pub(crate) fn from_line(source: &Source, line: u32, machine: &Machine) -> Vec<Option<Range>> {
-    let mut ranges = mains(source, &Callers::of(machine));
+    let mut ranges = mains(source, &Callers::of(machine, source.syntax()));
     let first = ranges.first().copied().filter(|_| machine.habits.heads_in_file);
     if let Some(Ok(found)) = first.map(|range| heads::divide(machine, source, range))
         && found.len() > 1

@@ -8,13 +8,13 @@ use rustc_hash::FxHashSet;
 
 use super::source::Source;
 use super::spot;
-use crate::dialect::okuma;
+use super::syntax::{NamedPrograms, PLAIN, Syntax};
 use crate::machine::Machine;
 use crate::machine::ident::codes;
-use crate::machine::model::{CodeForm, Preprocessor};
+use crate::machine::model::CodeForm;
 
 /// One program of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Range {
     /// Number of its definition word.
     pub number: Option<u32>,
@@ -25,14 +25,11 @@ pub struct Range {
 }
 
 /// What tells programs in a text apart, of the machine that reads it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Shape {
+    syntax: &'static Syntax,
     /// Programs may have names in angle brackets.
     names: bool,
-    /// `O` and `:` with a number define programs; elsewhere `:` is the number of a main block.
-    numbers: bool,
-    /// Programs may have names of letters and digits behind O.
-    okuma: bool,
     /// Comments and messages, start and end.
     remarks: Vec<(Vec<u8>, Vec<u8>)>,
     rws: Vec<u8>,
@@ -42,9 +39,8 @@ pub struct Shape {
 impl Default for Shape {
     fn default() -> Self {
         Self {
+            syntax: &PLAIN,
             names: false,
-            numbers: true,
-            okuma: false,
             remarks: vec![(b"(".to_vec(), b")".to_vec())],
             rws: b"%".to_vec(),
             eob: None,
@@ -53,20 +49,25 @@ impl Default for Shape {
 }
 
 impl Shape {
-    /// As a machine reads its programs.
+    /// As a machine reads its programs, with what its pre-processor makes of them.
     #[must_use]
-    pub fn of(machine: &Machine) -> Self {
+    pub fn of(machine: &Machine, syntax: &'static Syntax) -> Self {
         let format = &machine.format;
         let remarks = [&format.comment, &format.message].into_iter().flatten();
         let taken = remarks.clone().any(|(start, _)| start.starts_with('<'));
         Self {
-            names: machine.preprocessor == Preprocessor::Fanuc && !taken,
-            numbers: machine.preprocessor != Preprocessor::Siemens,
-            okuma: machine.preprocessor == Preprocessor::Okuma,
+            syntax,
+            names: syntax.angle_names && !taken,
             remarks: remarks.map(|(start, end)| (start.clone().into(), end.clone().into())).collect(),
             rws: format.rws.clone().into(),
             eob: format.eob.and_then(|eob| u8::try_from(eob).ok()),
         }
+    }
+
+    /// What the pre-processor of the machine makes of text.
+    #[must_use]
+    pub fn syntax(&self) -> &'static Syntax {
+        self.syntax
     }
 
     /// Where the blocks of a line begin.
@@ -82,7 +83,7 @@ impl Shape {
     /// Something stands in a line besides blanks, comments and a rewind-stop.
     pub(super) fn has_text(&self, line: &[u8]) -> bool {
         let blank = |byte: &u8| byte.is_ascii_whitespace() || Some(*byte) == self.eob;
-        let header = self.okuma && okuma::is_header(line);
+        let header = self.syntax.named_programs.is_some_and(|names| (names.is_header)(line));
         !self.is_stop(line) && !header && !self.words(line).iter().all(blank)
     }
 
@@ -106,8 +107,8 @@ impl Shape {
 
     /// The name that a line defines a program by.
     pub(super) fn name<'l>(&self, line: &'l [u8]) -> Option<&'l [u8]> {
-        if self.okuma {
-            return okuma::program_name(line);
+        if let Some(names) = self.syntax.named_programs {
+            return (names.defined)(line);
         }
         let at = line.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'/')).filter(|_| self.names)?;
         line.get(at + 1..program_name(line, at)? - 1)
@@ -128,7 +129,9 @@ pub(super) fn ranges(source: &Source, shape: &Shape) -> Vec<Range> {
     let last = source.lines();
     for line in source.walk(1, last) {
         let text = source.line(line);
-        let number = leading_number(text, b'O').or_else(|| leading_number(text, b':')).filter(|_| shape.numbers);
+        let number = leading_number(text, b'O')
+            .or_else(|| leading_number(text, b':'))
+            .filter(|_| shape.syntax.numbered_programs);
         if number.is_some() || shape.name(text).is_some() {
             if let Some(previous) = found.last_mut() {
                 previous.last = line - 1;
@@ -167,7 +170,7 @@ pub(super) fn leading_number(line: &[u8], letter: u8) -> Option<u32> {
 }
 
 /// The words by which programs of a machine call others and come to their end, seen textually.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub(crate) struct Callers {
     words: Vec<String>,
     /// Words that end a program or return from it.
@@ -176,8 +179,8 @@ pub(crate) struct Callers {
     end_texts: Vec<String>,
     /// First and last number of the programs that single words call.
     numbers: Vec<(u32, u32)>,
-    /// Statements call by name.
-    okuma: bool,
+    /// Statements that call by name.
+    named: Option<NamedPrograms>,
 }
 
 /// Programs that a text calls.
@@ -201,7 +204,7 @@ impl Called {
 
 impl Callers {
     /// Of a machine: words of its code table that call by number, calls of its pre-processor, words that call.
-    pub(crate) fn of(machine: &Machine) -> Self {
+    pub(crate) fn of(machine: &Machine, syntax: &Syntax) -> Self {
         let mut words: Vec<String> = Vec::new();
         for row in machine.codes.iter().filter(|row| row.enable && row.id == codes::CALSUB_ID) {
             match &row.form {
@@ -216,9 +219,7 @@ impl Callers {
                 CodeForm::NotApplicable => {}
             }
         }
-        if machine.preprocessor == Preprocessor::Fanuc {
-            words.extend(["G65", "G66"].map(str::to_owned));
-        }
+        words.extend(syntax.call_words.iter().map(|word| (*word).to_owned()));
         let numbers = machine.subprograms.calls.iter().map(crate::machine::model::WordCall::programs).collect();
         let (mut ends, mut end_texts) = (Vec::new(), Vec::new());
         let closing = [codes::END, codes::REWIND, codes::CALSUB_RETURN];
@@ -232,7 +233,7 @@ impl Callers {
                 CodeForm::NotApplicable => {}
             }
         }
-        Self { words, ends, end_texts, numbers, okuma: machine.preprocessor == Preprocessor::Okuma }
+        Self { words, ends, end_texts, numbers, named: syntax.named_programs }
     }
 
     /// A line of a range ends a program or returns.
@@ -252,7 +253,7 @@ impl Callers {
     pub(super) fn called(&self, source: &Source, range: Range, into: &mut Called) {
         for line in source.walk(range.first, range.last) {
             let text = source.words(line);
-            if let Some(name) = okuma::called(&text).filter(|_| self.okuma) {
+            if let Some(name) = self.named.and_then(|names| (names.called)(&text)) {
                 match name.parse() {
                     Ok(number) => into.numbers.insert(number),
                     Err(_) => into.names.insert(name.to_ascii_uppercase().into()),
@@ -276,7 +277,8 @@ impl Callers {
 
     /// The program says itself that it is a subprogram.
     pub(super) fn returns(&self, source: &Source, range: Range) -> bool {
-        self.okuma && source.walk(range.first, range.last).any(|line| okuma::returns(source.line(line)))
+        self.named
+            .is_some_and(|names| source.walk(range.first, range.last).any(|line| (names.returns)(source.line(line))))
     }
 
     /// A word by itself calls this program.
@@ -296,7 +298,7 @@ mod tests {
 
     fn callers() -> Callers {
         let ends = vec![(b'M', 2), (b'M', 30)];
-        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new(), okuma: false }
+        Callers { words: vec!["M98".to_owned()], ends, end_texts: Vec::new(), numbers: Vec::new(), named: None }
     }
 
     #[test]

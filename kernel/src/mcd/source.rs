@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 
 use super::program::{self, Range, Shape};
 use super::spot::Spot;
+use super::syntax::Syntax;
 use crate::control::Stop;
 
 /// A file of the job.
@@ -32,6 +33,12 @@ impl Source {
     #[must_use]
     pub fn new(name: impl Into<String>, bytes: Bytes) -> Self {
         Self::shaped(name, bytes, Arc::default(), Stop::default())
+    }
+
+    /// What the pre-processor of the machine makes of it.
+    #[must_use]
+    pub fn syntax(&self) -> &'static Syntax {
+        self.shape.syntax()
     }
 
     /// A file as a machine tells its programs apart. When `stop` is asked for, what is

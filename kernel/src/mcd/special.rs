@@ -101,7 +101,7 @@ impl Early {
     }
 
     /// A special register with a variable or an expression in place of its number stands at a place.
-    pub(crate) fn opens_macro(&self, line: &[u8], at: usize) -> bool {
+    pub(crate) fn opens_statement(&self, line: &[u8], at: usize) -> bool {
         let Some(&byte) = line.get(at) else { return false };
         self.may_start(byte)
             && self

@@ -3,21 +3,11 @@
 //! The thread that runs the job is the master kernel (#0): it starts the kernels, one thread each, brings their streams
 //! together (as one ordered log, or only as results) and closes the job. Facts: reference control-emulator.md 2.1, 2.4, 8.
 
-pub(crate) mod coordinator;
-pub(crate) mod feed;
-pub(crate) mod files;
 mod master;
-pub(crate) mod merge;
 mod one_thread;
-pub(crate) mod order;
-mod primitives;
-pub(crate) mod ranks;
 mod rounds;
-pub(crate) mod shared;
-pub(crate) mod tag;
-pub(crate) mod verdict;
-pub(crate) mod waits;
 
+pub(crate) use counterpoint_sync::{coordinator, feed, files, merge, order, ranks, shared, tag, verdict, waits};
 use std::sync::OnceLock;
 
 use coordinator::Coordinator;

@@ -4,8 +4,8 @@
 
 use crate::channel::Kernel;
 use crate::channel::hook_points::Origin;
-use crate::channel::modal_call::END_CALLS;
 use crate::diag;
+use crate::dialect::MacroCall;
 use crate::machine::ident::{self, CodeId, DataId};
 use crate::machine::model::{CodeForm, CodeRow, Modality};
 use crate::machine::number::written;
@@ -54,7 +54,7 @@ impl Kernel<'_> {
     pub(crate) fn categorise(&mut self) -> bool {
         let machine = self.channel.env.machine;
         let mut conditional = false;
-        let mut call = self.plan.word_calls.is_some() && self.calls_by_word();
+        let mut call = self.plan.code_calls.is_some() && self.calls_by_code();
         for position in 0..self.channel.block.words.len() {
             let Some(word) = self.channel.block.words.get(position) else { break };
             if self.plan.registers.only_data & 1 << word.register != 0 {
@@ -64,10 +64,13 @@ impl Kernel<'_> {
             let word = *word;
             let candidates = machine.tables.code(word.register, word.value);
             match candidates.first().and_then(|&row| machine.codes.get(usize::from(row)).map(|r| (row, r))) {
-                None if Some(word.register) == self.plan.registers.g && self.calls_by(word.value) => {
-                    call |= word.value != END_CALLS;
-                    self.use_word(position);
-                }
+                None if Some(word.register) == self.plan.registers.g => match self.macro_call_of(word.value) {
+                    Some(how) => {
+                        call |= how != MacroCall::End;
+                        self.use_word(position);
+                    }
+                    None => self.data_word(position),
+                },
                 None => self.data_word(position),
                 Some((index, row)) if row.with.is_empty() && row.without.is_empty() => {
                     self.use_word(position);

@@ -35,8 +35,6 @@ impl Kernel<'_> {
         if let Some(frame) = self.frame() {
             frame.range.last = next.last;
         }
-        // Partners of loops were looked for in the shorter text.
-        self.flow.lines.pairs.remove(&(file, range.first));
         if self.first_time(file, next.first) {
             let text =
                 format!("the text of {name} has no end code and goes on with the definition in line {}", next.first);
@@ -69,7 +67,8 @@ impl Kernel<'_> {
         let runs = |(first, last): (u32, u32)| (first..=last).contains(&heading.first);
         let mut channels = info.channels.iter().filter(|c| !c.program.is_empty() && c.file == file).peekable();
         // In a file of main programs it is one of them if it comes to an end, whether a channel runs it or not.
-        let is_main = channels.peek().is_some() && Callers::of(self.channel.env.machine).ends_in(source, *heading);
+        let is_main = channels.peek().is_some()
+            && Callers::of(self.channel.env.machine, source.syntax()).ends_in(source, *heading);
         let is_run = is_main || channels.any(|c| runs(c.lines));
         if !is_run && !runs((called.first, called.last)) {
             self.tell_unowned(file, source, (heading.first, heading.last));

@@ -3,9 +3,10 @@
 //! Facts: reference control-emulator.md 5.7. *Invariant:* nesting is bounded; a backward jump is always counted.
 
 use crate::channel::Kernel;
+use crate::channel::custom_macro::By;
 use crate::channel::flow::{Callee, Frame, Pending};
-use crate::channel::word_calls::By;
 use crate::diag;
+use crate::dialect;
 use crate::log::event::{Call, Kind, Return};
 use crate::machine::model::MainReturn;
 use crate::mcd::spot::Spot;
@@ -29,7 +30,7 @@ impl Kernel<'_> {
     fn follow_up(&mut self) -> Acted {
         if self.flow.pending.is_none() {
             if self.flow.modal_text && std::mem::take(&mut self.channel.block.flags.moved) {
-                self.with_interpreter(|interpreter, kernel| interpreter.moved(kernel));
+                self.with_interpreter(|interpreter, kernel| interpreter.on_move(kernel));
             }
             self.call_modally();
         }
@@ -174,10 +175,10 @@ impl Kernel<'_> {
     pub(crate) fn enter(&mut self, frame: Frame) {
         let level = self.flow.frames.len() as u16;
         self.emit(0, Kind::Call(Call { program: frame.name.clone(), level }));
-        self.flow.lines.caching = true;
+        self.flow.repeats = true;
         self.flow.pass.effects = true;
         self.flow.frames.push(frame);
-        self.interpreter_entered();
+        self.interpreter_call();
     }
 
     /// Return of a subprogram, or of the main program.
@@ -191,8 +192,9 @@ impl Kernel<'_> {
             frame.repeats -= 1;
             let (first, last) = (frame.range.first, frame.range.last);
             (frame.next, frame.offset) = (first, 0);
-            self.flow.loops.retain(|(level, _)| *level < self.flow.frames.len());
-            self.interpreter_again();
+            let level = self.flow.level();
+            self.flow.loops.restart(level);
+            self.interpreter_repeat();
             self.end_pass(first, last)?;
             return self.plan.hooks.map_or(Ok(()), |hooks| (hooks.program.next_pass)(self));
         }
@@ -200,8 +202,9 @@ impl Kernel<'_> {
             if frame.own_variables {
                 self.dialect.variables.leave();
             }
-            self.interpreter_left();
-            self.flow.loops.retain(|(level, _)| *level <= self.flow.frames.len());
+            self.interpreter_return();
+            let level = self.flow.level();
+            self.flow.loops.return_to(level);
             let level = self.flow.frames.len() as u16;
             self.emit(0, Kind::Return(Return { level }));
             if let Some(hooks) = self.plan.hooks {
@@ -221,7 +224,7 @@ impl Kernel<'_> {
         match self.channel.env.machine.subprograms.main_return {
             MainReturn::Restart => {
                 let first = self.frame().map_or(1, |f| f.range.first);
-                self.flow.loops.clear();
+                self.flow.loops = dialect::Loops::default();
                 self.jump_to_line(first)
             }
             MainReturn::End => {
@@ -234,27 +237,29 @@ impl Kernel<'_> {
         }
     }
 
-    /// Goes on at the first line with this sequence number: from here on, else from the top of the program.
+    /// Jumps to a sequence number.
     pub(crate) fn jump_to_sequence(&mut self, number: u32) -> Acted {
-        let sources = self.channel.env.sources;
-        let Some((file, range, next)) = self.frame().map(|f| (f.file, f.range, f.next_block())) else { return Ok(()) };
-        let blocks = sources.get(file).map_or(&[][..], |s| s.sequences(number));
-        // They are in ascending order.
-        let first_from = |from: Spot| {
-            let from = from.max(Spot::line(range.first));
-            blocks.get(blocks.partition_point(|block| *block < from)).copied().filter(|block| block.line <= range.last)
-        };
-        let found = first_from(next).or_else(|| first_from(Spot::line(range.first)));
-        match found {
-            Some(block) => {
-                self.leave_loops(block);
-                self.jump_to(block)
-            }
-            None => {
-                let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
-                Err(self.alarm(&diag::JUMP_TARGET, text))
-            }
+        if self.flow.frames.is_empty() {
+            return Ok(());
         }
+        let block = self.find_sequence(number)?;
+        self.interpreter_jump(block);
+        self.jump_to(block)
+    }
+
+    /// The block with a sequence number: searches forward first, then from the top of the program.
+    pub(crate) fn find_sequence(&mut self, number: u32) -> Result<Spot, Halt> {
+        let sources = self.channel.env.sources;
+        let frame = self.frame().map(|frame| (frame.file, frame.range, frame.next_block()));
+        let found = frame.and_then(|(file, range, next)| {
+            let blocks = sources.get(file).map_or(&[][..], |source| source.sequences(number));
+            let last = Spot { line: range.last, offset: u32::MAX };
+            dialect::next_or_first(blocks, next, Spot::line(range.first), last)
+        });
+        found.ok_or_else(|| {
+            let text = format!("there is no block N{number} in the program to go to from '{}'", self.block_text());
+            self.alarm(&diag::JUMP_TARGET, text)
+        })
     }
 
     /// Goes on at a line of the current program; a jump back ends a pass of a loop.

@@ -44,7 +44,7 @@ impl Kernel<'_> {
                 }
                 self.words()
             }
-            Split::Macro => self.statement_block(text),
+            Split::Statement => self.statement_block(text),
         }
     }
 

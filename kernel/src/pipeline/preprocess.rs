@@ -14,7 +14,7 @@ impl Kernel<'_> {
         if let Some(hooks) = hooks {
             (hooks.block.statement)(self, text)?;
         }
-        self.macro_line(text)?;
+        self.statement_line(text)?;
         hooks.map_or(Ok(()), |hooks| (hooks.block.consumed)(self))
     }
 

@@ -169,8 +169,11 @@ impl Kernel<'_> {
         if self.channel.env.sources.is_known(file) {
             return Ok(());
         }
-        let (name, shape, stop) =
-            (entry.name.clone(), Arc::new(Shape::of(self.channel.env.machine)), self.ports.control.stop().clone());
+        let (name, shape, stop) = (
+            entry.name.clone(),
+            Arc::new(Shape::of(self.channel.env.machine, self.plan.scanner.syntax())),
+            self.ports.control.stop().clone(),
+        );
         let (source, failure) = match self.channel.env.files.read(&name) {
             Ok(bytes) => (Some(Arc::new(Source::shaped(name, bytes, shape, stop))), None),
             Err(error) => (None, Some(error)),

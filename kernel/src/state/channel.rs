@@ -91,8 +91,6 @@ impl At {
 pub(crate) struct BlockText {
     /// The text, when it is not the line as it stands in the file.
     pub(crate) edited: Option<Arc<[u8]>>,
-    /// Bytes of the line without comments, for the pre-processor.
-    pub(crate) stripped: Vec<u8>,
     /// Rules of the tape editor that are on, and the memory of their searches.
     pub(crate) tape: (tape::Rules, counterpoint_lang::pattern::Memory),
 }

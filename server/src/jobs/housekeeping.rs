@@ -97,18 +97,21 @@ fn remove_expired(core: &Core, keep: &Keep) {
 
 /// Removes blobs that no row needs and nobody has asked for during the grace time.
 fn collect_blobs(core: &Core, grace: Duration) {
-    let mut removed = 0;
-    for group in core.blobs.older_than(grace) {
-        let blobs = core.blobs.clone();
-        match core.ledger.collect_blocking(group, Box::new(move |digest| blobs.remove_older(digest, grace))) {
-            Ok(count) => removed += count,
-            Err(error) => {
-                tracing::debug!(%error, "the collection of blobs is tried again later");
-                return;
+    let collect = || {
+        let mut removed = 0;
+        for tenant in core.blobs.tenants()? {
+            let own = core.blobs.of(&tenant);
+            for group in own.older_than(grace) {
+                let blobs = own.clone();
+                let remove = Box::new(move |digest: &str| blobs.remove_older(digest, grace));
+                removed += core.ledger.collect_blocking(&tenant, group, remove)?;
             }
         }
-    }
-    if removed > 0 {
-        tracing::info!(removed, "blobs that nothing needs have been removed");
+        Ok::<_, Refusal>(removed)
+    };
+    match collect() {
+        Ok(0) => {}
+        Ok(removed) => tracing::info!(removed, "blobs that nothing needs have been removed"),
+        Err(error) => tracing::debug!(%error, "the collection of blobs is tried again later"),
     }
 }

@@ -96,6 +96,11 @@ impl Live {
         record.clone()
     }
 
+    /// Looks at the record without a copy.
+    pub(super) fn peek(&self, look: impl FnOnce(&Record)) {
+        look(&lock(&self.record));
+    }
+
     pub(crate) fn run(&self) -> Option<Arc<Run>> {
         lock(&self.run).clone()
     }

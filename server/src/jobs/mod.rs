@@ -8,10 +8,12 @@ pub(crate) mod describe;
 mod files;
 mod housekeeping;
 pub(crate) mod live;
+mod observe;
 pub(crate) mod operator;
 pub(crate) mod progress;
 mod recent;
 mod sink;
+pub(crate) mod streams;
 mod system;
 pub(crate) mod worker;
 
@@ -31,20 +33,26 @@ use crate::ledger::{Ledger, Submitted, recovered};
 use crate::log::Logs;
 use crate::log::kept::Kept;
 use crate::machines::{Machines, is_shipped};
+use crate::metrics::Metrics;
 use crate::net::Places;
 use crate::options::Options;
+use crate::pace::Pace;
 use crate::queue::{Entry, Queue};
 use crate::reason::Refusal;
 use crate::runner::Runner;
 pub(crate) use files::Sandbox;
 use live::{Live, lock};
 use recent::Recent;
+use streams::Streams;
 
 /// Between two looks at jobs that wait for the disk, the ledger or their time.
 const TICK: Duration = Duration::from_millis(50);
 /// First and longest pause before a job is run again after the host has failed its run.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// Lines about jobs that are accepted.
+static ACCEPTED: Pace = Pace::new();
 
 /// What a server keeps its jobs in.
 #[derive(Debug)]
@@ -74,6 +82,8 @@ pub(crate) struct Core {
     pub(crate) ledger: Arc<dyn Ledger>,
     pub(crate) runner: Box<dyn Runner>,
     pub(crate) drain: Drain,
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) streams: Arc<Streams>,
     live: DashMap<String, Arc<Live>>,
     queue: Mutex<Waiting>,
     recent: Mutex<Recent>,
@@ -90,7 +100,7 @@ impl std::fmt::Debug for Core {
 }
 
 impl Core {
-    pub(crate) fn new(options: Options, runner: Box<dyn Runner>, seams: Seams) -> Arc<Self> {
+    pub(crate) fn new(options: Options, runner: Box<dyn Runner>, seams: Seams, metrics: Arc<Metrics>) -> Arc<Self> {
         let Seams { ledger, queue, logs, blobs, host } = seams;
         let limits = &options.connections;
         let uploads = Arc::new(Places::new(limits.max_uploads, limits.max_uploads_per_connection));
@@ -102,6 +112,8 @@ impl Core {
             blobs,
             runner,
             drain: Drain::new(),
+            metrics,
+            streams: Arc::default(),
             live: DashMap::new(),
             queue: Mutex::new(Waiting { jobs: queue, reserved: 0 }),
             recent: Mutex::default(),
@@ -166,7 +178,7 @@ impl Core {
 
     /// Accepts a job; the answer says whether it was known.
     pub(crate) async fn submit(self: &Arc<Self>, record: Record) -> Result<(Record, bool), Refusal> {
-        if let Some(known) = self.ledger.by_request(&record.request_id)? {
+        if let Some(known) = self.ledger.by_request(&record.tenant, &record.request_id)? {
             return if known.content == record.content {
                 Ok((self.current(known), true))
             } else {
@@ -184,14 +196,18 @@ impl Core {
         };
         let blobs = self.blobs.clone();
         let check = move |record: &Record| {
-            blobs.require(&mut record.files.iter().map(|(_, digest)| digest).chain(record.machine.files.values()))
+            blobs.of(&record.tenant).require(&mut record.files.iter().map(|(_, digest)| digest))?;
+            blobs.of(&record.machine.tenant).require(&mut record.machine.files.values())
         };
         let submitted = self.ledger.submit(record, Box::new(check), Box::new(accepted)).await?;
         drop(place);
         match submitted {
             Submitted::Known(known) => Ok((self.current(*known), true)),
             Submitted::New(record) => {
-                tracing::info!(job = record.id, machine = record.machine_name, "accepted");
+                self.metrics.jobs.accepted.inc();
+                if let Some(left_out) = ACCEPTED.pass() {
+                    tracing::info!(job = record.id, machine = record.machine_name, left_out, "accepted");
+                }
                 self.pump();
                 Ok((*record, false))
             }
@@ -321,6 +337,12 @@ impl Core {
         self.ledger.job(id)?.ok_or_else(|| Refusal::UnknownJob(id.to_owned()))
     }
 
+    /// A job of a tenant; those of others are not there for it.
+    pub(crate) fn job_of(&self, tenant: &str, id: &str) -> Result<Record, Refusal> {
+        let record = self.job(id)?;
+        if record.tenant == tenant { Ok(record) } else { Err(Refusal::UnknownJob(id.to_owned())) }
+    }
+
     /// Jobs before this one in the queue.
     pub(crate) fn queued_before(&self, id: &str) -> usize {
         lock(&self.queue).jobs.before(id)
@@ -342,6 +364,7 @@ impl Core {
                 return Err(refusal);
             }
             live.change(|record| record.clone_from(&ended));
+            self.metrics.ended("CANCELLED");
             self.live.remove(id);
             return Ok(ended);
         }

@@ -7,12 +7,14 @@ use std::io;
 use counterpoint_kernel::job::{Sink, WrittenFiles};
 use counterpoint_kernel::log::event::Event;
 use counterpoint_kernel::log::fold::Folds;
+use prometheus_client::metrics::counter::Counter;
 
 use super::live::Live;
 
 /// What a run leaves behind.
 pub(crate) struct JobSink<'a> {
     live: &'a Live,
+    events: &'a Counter,
     logged: bool,
     pub(crate) folds: Folds,
     pub(crate) files: WrittenFiles,
@@ -23,8 +25,8 @@ pub(crate) struct JobSink<'a> {
 
 impl<'a> JobSink<'a> {
     /// `logged`: the live job has a log.
-    pub(crate) fn new(live: &'a Live, logged: bool, folds: Folds) -> Self {
-        Self { live, logged, folds, files: WrittenFiles::new(), dropped: false, error: None }
+    pub(crate) fn new(live: &'a Live, events: &'a Counter, logged: bool, folds: Folds) -> Self {
+        Self { live, events, logged, folds, files: WrittenFiles::new(), dropped: false, error: None }
     }
 }
 
@@ -46,6 +48,7 @@ impl Sink for JobSink<'_> {
             self.error = Some(error);
             return false;
         }
+        self.events.inc_by(batch.len() as u64);
         batch.iter().for_each(|event| self.folds.event(event));
         true
     }

@@ -50,6 +50,7 @@ impl Shell {
         std::fs::create_dir_all(&folder)?;
         let output = std::fs::File::create(&said)?;
         let mut shell = shell(&with_storage(call.command, &storage));
+        clear_environment(&mut shell, &root);
         shell.current_dir(&folder).stdin(Stdio::null()).stderr(output.try_clone()?).stdout(output);
         let mut command = CommandWrap::from(shell);
         #[cfg(unix)]
@@ -95,6 +96,19 @@ impl System for Shell {
             ..Answer::default()
         })
     }
+}
+
+/// Gives a command what it needs to find programs, and nothing of the server's environment.
+fn clear_environment(command: &mut Command, root: &Path) {
+    command.env_clear();
+    #[cfg(not(windows))]
+    command.env("PATH", "/usr/local/bin:/usr/bin:/bin").env("HOME", root).env("TMPDIR", root);
+    #[cfg(windows)]
+    for name in ["PATH", "PATHEXT", "SystemRoot", "ComSpec"] {
+        command.envs(std::env::var_os(name).map(|value| (name, value)));
+    }
+    #[cfg(windows)]
+    command.env("TEMP", root).env("TMP", root);
 }
 
 #[cfg(not(windows))]
@@ -213,6 +227,14 @@ mod tests {
         let answer = run("//ICAMFS/tool.sh 7; ln -s /etc/passwd link; echo oops >&2", 30);
         assert_eq!((answer.status, answer.output.as_str()), (0, "stored 7\noops\n"));
         assert_eq!((answer.written, answer.removed), (vec![], vec![]));
+    }
+
+    #[test]
+    fn a_command_sees_nothing_of_the_servers_environment() {
+        let answer = run("env", 30);
+        let names: Vec<&str> = answer.output.lines().filter_map(|line| Some(line.split_once('=')?.0)).collect();
+        let allowed = ["HOME", "PATH", "PWD", "OLDPWD", "SHLVL", "TMPDIR", "_"];
+        assert!(names.contains(&"PATH") && names.iter().all(|name| allowed.contains(name)), "{names:?}");
     }
 
     #[test]

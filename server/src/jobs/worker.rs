@@ -8,11 +8,13 @@ use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use counterpoint_kernel::control::{Control, Stop};
 use counterpoint_kernel::job::Outcome;
+use counterpoint_kernel::log::event::VerdictKind;
 use counterpoint_kernel::log::fold::Folds;
 use counterpoint_kernel::log::summary;
 use counterpoint_kernel::machine::finding::Finding;
@@ -27,9 +29,14 @@ use super::system::Shell;
 use crate::ledger::record::{Record, State, now_ms};
 use crate::log::Logs;
 use crate::log::writer::{Small, Writer};
+use crate::pace::Pace;
 use crate::reason::Refusal;
 use crate::results::{Document, Finished};
 use crate::runner::{Prepared, Task};
+
+/// Lines about runs and jobs that end.
+static ENDED: Pace = Pace::new();
+static FAILED_BY_HOST: Pace = Pace::new();
 
 /// Starts the worker thread of a job.
 pub(super) fn start(core: Arc<Core>, live: Arc<Live>) {
@@ -106,7 +113,10 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
 /// Drops a run that the host has failed and lets the job wait for another. Nothing has to be durable for that: the
 /// ledger holds the job as queued all the time.
 fn again(core: &Arc<Core>, live: Arc<Live>, trouble: String) {
-    tracing::warn!(trouble, "the host has failed the run; the job waits for another");
+    core.metrics.jobs.failed_by_host.inc();
+    if let Some(left_out) = FAILED_BY_HOST.pass() {
+        tracing::warn!(trouble, left_out, "the host has failed the run; the job waits for another");
+    }
     live.forget_run();
     if let Err(error) = core.logs.remove_log(&live.id) {
         tracing::warn!(%error, "the unfinished log stays until the next run");
@@ -142,13 +152,31 @@ fn end(core: &Arc<Core>, live: &Live, change: Change, log: Option<Small>) {
         }
         std::thread::sleep(LOOK);
     }
-    tracing::info!(state = ?record.state, events = record.events, error = record.error, "ended");
+    if let Some(left_out) = ENDED.pass() {
+        tracing::info!(state = ?record.state, events = record.events, error = record.error, left_out, "ended");
+    }
+    count(core, &record);
     core.host.unmark(&live.id);
     if let Some(log) = log.filter(|_| record.state.ended()) {
         live.tail.set(log.bytes.len() as u64, log.last_seq);
     }
     live.change(|now| *now = Record { cancel: now.cancel, ..record });
     core.free(live);
+}
+
+/// Counts the end of a job.
+fn count(core: &Core, record: &Record) {
+    core.metrics.ended(match record.state {
+        State::Queued | State::Running => return,
+        State::Succeeded => "SUCCEEDED",
+        State::Failed => "FAILED",
+        State::Cancelled => "CANCELLED",
+    });
+    for limit in ["wall_ms", "max_job_bytes"] {
+        if record.runs.limit.ends_with(limit) {
+            core.metrics.limit(limit);
+        }
+    }
 }
 
 /// What a run leaves to be stored.
@@ -183,7 +211,7 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
     if live.cancelled() {
         stop.ask();
     }
-    let files = Sandbox::new(core.blobs.clone(), &record.files);
+    let files = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
     let prepared = prepare(core, &record, &files, &stop)?;
     files.trouble()?;
     let prepared = match prepared {
@@ -199,8 +227,9 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         live.desk.set_patience(Duration::from_secs(core.options.operator_wait_s));
         control = control.with_operator(live.desk.clone());
     }
-    if core.options.allow_system {
-        control = control.with_system(Arc::new(Shell::new(core.host.scratch(), core.options.system_wait_s)));
+    if core.options.system.allow_system && record.machine.trusted {
+        let shell = Shell::new(core.host.scratch(), core.options.system.system_wait_s);
+        control = control.with_system(Arc::new(shell));
     }
     let control = Arc::new(control);
     live.prepared(Run { info: info.clone(), control: control.clone() });
@@ -208,10 +237,12 @@ fn run(core: &Core, live: &Live) -> Result<Ran, Refusal> {
         let head = description(&info).encode_to_vec();
         live.begin_log(Writer::new(core.logs.begin(&live.id)?, live.tail.clone(), &info, &head));
     }
-    let mut sink = JobSink::new(live, core.options.log, Folds::new(&info));
+    let mut sink = JobSink::new(live, &core.metrics.jobs.events, core.options.log, Folds::new(&info));
     let outcome = prepared.run(&files, &control, &mut sink);
     let JobSink { folds, files: written, dropped, error, .. } = sink;
     let writer = live.end_log();
+    let blocks = control.progress().iter().map(|progress| progress.blocks.load(Ordering::Relaxed)).sum();
+    core.metrics.jobs.blocks.inc_by(blocks);
     if let Some(error) = error {
         return Err(Refusal::Storage(format!("the event log cannot be kept: {error}")));
     }
@@ -238,6 +269,10 @@ impl Through {
         let (finished, stored_bytes) = keep(core, live, finished, bytes)?;
         if log.is_none() && core.options.log || has_files {
             core.logs.sync(&live.id)?;
+        }
+        let verdict = finished.results.summary.verdict.as_ref();
+        if limit.is_empty() && verdict.is_some_and(|verdict| verdict.kind == VerdictKind::Limit) {
+            core.metrics.limit("job");
         }
         let change: Change = Box::new(move |record| {
             let summary = &finished.results.summary;

@@ -93,8 +93,8 @@ pub(crate) trait Ledger: Send + Sync + Debug {
     /// Whether there is a row of a job, readable or not.
     fn knows(&self, id: &str) -> Result<bool, Refusal>;
 
-    /// The job accepted under a request id.
-    fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal>;
+    /// The job of a tenant that was accepted under a request id.
+    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal>;
 
     /// Up to `count` jobs after the job `after`, in order of submission, that `wanted` takes.
     fn jobs(&self, after: &str, count: usize, wanted: &dyn Fn(&Record) -> bool) -> Result<Vec<Record>, Refusal>;
@@ -104,18 +104,20 @@ pub(crate) trait Ledger: Send + Sync + Debug {
         self.jobs("", usize::MAX, &|record| !record.state.ended())
     }
 
-    /// Stores a machine under its name and its revision.
+    /// Stores a machine of a tenant under its name and its revision. One that is trusted is replaced by another such
+    /// only.
     async fn put_machine(&self, definition: Definition, check: Check<Definition>) -> Result<(), Refusal>;
 
-    /// A machine by `name` or `name@revision`.
-    fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal>;
+    /// A machine of a tenant by `name` or `name@revision`.
+    fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal>;
 
-    /// All machines put there, newest revision each, by name.
-    fn machines(&self) -> Result<Vec<Definition>, Refusal>;
+    /// All machines of a tenant, newest revision each, by name.
+    fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal>;
 
-    /// Calls `remove` for those of the blobs that no row needs; meanwhile no row can begin to need one.
+    /// Calls `remove` for those of the blobs of a tenant that no row needs; meanwhile no row can begin to need one.
     fn collect_blocking(
         &self,
+        tenant: &str,
         digests: Vec<String>,
         remove: Box<dyn Fn(&str) -> bool + Send>,
     ) -> Result<usize, Refusal>;

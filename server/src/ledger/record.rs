@@ -10,6 +10,7 @@ use counterpoint_kernel::options::Options;
 use serde::{Deserialize, Serialize};
 
 use crate::machines::Definition;
+use crate::tenant;
 
 /// State of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,6 +90,9 @@ pub struct Runs {
 pub struct Record {
     /// Identity, ascending in order of submission.
     pub id: String,
+    /// Tenant that it belongs to.
+    #[serde(default = "tenant::default", skip_serializing_if = "tenant::is_default")]
+    pub tenant: String,
     /// Identity given by the client.
     pub request_id: String,
     /// Digest of what was submitted, without the request id.
@@ -147,6 +151,7 @@ pub(crate) mod tests {
     pub(crate) fn record(id: &str) -> Record {
         Record {
             id: id.to_owned(),
+            tenant: tenant::default(),
             request_id: id.to_owned(),
             content: String::new(),
             machine_name: String::new(),

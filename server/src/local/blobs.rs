@@ -15,6 +15,7 @@ use super::disk::Temporary;
 use super::store::Store;
 use crate::blobs::{self, Blobs, hex, is_digest};
 use crate::reason::Refusal;
+use crate::tenant;
 
 /// Most bytes that are set aside for an announced size before they come.
 const RESERVE: usize = 64 << 20;
@@ -28,6 +29,7 @@ const GROUP: usize = 64;
 #[derive(Debug, Clone)]
 pub(crate) struct LocalBlobs {
     place: Place,
+    tenant: String,
     max: u64,
 }
 
@@ -40,19 +42,29 @@ enum Place {
 
 impl LocalBlobs {
     pub(crate) fn new(store: Store, max: u64) -> Self {
-        Self { place: Place::Files(store), max }
+        Self { place: Place::Files(store), tenant: tenant::default(), max }
     }
 
     /// Blobs that go with the server.
     pub(crate) fn in_memory(max: u64) -> Self {
-        Self { place: Place::Memory(Arc::default()), max }
+        Self { place: Place::Memory(Arc::default()), tenant: tenant::default(), max }
+    }
+
+    /// Those of a tenant.
+    pub(crate) fn of_tenant(&self, tenant: &str) -> Self {
+        Self { tenant: tenant.to_owned(), ..self.clone() }
+    }
+
+    /// Name of a blob in memory.
+    fn key(&self, digest: &str) -> String {
+        tenant::key(&self.tenant, digest)
     }
 
     /// Whether the content of a blob is what its name says; nothing is done if not.
     pub(crate) fn has_its_digest(&self, digest: &str) -> io::Result<bool> {
         let Place::Files(store) = &self.place else { return Ok(true) };
         let mut hash = Sha256::new();
-        io::copy(&mut store.disk().open(&store.blob(digest))?, &mut hash)?;
+        io::copy(&mut store.disk().open(&store.blob(&self.tenant, digest))?, &mut hash)?;
         Ok(hex(&hash.finalize()) == digest)
     }
 
@@ -60,7 +72,7 @@ impl LocalBlobs {
     fn age(&self, digest: &str) -> Option<Duration> {
         match &self.place {
             Place::Files(store) if is_digest(digest) => {
-                fs::metadata(store.blob(digest)).ok()?.modified().ok()?.elapsed().ok()
+                fs::metadata(store.blob(&self.tenant, digest)).ok()?.modified().ok()?.elapsed().ok()
             }
             _ => None,
         }
@@ -69,7 +81,7 @@ impl LocalBlobs {
     /// Puts a blob with other content than its name says out of the way, so that it can be uploaded again.
     fn damaged(&self, digest: &str) -> io::Error {
         if let Place::Files(store) = &self.place {
-            let path = store.blob(digest);
+            let path = store.blob(&self.tenant, digest);
             let moved = fs::rename(&path, path.with_extension("damaged"));
             tracing::error!(digest, ?moved, "the content of a blob has changed on the disk");
         }
@@ -80,10 +92,21 @@ impl LocalBlobs {
 }
 
 impl Blobs for LocalBlobs {
+    fn of(&self, tenant: &str) -> Arc<dyn Blobs> {
+        Arc::new(self.of_tenant(tenant))
+    }
+
+    fn tenants(&self) -> io::Result<Vec<String>> {
+        match &self.place {
+            Place::Files(store) => store.tenants(),
+            Place::Memory(_) => Ok(vec![tenant::default()]),
+        }
+    }
+
     fn has(&self, digest: &str) -> bool {
         match &self.place {
-            Place::Files(store) => is_digest(digest) && store.blob(digest).is_file(),
-            Place::Memory(blobs) => blobs.contains_key(digest),
+            Place::Files(store) => is_digest(digest) && store.blob(&self.tenant, digest).is_file(),
+            Place::Memory(blobs) => blobs.contains_key(&self.key(digest)),
         }
     }
 
@@ -92,7 +115,7 @@ impl Blobs for LocalBlobs {
             && self.age(digest).is_some_and(|age| age > FRESH)
         {
             // Not being able to is fine: then the blob may be collected, and the client is asked for it again.
-            let file = fs::File::options().append(true).open(store.blob(digest));
+            let file = fs::File::options().append(true).open(store.blob(&self.tenant, digest));
             let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
         }
         self.has(digest)
@@ -101,7 +124,7 @@ impl Blobs for LocalBlobs {
     fn older_than(&self, grace: Duration) -> Box<dyn Iterator<Item = Vec<String>> + '_> {
         Box::new((0..=255u8).flat_map(move |first| {
             let names = match &self.place {
-                Place::Files(store) => store.blobs(&hex(&[first])).unwrap_or_default(),
+                Place::Files(store) => store.blobs(&self.tenant, &hex(&[first])).unwrap_or_default(),
                 Place::Memory(_) => Vec::new(),
             };
             let old: Vec<_> = names.into_iter().filter(|name| self.age(name).is_some_and(|age| age >= grace)).collect();
@@ -111,27 +134,27 @@ impl Blobs for LocalBlobs {
 
     fn remove_older(&self, digest: &str, grace: Duration) -> bool {
         let Place::Files(store) = &self.place else { return false };
-        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(digest)).is_ok()
+        self.age(digest).is_some_and(|age| age >= grace) && fs::remove_file(store.blob(&self.tenant, digest)).is_ok()
     }
 
     fn read(&self, digest: &str) -> io::Result<Bytes> {
         match &self.place {
-            Place::Files(store) => match store.disk().read(&store.blob(digest)) {
+            Place::Files(store) => match store.disk().read(&store.blob(&self.tenant, digest)) {
                 Ok(content) if blobs::digest(&content) == digest => Ok(content.into()),
                 Ok(_) => Err(self.damaged(digest)),
                 Err(error) if error.kind() == io::ErrorKind::NotFound => Err(gone(digest)),
                 other => other.map(Bytes::from),
             },
             Place::Memory(blobs) => {
-                blobs.get(digest).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
+                blobs.get(&self.key(digest)).map(|blob| blob.clone()).ok_or_else(|| io::ErrorKind::NotFound.into())
             }
         }
     }
 
     fn size(&self, digest: &str) -> u64 {
         match &self.place {
-            Place::Files(store) => fs::metadata(store.blob(digest)).map_or(0, |meta| meta.len()),
-            Place::Memory(blobs) => blobs.get(digest).map_or(0, |blob| blob.len() as u64),
+            Place::Files(store) => fs::metadata(store.blob(&self.tenant, digest)).map_or(0, |meta| meta.len()),
+            Place::Memory(blobs) => blobs.get(&self.key(digest)).map_or(0, |blob| blob.len() as u64),
         }
     }
 
@@ -141,7 +164,7 @@ impl Blobs for LocalBlobs {
         }
         Ok(match &self.place {
             Place::Files(store) => {
-                let file = store.disk().open(&store.blob(digest))?;
+                let file = store.disk().open(&store.blob(&self.tenant, digest))?;
                 Box::new(Checked { blobs: self.clone(), name: digest.to_owned(), file, hash: Sha256::new() })
             }
             Place::Memory(_) => Box::new(io::Cursor::new(self.read(digest)?)),
@@ -234,9 +257,11 @@ impl blobs::Receiver for Receiver {
         }
         match (self.content, &self.blobs.place) {
             (Content::File(file), Place::Files(store)) if !self.blobs.offers(&actual) => {
-                store.keep(file, &store.blob(&actual))?
+                store.keep(file, &store.blob(&self.blobs.tenant, &actual))?
             }
-            (Content::Memory(content), Place::Memory(blobs)) => drop(blobs.insert(actual, content.into())),
+            (Content::Memory(content), Place::Memory(blobs)) => {
+                drop(blobs.insert(self.blobs.key(&actual), content.into()))
+            }
             _ => {}
         }
         Ok(self.size)

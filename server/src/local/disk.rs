@@ -7,6 +7,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use prometheus_client::metrics::counter::Counter;
+
 /// What is about to happen to a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
@@ -41,7 +43,11 @@ pub trait Faults: Send + Sync {
 
 /// The disk.
 #[derive(Clone, Default)]
-pub struct Disk(Option<Arc<dyn Faults>>);
+pub struct Disk {
+    faults: Option<Arc<dyn Faults>>,
+    /// Counts what is made durable.
+    syncs: Counter,
+}
 
 impl std::fmt::Debug for Disk {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -53,12 +59,20 @@ impl Disk {
     /// A disk with troubles.
     #[must_use]
     pub fn faulty(faults: Arc<dyn Faults>) -> Self {
-        Self(Some(faults))
+        Self { faults: Some(faults), syncs: Counter::default() }
+    }
+
+    /// The disk with a counter of what is made durable.
+    pub(crate) fn counting(self, syncs: &Counter) -> Self {
+        Self { syncs: syncs.clone(), ..self }
     }
 
     /// Asks whether a step may be done; of a write, how many bytes.
     pub(crate) fn step(&self, step: Step, path: &Path) -> io::Result<usize> {
-        self.0.as_ref().map_or(Ok(usize::MAX), |faults| faults.before(step, path))
+        if step == Step::Sync {
+            self.syncs.inc();
+        }
+        self.faults.as_ref().map_or(Ok(usize::MAX), |faults| faults.before(step, path))
     }
 
     pub(crate) fn create(&self, path: &Path) -> io::Result<Written> {
@@ -100,7 +114,7 @@ impl Disk {
 
     /// Free bytes for the server on the disk of a folder; `None` where the system does not say.
     pub(crate) fn free(&self, folder: &Path) -> Option<u64> {
-        let told = self.0.as_ref().and_then(|faults| faults.free());
+        let told = self.faults.as_ref().and_then(|faults| faults.free());
         told.or_else(|| free(folder))
     }
 }

@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use crate::blobs::Blobs;
 use crate::jobs::Seams;
+use crate::metrics::Metrics;
 use crate::options::Options;
 use crate::reason::Refusal;
 use blobs::LocalBlobs;
@@ -24,14 +25,15 @@ use queue::LocalQueue;
 use store::Store;
 
 /// Takes the data folder and opens what is in it.
-pub(crate) fn open(options: &Options, disk: Disk) -> Result<Seams, Refusal> {
+pub(crate) fn open(options: &Options, disk: Disk, metrics: &Arc<Metrics>) -> Result<Seams, Refusal> {
+    let disk = disk.counting(&metrics.storage.syncs);
     let store = Store::open(options.data.clone(), !options.ephemeral, disk)?;
     let blobs: Arc<dyn Blobs> = match options.ephemeral {
         true => Arc::new(LocalBlobs::in_memory(options.maxima.max_blob_bytes)),
         false => Arc::new(LocalBlobs::new(store.clone(), options.maxima.max_blob_bytes)),
     };
     Ok(Seams {
-        ledger: Arc::new(LocalLedger::open(&store)?),
+        ledger: Arc::new(LocalLedger::open(&store, metrics.clone())?),
         queue: Box::new(LocalQueue::default()),
         logs: Arc::new(store.clone()),
         blobs,

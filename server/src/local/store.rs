@@ -1,7 +1,7 @@
 //! The data folder: where each thing lies, and how a file gets there so that a crash leaves the old or the new
 //! content, never half of it.
 //!
-//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
+//! Layout: `lock`, `ledger.redb`, `blobs/<2 digits>/<digest>`, `blobs/@<tenant>/<2 digits>/<digest>`, `jobs/<id>/{log, summary.json, …}`, `running/<id>`, `tmp/`.
 
 use std::fs;
 use std::io::{self, Write};
@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::disk::{Disk, Temporary};
 use super::folder_lock::FolderLock;
+use crate::tenant;
 
 /// The data folder.
 #[derive(Debug, Clone)]
@@ -81,9 +82,22 @@ impl Store {
         self.root.join("tmp")
     }
 
+    /// Folder of the blobs of a tenant.
+    fn blobs_of(&self, tenant: &str) -> PathBuf {
+        let blobs = self.root.join("blobs");
+        if tenant::is_default(tenant) { blobs } else { blobs.join(format!("@{tenant}")) }
+    }
+
     /// Place of a blob; the digest has been checked to be hexadecimal.
-    pub(crate) fn blob(&self, digest: &str) -> PathBuf {
-        self.root.join("blobs").join(digest.get(..2).unwrap_or("xx")).join(digest)
+    pub(crate) fn blob(&self, tenant: &str, digest: &str) -> PathBuf {
+        self.blobs_of(tenant).join(digest.get(..2).unwrap_or("xx")).join(digest)
+    }
+
+    /// Tenants that have blobs.
+    pub(crate) fn tenants(&self) -> io::Result<Vec<String>> {
+        let names = names(&self.root.join("blobs"))?;
+        let named = names.iter().filter_map(|name| name.strip_prefix('@').map(str::to_owned));
+        Ok(std::iter::once(tenant::default()).chain(named).collect())
     }
 
     /// Folder of a job.
@@ -192,9 +206,9 @@ impl Store {
         entries.filter_map(|entry| entry.metadata().ok()).map(|meta| meta.len()).sum()
     }
 
-    /// Digests of the blobs whose folder has these two digits.
-    pub(crate) fn blobs(&self, digits: &str) -> io::Result<Vec<String>> {
-        names(&self.root.join("blobs").join(digits))
+    /// Digests of the blobs of a tenant whose folder has these two digits.
+    pub(crate) fn blobs(&self, tenant: &str, digits: &str) -> io::Result<Vec<String>> {
+        names(&self.blobs_of(tenant).join(digits))
     }
 
     /// Removes a job's folder; not being there is fine.

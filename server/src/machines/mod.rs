@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::blobs::{Blobs, digest};
 use crate::reason::Refusal;
+use crate::tenant;
 
 /// A machine as the ledger keeps it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,11 +26,17 @@ pub struct Definition {
     pub name: String,
     /// Path → digest; empty for a shipped machine.
     pub files: BTreeMap<String, String>,
+    /// Tenant that it belongs to; shipped machines belong to all.
+    #[serde(default = "tenant::default", skip_serializing_if = "tenant::is_default")]
+    pub tenant: String,
+    /// Shipped, or put there by an administrator: its macros may start commands where that is allowed at all.
+    #[serde(default)]
+    pub trusted: bool,
 }
 
 impl Definition {
     pub(crate) fn shipped(name: &str) -> Self {
-        Self { name: name.to_owned(), files: BTreeMap::new() }
+        Self { name: name.to_owned(), files: BTreeMap::new(), tenant: tenant::default(), trusted: true }
     }
 
     /// Digest of the files, 16 hexadecimal digits; empty for a shipped machine.
@@ -89,25 +96,26 @@ impl Machines {
     }
 
     /// Bytes of all files of a definition, each name counted.
-    fn bytes(&self, definition: &Definition) -> Result<u64, Refusal> {
-        let sizes = definition.files.values().map(|digest| self.blobs.size(digest));
+    fn bytes(&self, blobs: &dyn Blobs, definition: &Definition) -> Result<u64, Refusal> {
+        let sizes = definition.files.values().map(|digest| blobs.size(digest));
         let bytes = sizes.fold(0, u64::saturating_add);
         if bytes > self.most { Err(Refusal::MachineTooLarge(self.most)) } else { Ok(bytes) }
     }
 
     /// Loads and checks a definition; all its blobs must be there.
     pub(crate) fn load(&self, definition: &Definition) -> Result<Checked, Refusal> {
-        let key = (definition.name.clone(), definition.revision());
+        let blobs = self.blobs.of(&definition.tenant);
+        let key = (tenant::key(&definition.tenant, &definition.name), definition.revision());
         if let Some(known) = self.loaded.get(&key) {
             return Ok(known.clone());
         }
-        let bytes = self.bytes(definition)?;
+        let bytes = self.bytes(&*blobs, definition)?;
         let mut files = Memory::default();
         let mut contents: BTreeMap<&str, _> = BTreeMap::new();
         for (path, digest) in &definition.files {
             let content = match contents.get(digest.as_str()) {
                 Some(content) => Clone::clone(content),
-                None => self.blobs.read(digest)?,
+                None => blobs.read(digest)?,
             };
             contents.insert(digest, content.clone());
             files.0.insert(path.clone(), content);

@@ -3,10 +3,14 @@
 //! Invariants: a peer that never speaks, or has not called for a while, holds no descriptor; when the process has no
 //! descriptor left, the accept loop waits instead of spinning.
 
+mod gate;
 mod held;
 mod places;
+mod status;
+mod tls;
 
 use std::convert::Infallible;
+use std::future::Future;
 use std::net::SocketAddr;
 use std::pin::pin;
 use std::sync::Arc;
@@ -18,6 +22,7 @@ use hyper::body::Incoming;
 use hyper::server::conn::http2;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 use tokio::time::{Instant, sleep, timeout};
@@ -27,9 +32,12 @@ use tonic::service::Routes;
 use tonic::transport::server::TcpConnectInfo;
 use tower_service::Service as _;
 
+use crate::access::CertificateNames;
 use crate::options::Options;
+pub(crate) use gate::Gate;
 use held::Held;
 pub(crate) use places::Places;
+pub(crate) use status::serve as monitor;
 
 /// Bytes of a frame that a client may send at once: an upload chunk with its head.
 const FRAME: u32 = 128 * 1024;
@@ -56,6 +64,7 @@ pub(crate) async fn serve(
     listener: TcpListener,
     routes: Routes,
     options: &Options,
+    gate: Arc<Gate>,
     mut closing: watch::Receiver<bool>,
 ) {
     let most = options.connections.max_connections.min(descriptors().saturating_sub(RESERVE).max(16) as usize);
@@ -91,10 +100,11 @@ pub(crate) async fn serve(
         match places.take(peer.ip()) {
             None => tracing::debug!(%peer, "refused: too many connections"),
             Some(place) => {
-                let (routes, closing, open) = (routes.clone(), closing.clone(), connections.subscribe());
+                let (routes, gate) = (routes.clone(), gate.clone());
+                let (closing, open) = (closing.clone(), connections.subscribe());
                 // Ends with the connection.
                 tokio::spawn(async move {
-                    connection(stream, peer, routes, patience, closing).await;
+                    connection(stream, peer, routes, gate, patience, closing).await;
                     drop((place, open));
                 });
             }
@@ -115,22 +125,59 @@ async fn connection(
     stream: TcpStream,
     peer: SocketAddr,
     routes: Routes,
+    gate: Arc<Gate>,
     patience: Patience,
     mut closing: watch::Receiver<bool>,
 ) {
     let _ = stream.set_nodelay(true);
-    tokio::select! {
-        speaks = timeout(patience.preface, speaks(&stream)) => if !matches!(speaks, Ok(true)) {
-            return;
-        },
-        _ = closing.wait_for(|closing| *closing) => return,
-    }
     let info = TcpConnectInfo { local_addr: stream.local_addr().ok(), remote_addr: Some(peer) };
+    let plain = Peer { address: peer, info, names: CertificateNames::default(), gate: gate.clone() };
+    let Some(tls) = &gate.tls else {
+        let speaks = begins(speaks(&stream), patience, &mut closing).await;
+        if speaks == Some(true) {
+            calls(stream, plain, routes, patience, closing).await;
+        }
+        return;
+    };
+    if let Some(Ok((stream, names))) = begins(tls.accept(stream), patience, &mut closing).await {
+        calls(stream, Peer { names, ..plain }, routes, patience, closing).await;
+    }
+}
+
+/// What a peer does at the beginning, unless its time is over or the server goes down.
+async fn begins<T>(
+    begin: impl Future<Output = T>,
+    patience: Patience,
+    closing: &mut watch::Receiver<bool>,
+) -> Option<T> {
+    tokio::select! {
+        begun = timeout(patience.preface, begin) => begun.ok(),
+        _ = closing.wait_for(|closing| *closing) => None,
+    }
+}
+
+/// The other end of a connection.
+#[derive(Debug, Clone)]
+struct Peer {
+    address: SocketAddr,
+    info: TcpConnectInfo,
+    names: CertificateNames,
+    gate: Arc<Gate>,
+}
+
+/// Serves the calls of a connection that has begun to speak HTTP/2.
+async fn calls<S: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
+    stream: S,
+    caller: Peer,
+    routes: Routes,
+    patience: Patience,
+    mut closing: watch::Receiver<bool>,
+) {
     let calls = Arc::new(Calls::default());
     let counted = calls.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
-        request.extensions_mut().insert(info.clone());
-        answer(routes.clone(), request, counted.begin())
+        request.extensions_mut().insert(caller.info.clone());
+        answer(routes.clone(), request, caller.clone(), counted.begin())
     });
     let mut server = pin!(builder().serve_connection(TokioIo::new(stream), service));
     let mut quiet_since = Instant::now();
@@ -183,9 +230,19 @@ fn builder() -> http2::Builder<TokioExecutor> {
     builder
 }
 
-/// Answers one call, within its deadline if it has one.
-async fn answer(mut routes: Routes, request: Request<Incoming>, call: Call) -> Result<Response<Held>, Infallible> {
-    let deadline = deadline(request.headers());
+/// Answers one call of somebody who may make it, within its deadline if it has one.
+async fn answer(
+    mut routes: Routes,
+    mut request: Request<Incoming>,
+    peer: Peer,
+    call: Call,
+) -> Result<Response<Held>, Infallible> {
+    let begin = Instant::now();
+    let caller = match peer.gate.admit(&mut request, peer.address, &peer.names) {
+        Ok(caller) => caller,
+        Err(refused) => return Ok(refused.map(|body| Held::new(body, call))),
+    };
+    let (path, deadline) = (request.uri().path().to_owned(), deadline(request.headers()));
     let answered = routes.call(request.map(Body::new));
     let response = match deadline {
         None => answered.await?,
@@ -194,6 +251,7 @@ async fn answer(mut routes: Routes, request: Request<Incoming>, call: Call) -> R
             Err(_) => Status::deadline_exceeded("the deadline of the call is over").into_http(),
         },
     };
+    peer.gate.answered(peer.address, caller.as_ref(), &path, &response, begin.elapsed());
     Ok(response.map(|body| Held::new(body, call)))
 }
 

@@ -1,5 +1,7 @@
 //! Groups of options, each with its flags.
 
+use std::path::PathBuf;
+
 use counterpoint_kernel::options::Limits;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +9,7 @@ const MOST: Limits = Limits::MOST;
 
 /// A group: options with defaults, and flags that are laid over them.
 macro_rules! group {
-    ($(#[$doc:meta])* $name:ident, $flags:ident { $($(#[$text:meta])* $option:ident: $type:ty = $default:expr, $env:literal, $value:literal;)* }) => {
+    ($(#[$doc:meta])* $name:ident, $flags:ident { $($(#[$text:meta])* $option:ident: $type:ty = $default:expr, $env:literal, $value:literal $([$($more:tt)*])?;)* }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(default)]
@@ -24,7 +26,7 @@ macro_rules! group {
         $(#[$doc])*
         #[derive(Debug, Default, clap::Args)]
         pub struct $flags {
-            $($(#[$text])* #[arg(long, env = $env, value_name = $value)] pub $option: Option<$type>,)*
+            $($(#[$text])* #[arg(long, env = $env, value_name = $value $(, $($more)*)?)] pub $option: Option<$type>,)*
         }
 
         impl $flags {
@@ -90,6 +92,8 @@ group! {
         max_uploads: usize = 256, "COUNTERPOINT_MAX_UPLOADS", "N";
         /// Most uploads of one connection at the same time
         max_uploads_per_connection: usize = 32, "COUNTERPOINT_MAX_UPLOADS_PER_CONNECTION", "N";
+        /// Address on which monitoring gets /metrics, /livez and /readyz over HTTP, without an identity; empty = none
+        metrics: String = String::new(), "COUNTERPOINT_METRICS", "ADDRESS";
     }
 }
 
@@ -104,6 +108,39 @@ group! {
         keep_jobs: u64 = 0, "COUNTERPOINT_KEEP_JOBS", "N";
         /// Most bytes of logs, files and results of ended jobs that are kept; 0 = without limit
         keep_bytes: u64 = 0, "COUNTERPOINT_KEEP_BYTES", "BYTES";
+    }
+}
+
+group! {
+    /// Who may call.
+    Guard, GuardFlags {
+        /// File of tokens, keys and certificates with their tenants and roles; empty = everybody may do everything
+        access: PathBuf = PathBuf::new(), "COUNTERPOINT_ACCESS", "FILE.toml";
+        /// Certificates of the server, PEM, its own first; empty = connections are not encrypted
+        tls_cert: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CERT", "FILE.pem";
+        /// Key of the first certificate, PEM
+        tls_key: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_KEY", "FILE.pem";
+        /// Certificates of the authorities for clients, PEM: clients without a certificate are not let in; empty = none
+        tls_client_ca: PathBuf = PathBuf::new(), "COUNTERPOINT_TLS_CLIENT_CA", "FILE.pem";
+        /// Listen on other addresses than loopback without encryption or without identities
+        insecure: bool = false, "COUNTERPOINT_INSECURE", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
+        /// Tell clients the contract (server reflection)
+        reflection: bool = true, "COUNTERPOINT_REFLECTION", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
+        /// Most calls of one identity in a second; 0 = without limit
+        max_calls_per_s: u32 = 0, "COUNTERPOINT_MAX_CALLS_PER_S", "N";
+        /// File for the audit log; empty = none
+        audit: PathBuf = PathBuf::new(), "COUNTERPOINT_AUDIT", "FILE";
+    }
+}
+
+group! {
+    /// Commands of the operating system (`SYSTEM`) that macros start.
+    System, SystemFlags {
+        /// Macros of machines that an administrator has put there, and of shipped ones, may start commands of the
+        /// operating system, with the rights of the server
+        allow_system: bool = false, "COUNTERPOINT_ALLOW_SYSTEM", "BOOL" [num_args = 0..=1, default_missing_value = "true"];
+        /// Seconds after which such a command is ended
+        system_wait_s: u64 = 60, "COUNTERPOINT_SYSTEM_WAIT_S", "SECONDS";
     }
 }
 

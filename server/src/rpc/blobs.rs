@@ -11,6 +11,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{Blobs, CHUNK, Chunk, blocking, stream};
+use crate::access::Caller;
 use crate::blobs::is_digest;
 use crate::reason::Refusal;
 
@@ -32,12 +33,12 @@ impl Service for Blobs {
         &self,
         request: Request<v1::FindMissingRequest>,
     ) -> Result<Response<v1::FindMissingResponse>, Status> {
-        let digests = request.into_inner().digests;
+        let (caller, digests) = (Caller::of(&request)?, request.into_inner().digests);
         if let Some(at) = digests.iter().position(|digest| !is_digest(digest)) {
             let text = "must be 64 lower-case hexadecimal digits";
             return Err(Refusal::field(format!("digests[{at}]"), text).into());
         }
-        let blobs = self.0.blobs.clone();
+        let blobs = self.0.blobs.of(caller.tenant());
         let digests = blocking(move || Ok(digests.into_iter().filter(|d| !blobs.offers(d)).collect())).await?;
         Ok(Response::new(v1::FindMissingResponse { digests }))
     }
@@ -47,10 +48,12 @@ impl Service for Blobs {
         request: Request<Streaming<v1::UploadRequest>>,
     ) -> Result<Response<v1::UploadResponse>, Status> {
         let _place = self.0.uploads.take(request.remote_addr()).ok_or(Refusal::TooManyUploads)?;
+        let caller = Caller::of(&request)?;
         let patience = self.0.options.connections.upload_stall_s;
         let mut chunks = request.into_inner();
         let first = next(&mut chunks, patience).await?.unwrap_or_default();
-        let (blobs, digest) = (self.0.blobs.clone(), first.digest.clone());
+        let (blobs, digest) = (self.0.blobs.of(caller.tenant()), first.digest.clone());
+        caller.about(&digest);
         let core = self.0.clone();
         let mut receiver = blocking(move || {
             core.room()?;
@@ -77,7 +80,9 @@ impl Service for Blobs {
     type DownloadStream = ReceiverStream<Result<v1::DownloadResponse, Status>>;
 
     async fn download(&self, request: Request<v1::DownloadRequest>) -> Result<Response<Self::DownloadStream>, Status> {
-        let (blobs, digest) = (self.0.blobs.clone(), request.into_inner().digest);
+        let (caller, digest) = (Caller::of(&request)?, request.into_inner().digest);
+        caller.about(&digest);
+        let blobs = self.0.blobs.of(caller.tenant());
         let mut file = blocking(move || blobs.open(&digest)).await?;
         Ok(stream(move |out| {
             let mut buffer = vec![0; CHUNK];

@@ -9,7 +9,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 use tracing::Instrument as _;
 
-use super::{Jobs, blocking, submit, watch};
+use super::{Jobs, blocking, job, submit, watch};
+use crate::access::Caller;
 use crate::jobs::describe::{description, state, status};
 use crate::log::reader::Reader;
 use crate::reason::Refusal;
@@ -23,15 +24,17 @@ impl Service for Jobs {
         if self.0.drain.begun() {
             return Err(Refusal::Draining { cursor: 0 }.into());
         }
-        let (core, request) = (self.0.clone(), request.into_inner());
-        let record = blocking(move || submit::record(&core, request)).await?;
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        let tenant = caller.tenant().to_owned();
+        let record = blocking(move || submit::record(&core, &tenant, request)).await?;
         let (record, duplicate) = self.0.submit(record).await?;
+        caller.about(&record.id);
         Ok(Response::new(v1::SubmitJobResponse { status: Some(status(record)), duplicate }))
     }
 
     async fn get_job(&self, request: Request<v1::GetJobRequest>) -> Result<Response<v1::GetJobResponse>, Status> {
-        let id = request.into_inner().job_id;
-        let record = self.0.job(&id)?;
+        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        let record = job(&self.0, &caller, &id)?;
         let description = match self.0.live(&id).and_then(|live| live.run().map(|run| description(&run.info))) {
             Some(description) => Some(description),
             None => {
@@ -47,14 +50,14 @@ impl Service for Jobs {
     }
 
     async fn list_jobs(&self, request: Request<v1::ListJobsRequest>) -> Result<Response<v1::ListJobsResponse>, Status> {
-        let request = request.into_inner();
+        let (tenant, request) = (Caller::of(&request)?.tenant().to_owned(), request.into_inner());
         let size = if request.page_size == 0 { 50 } else { request.page_size.min(500) as usize };
         let core = self.0.clone();
         let answer = blocking(move || {
             let wanted = |s: v1::JobState| request.states.is_empty() || request.states.contains(&s.into());
             let mut jobs = core.ledger.jobs(&request.page_token, size + 1, &|record| {
                 let now = core.live(&record.id).map_or(record.state, |live| live.state());
-                wanted(state(now))
+                record.tenant == tenant && wanted(state(now))
             })?;
             let more = jobs.len() > size;
             jobs.truncate(size);
@@ -69,7 +72,8 @@ impl Service for Jobs {
     type WatchJobStream = ReceiverStream<Result<v1::WatchJobResponse, Status>>;
 
     async fn watch_job(&self, request: Request<v1::WatchJobRequest>) -> Result<Response<Self::WatchJobStream>, Status> {
-        let request = request.into_inner();
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        job(&self.0, &caller, &request.job_id)?;
         let span = tracing::info_span!("watch", job = request.job_id);
         let watch = watch::Watch::new(self.0.clone(), request)?;
         let (send, receive) = mpsc::channel(1);
@@ -79,7 +83,8 @@ impl Service for Jobs {
     }
 
     async fn wait_job(&self, request: Request<v1::WaitJobRequest>) -> Result<Response<v1::WaitJobResponse>, Status> {
-        let request = request.into_inner();
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let record = job(&self.0, &caller, &request.job_id)?;
         let timeout = if request.timeout_ms == 0 { 60_000 } else { request.timeout_ms.min(600_000) };
         if let Some(live) = self.0.live(&request.job_id) {
             let (mut state, mut drain) = (live.follow(), self.0.drain.follow());
@@ -90,14 +95,16 @@ impl Service for Jobs {
             }
             return Ok(Response::new(v1::WaitJobResponse { status: Some(status(live.record())) }));
         }
-        Ok(Response::new(v1::WaitJobResponse { status: Some(status(self.0.job(&request.job_id)?)) }))
+        Ok(Response::new(v1::WaitJobResponse { status: Some(status(record)) }))
     }
 
     async fn cancel_job(
         &self,
         request: Request<v1::CancelJobRequest>,
     ) -> Result<Response<v1::CancelJobResponse>, Status> {
-        let record = self.0.cancel(&request.into_inner().job_id).await?;
+        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        job(&self.0, &caller, &id)?;
+        let record = self.0.cancel(&id).await?;
         Ok(Response::new(v1::CancelJobResponse { status: Some(status(record)) }))
     }
 
@@ -105,7 +112,9 @@ impl Service for Jobs {
         &self,
         request: Request<v1::DeleteJobRequest>,
     ) -> Result<Response<v1::DeleteJobResponse>, Status> {
-        self.0.delete(&request.into_inner().job_id).await?;
+        let (caller, id) = (Caller::of(&request)?, request.into_inner().job_id);
+        job(&self.0, &caller, &id)?;
+        self.0.delete(&id).await?;
         Ok(Response::new(v1::DeleteJobResponse {}))
     }
 }

@@ -8,6 +8,7 @@ use counterpoint_proto::v1::machines_server::Machines as Service;
 use tonic::{Request, Response, Status};
 
 use super::{Machines, blocking, submit};
+use crate::access::{Caller, Role};
 use crate::jobs::Core;
 use crate::jobs::describe::finding;
 use crate::machines::{Checked, Definition, is_name, is_shipped, shipped};
@@ -19,12 +20,14 @@ impl Service for Machines {
         &self,
         request: Request<v1::PutMachineRequest>,
     ) -> Result<Response<v1::PutMachineResponse>, Status> {
-        let (core, request) = (self.0.clone(), request.into_inner());
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
+        caller.about(&request.name);
         if self.0.reserved(&request.name) {
             return Err(Refusal::MachineShipped(request.name).into());
         }
+        let (tenant, trusted) = (caller.tenant().to_owned(), caller.identity.role >= Role::Admin);
         let (definition, checked) = blocking(move || {
-            let definition = definition(&core, request.name, request.files)?;
+            let definition = Definition { trusted, ..definition(&core, tenant, request.name, request.files)? };
             let checked = core.machines.load(&definition)?;
             match checked.machine {
                 Some(_) => Ok((definition, checked)),
@@ -33,7 +36,7 @@ impl Service for Machines {
         })
         .await?;
         let machine = Some(summary(&definition, &checked));
-        let blobs = self.0.blobs.clone();
+        let blobs = self.0.blobs.of(caller.tenant());
         let check = Box::new(move |definition: &Definition| blobs.require(&mut definition.files.values()));
         self.0.ledger.put_machine(definition, check).await?;
         Ok(Response::new(v1::PutMachineResponse { machine, findings: findings(checked.findings) }))
@@ -43,9 +46,9 @@ impl Service for Machines {
         &self,
         request: Request<v1::GetMachineRequest>,
     ) -> Result<Response<v1::GetMachineResponse>, Status> {
-        let (core, request) = (self.0.clone(), request.into_inner());
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
         let answer = blocking(move || {
-            let definition = submit::machine(&core, &request.name)?;
+            let definition = submit::machine(&core, caller.tenant(), &request.name)?;
             let checked = core.machines.load(&definition)?;
             let machine = Some(summary(&definition, &checked));
             let text = match &checked.machine {
@@ -60,11 +63,11 @@ impl Service for Machines {
 
     async fn list_machines(
         &self,
-        _request: Request<v1::ListMachinesRequest>,
+        request: Request<v1::ListMachinesRequest>,
     ) -> Result<Response<v1::ListMachinesResponse>, Status> {
-        let core = self.0.clone();
+        let (core, caller) = (self.0.clone(), Caller::of(&request)?);
         let machines = blocking(move || {
-            let mut all = core.ledger.machines()?;
+            let mut all = core.ledger.machines(caller.tenant())?;
             all.retain(|definition| !core.reserved(&definition.name));
             let shadowed = |name: &String| all.iter().any(|d| d.name == *name);
             let shipped: Vec<_> = shipped().iter().filter(|name| !shadowed(name)).collect();
@@ -79,12 +82,12 @@ impl Service for Machines {
         &self,
         request: Request<v1::CheckMachineRequest>,
     ) -> Result<Response<v1::CheckMachineResponse>, Status> {
-        let (core, request) = (self.0.clone(), request.into_inner());
+        let (core, caller, request) = (self.0.clone(), Caller::of(&request)?, request.into_inner());
         let checked = blocking(move || {
             let definition = if request.files.is_empty() {
-                submit::machine(&core, &request.name)?
+                submit::machine(&core, caller.tenant(), &request.name)?
             } else {
-                definition(&core, request.name, request.files)?
+                definition(&core, caller.tenant().to_owned(), request.name, request.files)?
             };
             core.machines.load(&definition)
         })
@@ -94,7 +97,7 @@ impl Service for Machines {
     }
 }
 
-fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<Definition, Refusal> {
+fn definition(core: &Core, tenant: String, name: String, files: Vec<v1::MachineFile>) -> Result<Definition, Refusal> {
     if !is_name(&name) {
         return Err(Refusal::field("name", "must be 1 to 64 characters of A-Z a-z 0-9 . _ - and not begin with a dot"));
     }
@@ -104,8 +107,9 @@ fn definition(core: &Core, name: String, files: Vec<v1::MachineFile>) -> Result<
     for (i, file) in files.iter().enumerate() {
         submit::check_file(&format!("files[{i}]"), &file.path, &file.digest)?;
     }
-    core.blobs.require(&mut files.iter().map(|file| &file.digest))?;
-    Ok(Definition { name, files: files.into_iter().map(|f| (f.path, f.digest)).collect() })
+    core.blobs.of(&tenant).require(&mut files.iter().map(|file| &file.digest))?;
+    let files = files.into_iter().map(|f| (f.path, f.digest)).collect();
+    Ok(Definition { name, files, tenant, trusted: false })
 }
 
 fn invalid(findings: &[Finding]) -> Refusal {

@@ -18,6 +18,8 @@ use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Response, Status};
 
+use crate::Record;
+use crate::access::Caller;
 use crate::jobs::Core;
 use crate::reason::Refusal;
 
@@ -43,6 +45,12 @@ const CHUNK: usize = 64 * 1024;
 /// A response that is one chunk of a content.
 trait Chunk: Send + 'static {
     fn chunk(data: Bytes) -> Self;
+}
+
+/// A job of the caller's tenant.
+fn job(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+    caller.about(id);
+    core.job_of(caller.tenant(), id)
 }
 
 /// Does work that may block.

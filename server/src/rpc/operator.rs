@@ -15,7 +15,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 use tracing::Instrument as _;
 
-use super::{Operator, submit};
+use super::{Operator, job, submit};
+use crate::access::Caller;
 use crate::jobs::Core;
 use crate::jobs::describe::status;
 use crate::jobs::live::Live;
@@ -31,11 +32,11 @@ impl Service for Operator {
         &self,
         request: Request<Streaming<v1::AttendRequest>>,
     ) -> Result<Response<Self::AttendStream>, Status> {
-        let mut said = request.into_inner();
+        let (caller, mut said) = (Caller::of(&request)?, request.into_inner());
         let Some(Said::JobId(id)) = said.message().await?.and_then(|first| first.content) else {
             return Err(Refusal::field("content", "the first message must name the job (job_id)").into());
         };
-        let record = self.0.job(&id)?;
+        let record = job(&self.0, &caller, &id)?;
         if !record.options.attended {
             return Err(Refusal::NotAttended(id).into());
         }

@@ -15,8 +15,9 @@ use counterpoint_proto::v1::results_server::Results as Service;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
-use super::{Chunk, Results, blocking, stream};
+use super::{Chunk, Results, blocking, job, stream};
 use crate::Record;
+use crate::access::Caller;
 use crate::jobs::{Core, Sandbox, worker};
 use crate::ledger::record::State;
 use crate::log::kept::Kept;
@@ -51,8 +52,8 @@ impl Service for Results {
     type GetListingStream = ReceiverStream<Result<v1::GetListingResponse, Status>>;
 
     async fn get_listing(&self, request: Request<v1::GetListingRequest>) -> Answer<v1::GetListingResponse> {
-        let request = request.into_inner();
-        let ended = Ended::load(&self.0, request.job_id).await?;
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = if request.channel == 0 && !request.log { 0 } else { ended.channel(request.channel)? };
         let form = match request {
             v1::GetListingRequest { console: true, .. } => Form::Console,
@@ -68,8 +69,8 @@ impl Service for Results {
     type GetTraceStream = ReceiverStream<Result<v1::GetTraceResponse, Status>>;
 
     async fn get_trace(&self, request: Request<v1::GetTraceRequest>) -> Answer<v1::GetTraceResponse> {
-        let request = request.into_inner();
-        let ended = Ended::load(&self.0, request.job_id).await?;
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
+        let ended = Ended::load(&self.0, &caller, request.job_id).await?;
         let channel = ended.channel(request.channel)?;
         Ok(stream(move |out| Ok(ended.source().trace(channel, out)?)))
     }
@@ -77,35 +78,35 @@ impl Service for Results {
     type GetTimelineStream = ReceiverStream<Result<v1::GetTimelineResponse, Status>>;
 
     async fn get_timeline(&self, request: Request<v1::GetTimelineRequest>) -> Answer<v1::GetTimelineResponse> {
-        let request = request.into_inner();
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
         let document = match request.format() {
             v1::DrawingFormat::Json => Document::TimelineJson,
             _ => Document::TimelineSvg,
         };
-        document_of(&self.0, request.job_id, document).await
+        document_of(&self.0, &caller, request.job_id, document).await
     }
 
     type GetToolpathStream = ReceiverStream<Result<v1::GetToolpathResponse, Status>>;
 
     async fn get_toolpath(&self, request: Request<v1::GetToolpathRequest>) -> Answer<v1::GetToolpathResponse> {
-        let request = request.into_inner();
+        let (caller, request) = (Caller::of(&request)?, request.into_inner());
         let document = match request.format() {
             v1::DrawingFormat::Json => Document::ToolpathJson,
             _ => Document::ToolpathSvg,
         };
-        document_of(&self.0, request.job_id, document).await
+        document_of(&self.0, &caller, request.job_id, document).await
     }
 
     type GetSummaryStream = ReceiverStream<Result<v1::GetSummaryResponse, Status>>;
 
     async fn get_summary(&self, request: Request<v1::GetSummaryRequest>) -> Answer<v1::GetSummaryResponse> {
-        document_of(&self.0, request.into_inner().job_id, Document::Summary).await
+        document_of(&self.0, &Caller::of(&request)?, request.into_inner().job_id, Document::Summary).await
     }
 
     type GetEventsStream = ReceiverStream<Result<v1::GetEventsResponse, Status>>;
 
     async fn get_events(&self, request: Request<v1::GetEventsRequest>) -> Answer<v1::GetEventsResponse> {
-        let ended = Ended::load(&self.0, request.into_inner().job_id).await?;
+        let ended = Ended::load(&self.0, &Caller::of(&request)?, request.into_inner().job_id).await?;
         Ok(stream(move |out| Ok(ended.source().jsonl(out)?)))
     }
 
@@ -113,7 +114,7 @@ impl Service for Results {
         &self,
         request: Request<v1::ListFilesRequest>,
     ) -> Result<Response<v1::ListFilesResponse>, Status> {
-        let files = written(&self.0, request.into_inner().job_id).await?;
+        let files = written(&self.0, &Caller::of(&request)?, request.into_inner().job_id).await?;
         let file = |(path, text): (String, String)| v1::WrittenFile { path, size: text.len() as u64 };
         Ok(Response::new(v1::ListFilesResponse { files: files.into_iter().map(file).collect() }))
     }
@@ -121,8 +122,8 @@ impl Service for Results {
     type GetFileStream = ReceiverStream<Result<v1::GetFileResponse, Status>>;
 
     async fn get_file(&self, request: Request<v1::GetFileRequest>) -> Answer<v1::GetFileResponse> {
-        let v1::GetFileRequest { job_id, path } = request.into_inner();
-        let files = written(&self.0, job_id).await?;
+        let (caller, v1::GetFileRequest { job_id, path }) = (Caller::of(&request)?, request.into_inner());
+        let files = written(&self.0, &caller, job_id).await?;
         let file = files.into_iter().find(|(name, _)| *name == path);
         let (_, text) = file.ok_or(Refusal::UnknownFile(path))?;
         Ok(stream(move |out| Ok(out.write_all(text.as_bytes())?)))
@@ -130,10 +131,10 @@ impl Service for Results {
 }
 
 /// What the macros of an ended job have written.
-async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, Refusal> {
-    let core = core.clone();
+async fn written(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Vec<(String, String)>, Refusal> {
+    let (core, caller) = (core.clone(), caller.clone());
     blocking(move || {
-        let record = ended(&core, &id)?;
+        let record = ended(&core, &caller, &id)?;
         let kept = core.logs.open(&record.id, Document::Files.file()).ok().and_then(|mut file| {
             let mut text = Vec::new();
             file.read_to_end(&mut text).ok().map(|_| text)
@@ -153,8 +154,8 @@ async fn written(core: &Arc<Core>, id: String) -> Result<Vec<(String, String)>, 
     .await
 }
 
-async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document) -> Answer<T> {
-    let record = ended(core, &id)?;
+async fn document_of<T: Chunk>(core: &Arc<Core>, caller: &Caller, id: String, document: Document) -> Answer<T> {
+    let record = ended(core, caller, &id)?;
     let logs = core.logs.clone();
     if let Ok(mut file) = blocking(move || Ok(logs.open(&record.id, document.file())?)).await {
         return Ok(stream(move |out| Ok(io::copy(&mut file, out).map(drop)?)));
@@ -164,13 +165,13 @@ async fn document_of<T: Chunk>(core: &Arc<Core>, id: String, document: Document)
     {
         return Ok(stream(move |out| Ok(out.write_all(&text)?)));
     }
-    let ended = Ended::load(core, id).await?;
+    let ended = Ended::load(core, caller, id).await?;
     let text = blocking(move || Ok(ended.source().document(document)?)).await?;
     Ok(stream(move |out| Ok(out.write_all(&text)?)))
 }
 
-fn ended(core: &Core, id: &str) -> Result<Record, Refusal> {
-    let record = core.job(id)?;
+fn ended(core: &Core, caller: &Caller, id: &str) -> Result<Record, Refusal> {
+    let record = job(core, caller, id)?;
     match record.state.ended() {
         true => Ok(record),
         false => Err(Refusal::JobNotEnded(id.to_owned())),
@@ -186,15 +187,15 @@ struct Ended {
 }
 
 impl Ended {
-    async fn load(core: &Arc<Core>, id: String) -> Result<Self, Refusal> {
-        let core = core.clone();
+    async fn load(core: &Arc<Core>, caller: &Caller, id: String) -> Result<Self, Refusal> {
+        let (core, caller) = (core.clone(), caller.clone());
         blocking(move || {
-            let record = ended(&core, &id)?;
+            let record = ended(&core, &caller, &id)?;
             let Some(log) = core.kept_log(&id)? else {
                 let lost = record.events > 0 && core.options.log;
                 return Err(if lost { damage("it is gone").into() } else { Refusal::NoResults(id) });
             };
-            let sandbox = Sandbox::new(core.blobs.clone(), &record.files);
+            let sandbox = Sandbox::new(core.blobs.of(&record.tenant), &record.files);
             let info = match core.live(&id).and_then(|live| live.run().map(|run| run.info.clone())) {
                 Some(info) => info,
                 None => match worker::prepare(&core, &record, &sandbox, &Stop::default())? {

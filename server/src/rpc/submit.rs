@@ -17,7 +17,7 @@ use crate::machines::{Definition, is_shipped};
 use crate::reason::Refusal;
 
 /// Checks a request and makes the record of a new job.
-pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
+pub(super) fn record(core: &Core, tenant: &str, request: v1::SubmitJobRequest) -> Result<Record, Refusal> {
     check_request_id(&request.request_id)?;
     let files = files(core, &request.files)?;
     let programs = programs(core, &request.programs, &files)?;
@@ -28,12 +28,13 @@ pub(super) fn record(core: &Core, request: v1::SubmitJobRequest) -> Result<Recor
     let content = content(&request.machine, &programs, &files, &options, (wall_ms, max_job_bytes));
     // The maxima of the server are not part of what was submitted.
     options.limits = core.options.maxima.capped(&options.limits);
-    let machine = machine(core, &request.machine)?;
-    core.blobs.require(&mut files.iter().map(|(_, digest)| digest))?;
+    let machine = machine(core, tenant, &request.machine)?;
+    core.blobs.of(tenant).require(&mut files.iter().map(|(_, digest)| digest))?;
     Ok(Record {
         // The ledger gives it when it accepts the job.
         id: String::new(),
         content,
+        tenant: tenant.to_owned(),
         request_id: request.request_id,
         machine_name: request.machine,
         machine,
@@ -172,13 +173,13 @@ fn limits(asked: v1::JobLimits) -> Result<Limits, Refusal> {
     .capped())
 }
 
-/// The machine a name means, pinned to its revision.
-pub(super) fn machine(core: &Core, name: &str) -> Result<Definition, Refusal> {
+/// The machine that a name means to a tenant, pinned to its revision.
+pub(super) fn machine(core: &Core, tenant: &str, name: &str) -> Result<Definition, Refusal> {
     // A ledger written by an older server may hold a machine under the name of a shipped one.
     if core.reserved(name) {
         return Ok(Definition::shipped(name));
     }
-    if let Some(definition) = core.ledger.machine(name)? {
+    if let Some(definition) = core.ledger.machine(tenant, name)? {
         return Ok(definition);
     }
     if is_shipped(name) {

@@ -20,6 +20,7 @@ use crate::jobs::Core;
 use crate::jobs::describe::{state, status};
 use crate::jobs::live::Live;
 use crate::jobs::progress;
+use crate::jobs::streams::Listed;
 use crate::ledger::record::State;
 use crate::log::filter::Filter;
 use crate::log::reader::{Batch, Reader, cut_short};
@@ -43,6 +44,7 @@ type Out = mpsc::Sender<Result<v1::WatchJobResponse, Status>>;
 pub(super) struct Watch {
     core: Arc<Core>,
     live: Arc<Live>,
+    listed: Listed,
     level: v1::WatchLevel,
     cursor: u64,
     reader: Option<Reader>,
@@ -80,6 +82,7 @@ impl Watch {
             None => from_ledger(&core, &request.job_id)?,
         };
         Ok(Self {
+            listed: core.streams.list(live.clone()),
             core,
             live,
             level,
@@ -204,6 +207,7 @@ impl Watch {
 
     async fn batch(&mut self, out: &Out, batch: Batch) -> Result<(), Over> {
         self.cursor = batch.last;
+        self.listed.reached(self.cursor);
         if self.level == v1::WatchLevel::Everything {
             return send_batch(out, batch.body).await;
         }

@@ -2,7 +2,7 @@
 //!
 //! A program is a script: `EVENTS n`, `HANG` (until cancelled), `PANIC`, `REFUSE`, `SLOW` (prepared until
 //! it is stopped), `ALARM`, `ASK name` (a dialog; what
-//! is pressed becomes a diagnostic), `WRITE path` (a file with that path as its text), one per line.
+//! is pressed becomes a diagnostic), `SYSTEM` (whether commands are allowed becomes one), `WRITE path` (a file with that path as its text), one per line.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -189,6 +189,12 @@ impl Prepared for Ready {
                         ..Diagnostic::default()
                     }));
                     assert!(sink.events(seq, &[Event { kind, ..event(seq) }]));
+                    seq += 1;
+                }
+                ("SYSTEM", _) => {
+                    let text = if control.system().is_some() { "allowed" } else { "refused" };
+                    let diagnostic = Diagnostic { number: 8, text: text.into(), ..Diagnostic::default() };
+                    assert!(sink.events(seq, &[Event { kind: Kind::Diagnostic(Box::new(diagnostic)), ..event(seq) }]));
                     seq += 1;
                 }
                 ("ALARM", _) => {

@@ -14,7 +14,7 @@ mod suite;
 mod update;
 
 pub use check::Check;
-pub use marks::{ARROW, Marked};
+pub use marks::{ARROW, Marked, counted, severity_name};
 pub use page::{Example, Fault, Fence, Fences, Named, Page, Role};
 pub use suite::Suite;
 pub use update::{Edit, rewritten};

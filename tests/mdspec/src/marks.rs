@@ -53,9 +53,36 @@ impl Marked {
     }
 }
 
+/// Equal expectations in a row as one with their number: `error no-feed ×2`.
+#[must_use]
+pub fn counted(marks: &[String]) -> Vec<String> {
+    let text = |run: &[String]| {
+        let first = run.first()?;
+        Some(if run.len() > 1 { format!("{first} ×{}", run.len()) } else { first.clone() })
+    };
+    marks.chunk_by(|one, next| one == next).filter_map(text).collect()
+}
+
+/// The word of a severity.
+#[must_use]
+pub fn severity_name(severity: u8) -> &'static str {
+    match severity {
+        0..=3 => "message",
+        4..=7 => "warning",
+        8..=15 => "error",
+        16.. => "fatal",
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Marked;
+    use super::{Marked, counted};
+
+    #[test]
+    fn equal_marks_in_a_row_are_counted() {
+        let marks = ["a", "a", "b", "a"].map(str::to_owned);
+        assert_eq!(counted(&marks), ["a ×2", "b", "a"]);
+    }
 
     #[test]
     fn marks_come_off_and_go_on_again() {

@@ -14,6 +14,7 @@ use crate::update::{Edit, rewritten};
 type Edits = Arc<Mutex<BTreeMap<PathBuf, Vec<Edit>>>>;
 
 /// The tests of a folder of pages.
+#[derive(Default)]
 pub struct Suite {
     trials: Vec<Trial>,
     edits: Edits,
@@ -31,50 +32,75 @@ impl Suite {
             Ok(entries) => entries.filter_map(|entry| Some(entry.ok()?.path())).collect(),
             Err(_) => Vec::new(),
         };
-        paths.retain(|path| path.extension().is_some_and(|extension| extension == "md"));
+        paths
+            .retain(|path| path.extension().is_some_and(|extension| extension == "md") && !path.ends_with("README.md"));
         paths.sort();
-        let mut suite = Self { trials: Vec::new(), edits: Edits::default(), pages: Vec::new() };
+        let mut suite = Self::default();
         if paths.is_empty() {
             let text = format!("there are no pages in {}", folder.display());
             suite.test("pages", move || Err(text));
         }
         for path in paths {
-            suite.page(&path, fences, run);
+            let Some(page) = suite.read(&path, fences) else { continue };
+            for example in page.examples {
+                suite.trial(&path, &example.name.clone(), vec![example], move |examples, check| {
+                    examples.iter().for_each(|example| run(example, check));
+                });
+            }
         }
         suite
     }
 
-    fn page(&mut self, path: &Path, fences: Fences, run: fn(&Example, &mut Check<'_>)) {
-        let shown = shown(path);
-        let page = match Page::read(path, fences) {
-            Ok(page) if page.examples.is_empty() => {
-                return self.test(&shown.clone(), move || Err(format!("{shown}: no examples")));
-            }
-            Ok(page) => page,
-            Err(fault) => {
-                return self.test(&shown.clone(), move || Err(format!("{shown}:{}: {}", fault.line, fault.text)));
-            }
-        };
-        let update = std::env::var_os("UPDATE").is_some_and(|value| value != "0");
-        for example in page.examples.clone() {
-            let (edits, path, shown) = (Arc::clone(&self.edits), path.to_owned(), shown.clone());
-            self.test(&example.name.clone(), move || {
-                let mut check = Check::new(&shown, &example);
-                run(&example, &mut check);
-                let (wrong, changes) = check.finish();
-                if wrong.is_empty() {
-                    return Ok(());
-                }
-                if update && !changes.is_empty() {
-                    let mut edits = edits.lock().unwrap_or_else(PoisonError::into_inner);
-                    edits.entry(path).or_default().extend(changes);
-                    return Ok(());
-                }
-                let hint = if changes.is_empty() { "" } else { "\nUPDATE=1 writes what was found into the page" };
-                Err(format!("{}{hint}", wrong.trim_end()))
-            });
+    /// One page becomes one test, for pages whose examples build on each other.
+    #[must_use]
+    pub fn whole(path: &Path, fences: Fences, run: fn(&[Example], &mut Check<'_>)) -> Self {
+        let mut suite = Self::default();
+        if let Some(page) = suite.read(path, fences) {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            suite.trial(path, &name, page.examples, run);
         }
-        self.pages.push(page);
+        suite
+    }
+
+    /// The page, or none and a test that fails with the line that is wrong.
+    fn read(&mut self, path: &Path, fences: Fences) -> Option<Page> {
+        let shown = shown(path);
+        let (line, text) = match Page::read(path, fences) {
+            Ok(page) if !page.examples.is_empty() => {
+                self.pages.push(page.clone());
+                return Some(page);
+            }
+            Ok(_) => (1, "no examples".to_owned()),
+            Err(fault) => (fault.line, fault.text),
+        };
+        self.test(&shown.clone(), move || Err(format!("{shown}:{line}: {text}")));
+        None
+    }
+
+    fn trial(
+        &mut self,
+        path: &Path,
+        name: &str,
+        examples: Vec<Example>,
+        run: impl FnOnce(&[Example], &mut Check<'_>) + Send + 'static,
+    ) {
+        let update = std::env::var_os("UPDATE").is_some_and(|value| value != "0");
+        let (edits, path, shown) = (Arc::clone(&self.edits), path.to_owned(), shown(path));
+        self.test(name, move || {
+            let Some(first) = examples.first() else { return Ok(()) };
+            let mut check = Check::new(&shown, first);
+            run(&examples, &mut check);
+            let (wrong, changes) = check.finish();
+            if wrong.is_empty() {
+                return Ok(());
+            }
+            if update && !changes.is_empty() {
+                edits.lock().unwrap_or_else(PoisonError::into_inner).entry(path).or_default().extend(changes);
+                return Ok(());
+            }
+            let hint = if changes.is_empty() { "" } else { "\nUPDATE=1 writes what was found into the page" };
+            Err(format!("{}{hint}", wrong.trim_end()))
+        });
     }
 
     /// The pages that could be read.

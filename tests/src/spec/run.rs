@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use counterpoint_kernel::diag;
 use counterpoint_kernel::log::event::{Diagnostic, Kind};
-use counterpoint_mdspec::{Check, Example};
+use counterpoint_mdspec::{Check, Example, counted, severity_name};
 
 use super::{Case, outcome};
 use crate::Done;
@@ -117,23 +117,9 @@ fn diagnostics(example: &Example, case: &Case, done: &Done, check: &mut Check<'_
 
 /// Severity and word, or number where there is no word.
 fn named(diagnostic: &Diagnostic) -> String {
-    let severity = match diagnostic.severity {
-        0..=3 => "message",
-        4..=7 => "warning",
-        8..=15 => "error",
-        16.. => "fatal",
-    };
+    let severity = severity_name(diagnostic.severity);
     match diag::name(diagnostic.number) {
         Some(name) => format!("{severity} {name}"),
         None => format!("{severity} {:08}", diagnostic.number),
     }
-}
-
-/// Equal expectations in a row as one with their number.
-fn counted(marks: &[String]) -> Vec<String> {
-    let runs = marks.chunk_by(|one, next| one == next);
-    let text = |run: &[String]| {
-        run.first().map(|one| if run.len() > 1 { format!("{one} ×{}", run.len()) } else { one.clone() })
-    };
-    runs.filter_map(text).collect()
 }

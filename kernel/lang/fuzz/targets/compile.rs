@@ -2,7 +2,7 @@
 #![no_main]
 
 use counterpoint_lang::compile::{self, Options, Place, Program, Strong};
-use counterpoint_lang::host::Test;
+use counterpoint_lang_standalone::Standalone;
 use counterpoint_lang::source::Source;
 use libfuzzer_sys::fuzz_target;
 
@@ -17,7 +17,7 @@ fn options(byte: u8) -> Options {
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((first, text)) = bytes.split_first() else { return };
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     let added = compile::add(&mut program, &mut host, Source::from_bytes("any", text), options(*first));
     for diagnostic in &added.diagnostics {
         std::hint::black_box(diagnostic.to_string());

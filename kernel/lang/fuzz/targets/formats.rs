@@ -3,7 +3,7 @@
 #![no_main]
 
 use counterpoint_lang::format::{Format, read, wildcard_text, write};
-use counterpoint_lang::host::Test;
+use counterpoint_lang_standalone::Standalone;
 use counterpoint_lang::value::Value;
 use libfuzzer_sys::fuzz_target;
 
@@ -20,7 +20,7 @@ fn value(position: usize, text: &str) -> Value {
 
 fuzz_target!(|input: &str| {
     let (format, text) = input.split_once('\n').unwrap_or((input, "12.5"));
-    let mut host = Test::new();
+    let mut host = Standalone::new();
     if let Ok(format) = Format::output(format) {
         let values: Vec<Value> = (0..format.arguments).map(|position| value(position, text)).collect();
         let _ = write(&mut String::new(), &format, &values, &mut host);

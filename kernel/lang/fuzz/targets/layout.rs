@@ -2,15 +2,15 @@
 #![no_main]
 
 use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::host::Test;
+use counterpoint_lang_standalone::Standalone;
 use counterpoint_lang::source::Source;
-use counterpoint_lang::tools::{self, Style};
+use counterpoint_lang::layout::{self, Style};
 use libfuzzer_sys::fuzz_target;
 
 /// What a text does: the numbers of its errors, or else its instructions and constants.
 fn meaning(text: &str) -> Result<Vec<String>, Vec<u32>> {
     let mut program = Program::new();
-    let added = compile::add(&mut program, &mut Test::new(), Source::new("any", text), Options::default());
+    let added = compile::add(&mut program, &mut Standalone::new(), Source::new("any", text), Options::default());
     if added.has_errors() {
         let mut numbers: Vec<u32> = added.diagnostics.iter().map(|diagnostic| diagnostic.number.0).collect();
         numbers.sort_unstable();
@@ -24,8 +24,8 @@ fn meaning(text: &str) -> Result<Vec<String>, Vec<u32>> {
 
 fuzz_target!(|text: &str| {
     for style in [Style::Standard, Style::C] {
-        let Ok(once) = tools::format(text, style) else { continue };
-        assert_eq!(tools::format(&once, style).as_ref(), Ok(&once), "formatting twice changes it again");
+        let Ok(once) = layout::format(text, style) else { continue };
+        assert_eq!(layout::format(&once, style).as_ref(), Ok(&once), "formatting twice changes it again");
         assert_eq!(meaning(&once), meaning(text), "formatting changes the meaning: {once}");
     }
 });

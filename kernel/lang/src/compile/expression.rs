@@ -144,7 +144,7 @@ impl MacroCompiler<'_> {
                 let name = format!("$P{number:02}");
                 if !self.locals.contains_key(&name) {
                     let slot = self.new_local(&name, None, None);
-                    self.code.arguments.push((*number, slot));
+                    self.code.signature.arguments.push((*number, slot));
                 }
                 name
             }

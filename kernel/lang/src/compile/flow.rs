@@ -196,8 +196,8 @@ impl MacroCompiler<'_> {
                     return None;
                 }
                 let (low_slot, high_slot) = (self.slot(), self.slot());
-                self.code.constants.push((low_slot, low));
-                self.code.constants.push((high_slot, high));
+                self.code.registers.constants.push((low_slot, low));
+                self.code.registers.constants.push((high_slot, high));
                 Some(self.emit(Op::JumpIfThru { a, low: low_slot, target: 0 }))
             }
         }
@@ -221,7 +221,7 @@ impl MacroCompiler<'_> {
             ExprKind::Record(record) => Value::Record(*record),
             ExprKind::Code(_) | ExprKind::Register(_) => {
                 let (slot, _) = self.expression(expression, None);
-                let found = self.code.constants.iter().find(|(other, _)| *other == slot);
+                let found = self.code.registers.constants.iter().find(|(other, _)| *other == slot);
                 found.map_or(Value::Unset, |(_, value)| value.clone())
             }
             ExprKind::Sequence(parts) => {

@@ -20,7 +20,7 @@ const MOST_CALLS: usize = 64;
 pub(super) fn link(program: &mut Program, first: usize) {
     for index in first..program.macros.len() {
         let Some(caller) = program.macros.get(index).cloned() else { continue };
-        let mut room = Room { registers: caller.registers, known: FxHashMap::default(), constants: Vec::new() };
+        let mut room = Room { registers: caller.registers.count, known: FxHashMap::default(), constants: Vec::new() };
         let mut bodies = Vec::new();
         let mut forms = Vec::new();
         for (at, form) in caller.short.forms.iter().enumerate() {
@@ -37,8 +37,8 @@ pub(super) fn link(program: &mut Program, first: usize) {
         drop(caller);
         let Some(place) = program.macros.get_mut(index).filter(|_| !bodies.is_empty()) else { continue };
         let code = Arc::make_mut(place);
-        code.registers = room.registers;
-        code.constants.extend(room.constants);
+        code.registers.count = room.registers;
+        code.registers.constants.extend(room.constants);
         code.short.bodies = bodies;
         for (at, form) in forms {
             if let Some(place) = code.short.forms.get_mut(at) {
@@ -77,24 +77,25 @@ impl Room {
         let slot = near(Slot::try_from(self.registers).ok()?).filter(|slot| usize::from(*slot) < WINDOW)?;
         self.registers += 1;
         self.known.insert((callee, own), slot);
-        let constant = function.constants.iter().find(|(slot, _)| *slot == Slot::from(own));
+        let constant = function.registers.constants.iter().find(|(slot, _)| *slot == Slot::from(own));
         self.constants.extend(constant.map(|(_, value)| (Slot::from(slot), value.clone())));
         Some(slot)
     }
 }
 
 fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut Room) -> Option<Body> {
-    let plain = function.is_function && function.statements.is_empty() && function.shared.is_empty();
+    let plain = function.signature.is_function && function.statements.is_empty() && function.shared.is_empty();
     if !plain || function.ops.len() > MOST || function.short.forms.is_empty() {
         return None;
     }
-    let given = caller.lists.get(usize::from(list)).filter(|given| given.len() == function.parameters.len())?;
+    let given =
+        caller.lists.get(usize::from(list)).filter(|given| given.len() == function.signature.parameters.len())?;
     let effects = effects(function)?;
     let written = |slot: Slot| effects.iter().any(|effect| effect.writes.map(Slot::from) == Some(slot));
-    let (result, kind) = function.result?;
+    let (result, kind) = function.signature.result?;
     let mut arguments = FxHashMap::default();
     let (mut typed, mut copied) = (Vec::new(), Vec::new());
-    for ((slot, kind), from) in function.parameters.iter().zip(given) {
+    for ((slot, kind), from) in function.signature.parameters.iter().zip(given) {
         let from = near(*from)?;
         typed.extend(kind.map(|kind| (from, kind)));
         if written(*slot) {
@@ -110,7 +111,7 @@ fn body(caller: &Code, function: &Code, (callee, list): (u16, u16), room: &mut R
     let forms: Option<Vec<Fast>> = function.short.forms.iter().map(|form| Some(form.moved(&mut place)?.0)).collect();
     let (forms, result) = (forms?, near(result)?);
     let mut cleared = Vec::new();
-    for local in &function.locals {
+    for local in &function.registers.locals {
         let local = near(*local)?;
         if is_read_first(&effects, local, false) {
             cleared.push(place(local)?);

@@ -64,7 +64,7 @@ impl MacroCompiler<'_> {
 
     pub(super) fn new_local(&mut self, name: &str, kind: Option<Kind>, declared: Option<u32>) -> Slot {
         let slot = self.slot();
-        self.code.locals.push(slot);
+        self.code.registers.locals.push(slot);
         let user = !name.starts_with(['%', '$']);
         let local = Local { slot, kind, indices: 0, channel: false, declared, written: false, read: None, user };
         self.locals.insert(name.to_owned(), local);

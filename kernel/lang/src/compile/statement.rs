@@ -35,7 +35,7 @@ impl MacroCompiler<'_> {
     /// Refuses what the kind of macro does not allow; functions may do whatever their callers may.
     fn allowed(&mut self, kind: &StatementKind) {
         use StatementKind as K;
-        if self.code.is_function {
+        if self.code.signature.is_function {
             return;
         }
         let message = match (self.options.place, kind) {

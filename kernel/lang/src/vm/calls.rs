@@ -30,10 +30,10 @@ pub(super) fn enter(
         }
     };
     let registers = frame.registers.as_mut_slice();
-    for (slot, _) in &code.parameters {
+    for (slot, _) in &code.signature.parameters {
         run::set(registers, *slot, Value::Unset);
     }
-    for (number, slot) in &code.arguments {
+    for (number, slot) in &code.signature.arguments {
         if let Some(value) = arguments.get(usize::from(*number) - 1) {
             run::set(registers, *slot, value.clone());
         }
@@ -45,7 +45,7 @@ pub(super) fn enter(
     if let Some(outer) = outer {
         state.inner_ended(outer);
     }
-    for (number, slot) in &code.arguments {
+    for (number, slot) in &code.signature.arguments {
         if let (Some(value), Some(register)) =
             (arguments.get_mut(usize::from(*number) - 1), frame.registers.get(usize::from(*slot)))
         {
@@ -101,7 +101,7 @@ pub(super) fn put_back(state: &mut State, frame: Box<Frame>) {
 /// Result of the last run of a function.
 pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value {
     static NULL: Value = Value::Null;
-    match (code.result, state.calls.frames.get(usize::from(index))) {
+    match (code.signature.result, state.calls.frames.get(usize::from(index))) {
         (Some((slot, _)), Some(Some(frame))) => run::get(&frame.registers, slot),
         _ => &NULL,
     }
@@ -110,7 +110,7 @@ pub(super) fn result<'a>(state: &'a State, code: &Code, index: u16) -> &'a Value
 /// Gives the result of a function to its caller.
 #[inline]
 pub(super) fn give(code: &Code, frame: &[Value], caller: &mut [Value], to: Slot) {
-    let Some((result, _)) = code.result else { return run::set(caller, to, Value::Null) };
+    let Some((result, _)) = code.signature.result else { return run::set(caller, to, Value::Null) };
     match run::number(frame, result) {
         Some(number) => run::set_number(caller, to, number),
         None => run::set(caller, to, run::get(frame, result).clone()),
@@ -124,7 +124,7 @@ fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result
     let mut frame = match state.calls.frames.get_mut(usize::from(index)) {
         // Short forms work on a window of fixed size, so every frame has that much more than it needs.
         Some(place) if state.depth < state.limits.depth => match place.take() {
-            Some(frame) if frame.registers.len() == code.registers + WINDOW => frame,
+            Some(frame) if frame.registers.len() == code.registers.count + WINDOW => frame,
             other => fresh(program, state, code, (index, other))?,
         },
         _ => fresh(program, state, code, (index, None))?,
@@ -136,12 +136,12 @@ fn take(program: &Program, state: &mut State, code: &Code, index: u16) -> Result
 /// Unsets the variables of a macro and its result.
 #[inline(always)]
 fn clear(code: &Code, registers: &mut [Value]) {
-    for slot in &code.locals {
+    for slot in &code.registers.locals {
         if let Some(register) = registers.get_mut(usize::from(*slot)) {
             run::become_plain(register, Value::Unset);
         }
     }
-    if let Some(register) = code.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
+    if let Some(register) = code.signature.result.and_then(|(result, _)| registers.get_mut(usize::from(result))) {
         run::become_plain(register, Value::Null);
     }
 }
@@ -168,8 +168,8 @@ fn fresh(
         state.calls.frames.resize_with(slot, || Some(Box::default()));
         state.calls.frames.push(None);
     }
-    let mut registers = vec![Value::Unset; code.registers + WINDOW];
-    for (slot, value) in &code.constants {
+    let mut registers = vec![Value::Unset; code.registers.count + WINDOW];
+    for (slot, value) in &code.registers.constants {
         run::set(&mut registers, *slot, value.clone());
     }
     Ok(Box::new(Frame { registers, index, ..Frame::default() }))
@@ -193,10 +193,10 @@ pub(super) fn quick_call<'p>(
     }
     let called = place.as_mut()?;
     let (registers, own) = (called.registers.as_mut_slice(), frame.registers.as_slice());
-    if registers.len() != function.registers + WINDOW {
+    if registers.len() != function.registers.count + WINDOW {
         return None;
     }
-    for ((parameter, kind), from) in function.parameters.iter().zip(given) {
+    for ((parameter, kind), from) in function.signature.parameters.iter().zip(given) {
         let (value, parameter) = (own.get(usize::from(*from))?, registers.get_mut(usize::from(*parameter))?);
         match (value, parameter) {
             (Value::Real(number), parameter) if kind.is_none_or(|kind| kind == Kind::Real) => {
@@ -231,7 +231,7 @@ pub(super) fn quick_return<'p>(
     code: &Code,
     frame: &mut Box<Frame>,
 ) -> Option<(&'p Code, usize)> {
-    let (result, kind) = code.result?;
+    let (result, kind) = code.signature.result?;
     let value = frame.registers.get(usize::from(result))?;
     let fits = match value {
         Value::Null => true,
@@ -260,7 +260,7 @@ pub(super) fn quick_return<'p>(
 /// Copies arguments from the registers `list` of the caller into the parameters of a function.
 #[inline]
 pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[Slot]) -> Result<(), Fault> {
-    for ((slot, kind), from) in code.parameters.iter().zip(given) {
+    for ((slot, kind), from) in code.signature.parameters.iter().zip(given) {
         match (run::get(caller, *from), kind, frame.get_mut(usize::from(*slot))) {
             (Value::Real(number), None | Some(Kind::Real), Some(parameter)) => run::put(parameter, *number),
             (value, None, Some(parameter)) => *parameter = value.clone(),
@@ -274,7 +274,7 @@ pub(super) fn fill(code: &Code, frame: &mut [Value], caller: &[Value], given: &[
 /// Checks the result of a macro that came to its end.
 #[inline]
 pub(super) fn finished(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> End {
-    match code.result {
+    match code.signature.result {
         Some((slot, Some(kind))) => result_typed(state, host, code, run::get(frame, slot), kind),
         _ => End::Normal,
     }

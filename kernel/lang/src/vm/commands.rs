@@ -96,9 +96,9 @@ fn formatted(state: &mut State, host: &mut dyn Host, frame: &[Value], slots: &[S
 }
 
 fn output(state: &mut State, host: &mut dyn Host, code: &Code, frame: &[Value]) -> Outcome<bool> {
-    code.arguments.iter().try_for_each(|(_, slot)| pay_to_look(state, get(frame, *slot)))?;
+    code.signature.arguments.iter().try_for_each(|(_, slot)| pay_to_look(state, get(frame, *slot)))?;
     let mut arguments: Vec<(u8, Value)> =
-        code.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
+        code.signature.arguments.iter().map(|(number, slot)| (*number, get(frame, *slot).clone())).collect();
     arguments.sort_by_key(|(number, _)| *number);
     host.command(state, Command::Output(&arguments))?;
     Ok(false)

@@ -12,10 +12,10 @@ mod values;
 
 use counterpoint_lang::bytecode::fast::Fast;
 use counterpoint_lang::compile::{self, Options, Program};
-use counterpoint_lang::host::Test;
 use counterpoint_lang::source::Source;
 use counterpoint_lang::value::{Kind, Value};
 use counterpoint_lang::vm::{self, Limits, State};
+use counterpoint_lang_standalone::Standalone;
 use places::{GOALS, Goal, ORIGINS, Origin, Writer, types_of};
 use std::sync::Arc;
 use values::{Known, OPERATORS, Operator, Tree};
@@ -49,7 +49,7 @@ fn values_of(kind: &str) -> Vec<Known> {
 
 /// Runs a macro and gives the only line that came out of it, or what went wrong.
 fn outcome(text: &str, system: &[(String, Known)], arguments: &[Known], options: (bool, bool)) -> String {
-    let (mut program, mut host) = (Program::new(), Test::new());
+    let (mut program, mut host) = (Program::new(), Standalone::new());
     for (name, value) in system {
         host.variable(name, Kind::named(value.type_name()), true);
         host.set_system(name, value.value());
@@ -69,11 +69,11 @@ fn outcome(text: &str, system: &[(String, Known)], arguments: &[Known], options:
     for index in &added.macros {
         vm::run(&program, &mut state, &mut host, *index, &mut values);
     }
-    let mut lines = host.printed;
-    lines.extend(host.commands.iter().filter_map(|line| line.strip_prefix("EXEC/NOW,").map(str::to_owned)));
-    lines.extend(host.files.get("out").map(|text| text.trim_end_matches('\n').to_owned()));
+    let mut lines = host.output.printed;
+    lines.extend(host.output.commands.iter().filter_map(|line| line.strip_prefix("EXEC/NOW,").map(str::to_owned)));
+    lines.extend(host.disk.files.get("out").map(|text| text.trim_end_matches('\n').to_owned()));
     lines.extend(
-        host.diagnostics.iter().map(|diagnostic| {
+        host.output.diagnostics.iter().map(|diagnostic| {
             if diagnostic.severity == 0 { diagnostic.message.clone() } else { diagnostic.to_string() }
         }),
     );

@@ -7,7 +7,8 @@
 use super::digits;
 use super::word::{self, Word, Wrong};
 use crate::ident::codes;
-use crate::model::{CallHow, CodeRow, Preprocessor, Register, Variables, WordCall};
+use crate::model::{CallHow, CodeRow, Register, Variables, WordCall};
+use crate::preprocessor::Preprocessor;
 use crate::tables::{form_range, overlap};
 use crate::toml::section::Section;
 
@@ -39,8 +40,10 @@ pub(super) fn read(section: &mut Section<'_>, around: &Around<'_>) -> Vec<WordCa
         row.finish();
         calls.extend(call);
     }
-    if !calls.is_empty() && around.preprocessor != Preprocessor::Fanuc {
-        section.error("calls", "words call programs only with `preprocessor = \"fanuc\"` in [ce]");
+    if !calls.is_empty() && !around.preprocessor.row().calls_by_word {
+        let able = Preprocessor::all().map(Preprocessor::row).filter(|row| row.calls_by_word);
+        let able: Vec<String> = able.map(|row| format!("`preprocessor = \"{}\"`", row.name)).collect();
+        section.error("calls", format!("words call programs only with {} in [ce]", able.join(" or ")));
     }
     calls
 }

@@ -2,7 +2,8 @@
 //!
 //! Invariant: a delimiter that is there is not empty. Facts: reference control-emulator.md 5.5, 5.6.
 
-use crate::model::{Format, Preprocessor, RewindStop};
+use crate::model::{Format, RewindStop};
+use crate::preprocessor::Preprocessor;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -18,8 +19,7 @@ pub(super) fn read(top: &mut Section<'_>, check: &Check, preprocessor: Preproces
         eob: None,
     };
     let Some(mut section) = top.table("format", "[format]") else { return format };
-    let comments = matches!(preprocessor, Preprocessor::Siemens | Preprocessor::Heidenhain);
-    // A semicolon begins their comments.
+    let comments = preprocessor.row().semicolon_comments;
     format.eob = section.character("eob").flatten().filter(|eob| *eob != ';' || !comments);
     format.rws = section.text("rws").unwrap_or_default().to_owned();
     if !format.rws.is_empty() && section.node("rws_at").is_none() {

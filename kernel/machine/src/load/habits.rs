@@ -4,7 +4,7 @@
 //! control-emulator.md 1.5; system-variables.md 2 (`$TUDQ`, `$IUDQ`, `$WUDQ`).
 
 use crate::habits::{Habits, Home, Rotations};
-use crate::model::Preprocessor;
+use crate::preprocessor::Preprocessor;
 use crate::toml::section::Section;
 
 /// Elements of `$TUDQ`, `$IUDQ` and `$WUDQ`.
@@ -12,7 +12,7 @@ const ROOM: [usize; 3] = [10, 100, 50];
 
 /// Reads `[control]` of a control with this pre-processor.
 pub(super) fn read(top: &mut Section<'_>, preprocessor: Preprocessor) -> Habits {
-    let mut habits = Habits { frame_increments: preprocessor == Preprocessor::Siemens, ..Habits::default() };
+    let mut habits = Habits { frame_increments: preprocessor.row().frame_increments, ..Habits::default() };
     let Some(mut section) = top.table("control", "[control]") else { return habits };
     habits.speed_word = section.flag("speed_word").unwrap_or(habits.speed_word);
     let homes = [("workpiece", Home::Workpiece), ("machine", Home::Machine)];

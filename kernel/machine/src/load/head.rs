@@ -2,7 +2,8 @@
 //!
 //! Invariant: a name has 1 to 32 characters; units and pre-processor are always decided.
 
-use crate::model::{MachineKind, Preprocessor};
+use crate::model::MachineKind;
+use crate::preprocessor::Preprocessor;
 use crate::toml::section::Section;
 use counterpoint_event::Unit;
 
@@ -29,7 +30,7 @@ pub(super) fn read(top: &mut Section<'_>) -> Head {
         author: String::new(),
         description: String::new(),
         unit: Unit::Mm,
-        preprocessor: Preprocessor::None,
+        preprocessor: Preprocessor::NONE,
         kind: MachineKind::Mill,
     };
     top.require("ce", "a section with the machine's name");
@@ -58,14 +59,9 @@ fn read_ce(mut section: Section<'_>, head: &mut Head) {
         }
     }
     head.unit = section.choice("units", &[("mm", Unit::Mm), ("inch", Unit::Inch)]).unwrap_or(Unit::Mm);
-    let preprocessors = [
-        ("none", Preprocessor::None),
-        ("fanuc", Preprocessor::Fanuc),
-        ("okuma", Preprocessor::Okuma),
-        ("siemens", Preprocessor::Siemens),
-        ("heidenhain", Preprocessor::Heidenhain),
-    ];
-    head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or(Preprocessor::None);
+    let preprocessors: Vec<_> =
+        Preprocessor::all().map(|preprocessor| (preprocessor.row().name, preprocessor)).collect();
+    head.preprocessor = section.choice("preprocessor", &preprocessors).unwrap_or_default();
     section.finish();
 }
 

@@ -6,7 +6,8 @@
 use crate::ident::kind::CodeKind;
 use crate::ident::{code_facts, codes};
 use crate::macros::model::Hook;
-use crate::model::{CodeRow, Preprocessor};
+use crate::model::CodeRow;
+use crate::preprocessor::Preprocessor;
 use crate::toml::check::Check;
 use crate::toml::section::Section;
 
@@ -37,12 +38,12 @@ fn why(hook: Hook, rows: &[CodeRow], preprocessor: Preprocessor, channels: usize
             "a machine with one channel has no master; `program_startup` and `program_shutdown` run in the channel",
         ),
         Hook::PreprocessorStartup | Hook::PreprocessorShutdown | Hook::Identification
-            if preprocessor == Preprocessor::None =>
+            if preprocessor == Preprocessor::NONE =>
         {
             Some("this machine has no pre-processor; `preprocessor` of [ce] is expected")
         }
         Hook::SubprogramStartup | Hook::SubprogramShutdown
-            if preprocessor == Preprocessor::None
+            if preprocessor == Preprocessor::NONE
                 && !any(&|row| [codes::CALSUB_ID, codes::CALSUB_RANGE].contains(&row.id)) =>
         {
             Some("no row of [[codes]] calls a subprogram (CODE_CALSUB_ID, CODE_CALSUB_RANGE)")

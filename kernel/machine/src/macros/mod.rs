@@ -7,8 +7,5 @@ pub mod environment;
 pub mod identifiers;
 pub mod model;
 mod pattern;
-mod standalone;
 pub mod system;
 pub mod without;
-
-pub use standalone::standalone;

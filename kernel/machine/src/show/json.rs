@@ -18,7 +18,7 @@ pub fn json(machine: &Machine) -> Value {
         "description": machine.description,
         "units": word(machine.unit),
         "type": word(machine.kind),
-        "preprocessor": word(machine.preprocessor),
+        "preprocessor": machine.preprocessor.row().name,
         "format": format(machine),
         "registers": machine.registers.iter().map(register_json).collect::<Vec<_>>(),
         "codes": sorted_codes(machine).into_iter().map(|row| code(machine, row)).collect::<Vec<_>>(),

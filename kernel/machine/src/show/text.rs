@@ -100,7 +100,7 @@ pub(super) fn summary(machine: &Machine) -> String {
     line("author", machine.author.clone());
     line("type", word(machine.kind));
     line("units", word(machine.unit));
-    line("preprocessor", word(machine.preprocessor));
+    line("preprocessor", machine.preprocessor.row().name.to_owned());
     line("rewind-stop", format!("{} {}", format.rws, word(format.rws_at)).trim().to_owned());
     line("comment", pair(&format.comment));
     line("message", pair(&format.message));

@@ -94,6 +94,9 @@ fn what_is_not_known_of_a_tool_and_no_macro_leave_their_fields_out() {
         "{text}"
     );
     let origin = Origin { name: "Fence".into(), file: "m/f.mac".into(), line: 2, statement: "A=1/0".into() };
+    let known = Diagnostic { number: 2_019_001, severity: 8, text: "t".into(), ..Diagnostic::default() };
+    let text = line(&at(1, 1, 0, 0, Kind::Diagnostic(Box::new(known))));
+    assert!(text.ends_with(r#""number":2019001,"severity":8,"text":"t","name":"no-feed"}"#), "{text}");
     let raised = Diagnostic { number: 7, severity: 8, origin: Some(Box::new(origin)), ..Diagnostic::default() };
     let text = line(&at(1, 1, 0, 0, Kind::Diagnostic(Box::new(raised))));
     assert!(

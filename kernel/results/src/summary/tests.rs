@@ -43,7 +43,7 @@ fn the_json_is_the_documented_one() {
             r#""feed_ns":3000000000,"rapid_ns":0,"misc_ns":0,"wait_ns":0},"#,
             r#"{"channel":2,"name":"LOWER","program":"jobs/p2.nc","state":"NOT_STARTED","blocks":0,"end_ns":0,"#,
             r#""feed_ns":0,"rapid_ns":0,"misc_ns":0,"wait_ns":0}],"waits":[],"verdict":null,"diagnostics":["#,
-            r#"{"number":2001005,"severity":4,"channel":1,"file":"jobs/p1.nc","line":1,"block":"G1 X10.","#,
+            r#"{"number":2001005,"name":"text-not-recognised","severity":4,"channel":1,"file":"jobs/p1.nc","line":1,"block":"G1 X10.","#,
             r#""text":"no \"Q\"","t_ns":3000000000}]}"#
         )
     );

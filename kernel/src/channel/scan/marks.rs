@@ -4,8 +4,9 @@
 
 use super::Scanner;
 use super::passed::find;
-use crate::dialect::fanuc::{Names, key_word};
 use crate::machine::Machine;
+use crate::mcd::key_words::{Names, key_word};
+use crate::mcd::syntax::Syntax;
 use crate::state::block::Block;
 
 /// Whether a place of a line lies inside an expression or a statement of the pre-processor.
@@ -57,8 +58,8 @@ pub(crate) fn name_end(line: &[u8], at: usize) -> usize {
 
 impl Scanner {
     /// For text that no optional skip applies to: its mark is a character like any other.
-    pub(crate) fn without_marks(machine: &Machine) -> Self {
-        Self { opskip: None, ..Self::new(machine, &[]) }
+    pub(crate) fn without_marks(machine: &Machine, syntax: &'static Syntax) -> Self {
+        Self { opskip: None, ..Self::new(machine, syntax, &[]) }
     }
 
     /// The line without skipped portions and marks, and whether a level was active; `None` without a mark. As for the
@@ -74,7 +75,7 @@ impl Scanner {
             formula.read(self.names(), line, at);
             let end = match self.comment_end(line, at) {
                 Some(end) => end,
-                None if byte == mark && !(self.macros && formula.divides()) && !self.divides(line, at) => {
+                None if byte == mark && !(self.has_custom_macro() && formula.divides()) && !self.divides(line, at) => {
                     let mut scratch = Block::default();
                     let next = self.skip(line, at, byte, &mut scratch).unwrap_or(at + 1);
                     let active = next > at + 2 || line.get(next).is_none() && next > at + 1;
@@ -94,7 +95,8 @@ impl Scanner {
     /// the block and other marks stand before it.
     fn divides(&self, line: &[u8], at: usize) -> bool {
         let leads = |byte: &u8| byte.is_ascii_digit() || b" \t/Nn:".contains(byte);
-        !line.get(..at).unwrap_or_default().iter().all(leads) && self.foreign.is_some_and(|concerns| concerns(line))
+        !line.get(..at).unwrap_or_default().iter().all(leads)
+            && self.syntax.needs_interpreter.is_some_and(|needs| needs(line))
     }
 
     /// Level of the first mark of a line, none without one.
@@ -103,7 +105,7 @@ impl Scanner {
         let (mut at, mut formula) = (0, Formula::default());
         while let Some(&byte) = line.get(at) {
             formula.read(self.names(), line, at);
-            if byte == mark && !(self.macros && formula.divides()) && !self.divides(line, at) {
+            if byte == mark && !(self.has_custom_macro() && formula.divides()) && !self.divides(line, at) {
                 return Some(self.mark(line, at).0);
             }
             at = self.comment_end(line, at).unwrap_or(at + 1);
@@ -122,7 +124,8 @@ impl Scanner {
             let kinds = kinds.into_iter().filter_map(|(message, pair)| Some((message, pair.as_ref()?)));
             let starts = |(_, (start, _)): &(bool, &(Vec<u8>, Vec<u8>))| !start.is_empty() && rest.starts_with(start);
             // Inside brackets of an expression nothing begins.
-            let found_here = if self.macros && formula.depth > 0 { None } else { kinds.into_iter().find(starts) };
+            let found_here =
+                if self.has_custom_macro() && formula.depth > 0 { None } else { kinds.into_iter().find(starts) };
             let Some((message, (start, end))) = found_here else {
                 formula.read(self.names(), line, at);
                 at += 1;

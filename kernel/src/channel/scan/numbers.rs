@@ -2,8 +2,8 @@
 //!
 //! Facts: reference control-emulator.md 1.4 (reading a number). Invariant: a value is the number closest to its digits.
 
-use crate::dialect::fanuc::Number;
 use crate::machine::model::{NumberFormat, Point, Zeros};
+use crate::mcd::key_words::Number;
 use crate::state::block::irregular;
 
 /// Powers of ten that are exact in `f64`.

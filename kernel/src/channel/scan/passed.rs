@@ -62,7 +62,7 @@ impl Scanner {
     pub(crate) fn mark(&self, line: &[u8], at: usize) -> (u8, usize) {
         match line.get(at + 1) {
             Some(digit @ b'1'..=b'9') => (digit - b'0', at + 2),
-            Some(b'0') if self.foreign.is_some() => (self.opskip_default, at + 2),
+            Some(b'0') if self.syntax.needs_interpreter.is_some() => (self.opskip_default, at + 2),
             _ => (self.opskip_default, at + 1),
         }
     }

@@ -1,16 +1,16 @@
 //! From the text of a line to a [`Line`]: its statement.
 
+use super::control::KEY_WORDS;
 use super::cursor::{Error, NESTING, Parser};
 use super::expr::Expr;
-use super::formula::Operand;
-use super::key_words::{STATEMENTS, key_word};
-use super::statement::{Line, Names, Statement};
+use super::statement::{Line, Statement};
+use crate::mcd::key_words::{Names, key_word};
 
 /// Compiles a line (comments and optional-skip marks already blanked out) of a machine that has these names.
 ///
 /// # Errors
 /// [`Error`] with the column and what was expected.
-pub(crate) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
+pub(super) fn compile(text: &[u8], names: Names<'_>) -> Result<Line, Error> {
     let mut parser = Parser { text, at: 0, depth: 0, names, written: None, name: None };
     let mut sequence = None;
     parser.blanks();
@@ -40,7 +40,7 @@ impl Parser<'_> {
         if self.stands_long_name() || !key_word(self.names, self.text, self.at) {
             return self.words();
         }
-        match self.keyword(STATEMENTS) {
+        match self.keyword(KEY_WORDS.all) {
             Some("IF") => self.conditional(),
             Some("WHILE") => {
                 let condition = self.condition()?;
@@ -107,7 +107,7 @@ impl Parser<'_> {
         // Its own brackets are no level.
         self.at += 1;
         let mut ops = Vec::new();
-        self.logical(&mut ops, Operand::Relation)?;
+        self.relation(&mut ops)?;
         if !self.accept(b']') {
             return Err(self.error("']'"));
         }
@@ -123,7 +123,7 @@ impl Parser<'_> {
                 return Err(self.error("'=' after the variable"));
             }
             let mut value = Vec::new();
-            self.logical(&mut value, Operand::Expression)?;
+            self.logical(&mut value)?;
             list.push((self.checked(target)?, self.checked(value)?));
         }
         Ok(Statement::Assign(list))
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     fn plain(text: &[u8]) -> Result<Line, Error> {
-        compile(text, Names::default())
+        compile(text, Names { key_words: KEY_WORDS, ..Names::default() })
     }
 
     #[test]

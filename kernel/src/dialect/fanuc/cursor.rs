@@ -2,18 +2,18 @@
 //!
 //! Invariant: blanks never count; what is taken is never looked at again.
 
-use super::statement::{Names, Number};
+use crate::mcd::key_words::{Names, Number};
 
 /// Why a line cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("column {}: {text}", .at + 1)]
-pub(crate) struct Error {
+pub(super) struct Error {
     /// Byte in the line.
-    pub(crate) at: usize,
+    pub(super) at: usize,
     /// What was expected.
-    pub(crate) text: String,
+    pub(super) text: String,
     /// There are more brackets inside each other than the control has room for.
-    pub(crate) brackets: bool,
+    pub(super) brackets: bool,
 }
 
 /// Deepest nesting of brackets.

@@ -4,24 +4,19 @@
 //! that counts as zero in arithmetic and equals only itself. Functions come from `libm`, so that every machine gives
 //! the same bits.
 
-use crate::dialect::numeric::{DEGREES, away, cosine, from_bcd, sine, tangent, to_bcd};
+use counterpoint_fault::Halt;
 
-/// The vacant value.
-pub(crate) const VACANT: f64 = f64::from_bits(0x7ff8_0000_0c0d_e001);
-
-/// Tells the vacant value from every other one.
-pub(crate) fn is_vacant(value: f64) -> bool {
-    value.to_bits() == VACANT.to_bits()
-}
+pub(super) use crate::dialect::numeric::is_vacant;
+use crate::dialect::numeric::{DEGREES, Function};
 
 /// The value in arithmetic: vacant is zero.
-pub(crate) fn number(value: f64) -> f64 {
+pub(super) fn number(value: f64) -> f64 {
     if is_vacant(value) { 0.0 } else { value }
 }
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub(crate) enum Fault {
+pub(super) enum Fault {
     #[error("division by zero")]
     Division,
     #[error("the value is beyond the range of numbers")]
@@ -40,12 +35,19 @@ pub(crate) enum Fault {
     KeptFunction(String),
     #[error("there is no function {0}")]
     NoFunction(String),
-    #[error("the job was stopped")]
-    Stopped,
+    /// The kernel leaves its program.
+    #[error("the program ends")]
+    Halt(Halt),
+}
+
+impl From<Halt> for Fault {
+    fn from(halt: Halt) -> Self {
+        Self::Halt(halt)
+    }
 }
 
 /// Access to variables.
-pub(crate) trait Variables {
+pub(super) trait Variables {
     /// Value of `#index`, [`VACANT`] when it has none.
     fn get(&mut self, index: u32) -> Result<f64, Fault>;
 
@@ -54,7 +56,7 @@ pub(crate) trait Variables {
         Err(Fault::NoFunction(format!("at column {}", span.0 + 1)))
     }
 
-    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address behind an address.
+    /// Steps of one unit that ROUND rounds to: 1 in statements, those of the address after an address.
     fn steps(&self) -> f64 {
         1.0
     }
@@ -62,7 +64,7 @@ pub(crate) trait Variables {
 
 /// Postfix operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Op {
+pub(super) enum Op {
     Number(f64),
     /// `#n` with a fixed number.
     Variable(u32),
@@ -89,27 +91,14 @@ pub(crate) enum Op {
     Ge,
     Lt,
     Le,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
+    Apply(Function),
     Atan2,
-    Sqrt,
-    Abs,
     Round,
-    Fix,
-    Fup,
-    Ln,
-    Exp,
-    Bin,
-    Bcd,
 }
 
 /// A compiled expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Expr {
+pub(super) struct Expr {
     pub(super) ops: Vec<Op>,
 }
 
@@ -118,12 +107,12 @@ pub(super) const STACK: usize = 64;
 
 impl Expr {
     /// A constant.
-    pub(crate) fn constant(value: f64) -> Self {
+    pub(super) fn constant(value: f64) -> Self {
         Self { ops: vec![Op::Number(value)] }
     }
 
     /// The constant value, if it is one.
-    pub(crate) fn as_constant(&self) -> Option<f64> {
+    pub(super) fn as_constant(&self) -> Option<f64> {
         match self.ops.as_slice() {
             [Op::Number(value)] => Some(*value),
             _ => None,
@@ -134,7 +123,7 @@ impl Expr {
     ///
     /// # Errors
     /// [`Fault`] of the first operation without a result.
-    pub(crate) fn eval(&self, variables: &mut dyn Variables) -> Result<f64, Fault> {
+    pub(super) fn eval(&self, variables: &mut impl Variables) -> Result<f64, Fault> {
         let mut stack = [0.0_f64; STACK];
         let mut top = 0_usize;
         for op in &self.ops {
@@ -150,9 +139,14 @@ impl Expr {
                     let value = number(pop(&stack, &mut top));
                     push(&mut stack, &mut top, to_step(value, variables.steps()));
                 }
-                op if is_unary(*op) => {
+                Op::Neg => {
                     let value = number(pop(&stack, &mut top));
-                    push(&mut stack, &mut top, unary(*op, value)?);
+                    push(&mut stack, &mut top, -value);
+                }
+                Op::Apply(function) => {
+                    let value = number(pop(&stack, &mut top));
+                    let applied = function.value(value).ok_or(Fault::Domain(function.name(), value))?;
+                    push(&mut stack, &mut top, applied);
                 }
                 op => {
                     let right = pop(&stack, &mut top);
@@ -179,62 +173,15 @@ fn pop(stack: &[f64; STACK], top: &mut usize) -> f64 {
 }
 
 /// A value rounded to the nearest of so many steps of one unit, halves away from zero.
-pub(crate) fn to_step(value: f64, steps: f64) -> f64 {
+pub(super) fn to_step(value: f64, steps: f64) -> f64 {
     let rounded = (value * steps).round() / steps;
     if rounded.is_finite() { rounded } else { value }
 }
 
 /// Index of a variable from a value, which is rounded to a whole number.
-pub(crate) fn variable_index(value: f64) -> Result<u32, Fault> {
+pub(super) fn variable_index(value: f64) -> Result<u32, Fault> {
     let index = value.round();
     if (0.0..=f64::from(u32::MAX)).contains(&index) { Ok(index as u32) } else { Err(Fault::NoVariable(value)) }
-}
-
-fn is_unary(op: Op) -> bool {
-    matches!(
-        op,
-        Op::Neg
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Asin
-            | Op::Acos
-            | Op::Atan
-            | Op::Sqrt
-            | Op::Abs
-            | Op::Round
-            | Op::Fix
-            | Op::Fup
-            | Op::Ln
-            | Op::Exp
-            | Op::Bin
-            | Op::Bcd
-    )
-}
-
-fn unary(op: Op, v: f64) -> Result<f64, Fault> {
-    Ok(match op {
-        Op::Neg => -v,
-        Op::Sin => sine(v),
-        Op::Cos => cosine(v),
-        Op::Tan => tangent(v).ok_or(Fault::Domain("TAN", v))?,
-        Op::Asin if v.abs() > 1.0 => return Err(Fault::Domain("ASIN", v)),
-        Op::Asin => libm::asin(v) * DEGREES,
-        Op::Acos if v.abs() > 1.0 => return Err(Fault::Domain("ACOS", v)),
-        Op::Acos => libm::acos(v) * DEGREES,
-        Op::Atan => libm::atan(v) * DEGREES,
-        Op::Sqrt if v < 0.0 => return Err(Fault::Domain("SQRT", v)),
-        Op::Sqrt => v.sqrt(),
-        Op::Abs => v.abs(),
-        Op::Fix => v.trunc(),
-        Op::Fup => away(v),
-        Op::Ln if v <= 0.0 => return Err(Fault::Domain("LN", v)),
-        Op::Ln => libm::log(v),
-        Op::Exp => libm::exp(v),
-        Op::Bin => from_bcd(v),
-        Op::Bcd => to_bcd(v),
-        _ => v,
-    })
 }
 
 fn binary(op: Op, left: f64, right: f64) -> Result<f64, Fault> {

@@ -5,34 +5,79 @@
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op, STACK};
+use crate::dialect::expression::{Grammar, read};
+use crate::dialect::numeric::Function;
 
 /// Functions of one argument in brackets.
 const FUNCTIONS: &[(&str, Op)] = &[
-    ("SIN", Op::Sin),
-    ("COS", Op::Cos),
-    ("TAN", Op::Tan),
-    ("ASIN", Op::Asin),
-    ("ACOS", Op::Acos),
-    ("ATAN", Op::Atan),
-    ("SQRT", Op::Sqrt),
-    ("SQR", Op::Sqrt),
-    ("ABS", Op::Abs),
+    ("SIN", Op::Apply(Function::Sin)),
+    ("COS", Op::Apply(Function::Cos)),
+    ("TAN", Op::Apply(Function::Tan)),
+    ("ASIN", Op::Apply(Function::Asin)),
+    ("ACOS", Op::Apply(Function::Acos)),
+    ("ATAN", Op::Apply(Function::Atan)),
+    ("SQRT", Op::Apply(Function::Sqrt)),
+    ("SQR", Op::Apply(Function::Sqrt)),
+    ("ABS", Op::Apply(Function::Abs)),
     ("ROUND", Op::Round),
-    ("FIX", Op::Fix),
-    ("FUP", Op::Fup),
-    ("LN", Op::Ln),
-    ("EXP", Op::Exp),
-    ("BIN", Op::Bin),
-    ("BCD", Op::Bcd),
+    ("FIX", Op::Apply(Function::Fix)),
+    ("FUP", Op::Apply(Function::Fup)),
+    ("LN", Op::Apply(Function::Ln)),
+    ("EXP", Op::Apply(Function::Exp)),
+    ("BIN", Op::Apply(Function::Bin)),
+    ("BCD", Op::Apply(Function::Bcd)),
 ];
 
-/// What stands between `&&` and `||`.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Operand {
-    /// Outside brackets: no comparisons.
-    Expression,
+/// Operators by level, loosest first: text, how many of its letters are enough, what it does.
+const OPERATORS: [&[(&str, usize, Op)]; 5] = [
+    &[("||", 2, Op::Either)],
+    &[("&&", 2, Op::Both)],
+    &[("EQ", 2, Op::Eq), ("NE", 2, Op::Ne), ("GT", 2, Op::Gt), ("GE", 2, Op::Ge), ("LT", 2, Op::Lt), ("LE", 2, Op::Le)],
+    &[("+", 1, Op::Add), ("-", 1, Op::Sub), ("|", 1, Op::Or), ("OR", 2, Op::Or), ("XOR", 2, Op::Xor)],
+    &[("*", 1, Op::Mul), ("/", 1, Op::Div), ("&", 1, Op::And), ("AND", 2, Op::And), ("MOD", 3, Op::Mod)],
+];
+
+/// Level of comparisons, which are understood inside brackets only.
+const COMPARISONS: usize = 2;
+/// Level of sums.
+const SUMS: usize = 3;
+
+/// Reads an expression into postfix operations.
+struct Reader<'p, 't> {
+    parser: &'p mut Parser<'t>,
+    ops: &'p mut Vec<Op>,
     /// Inside brackets.
-    Relation,
+    compares: bool,
+}
+
+impl Grammar for Reader<'_, '_> {
+    type Operator = Op;
+    type Part = ();
+    type Mistake = Error;
+
+    fn operand(&mut self) -> Result<(), Error> {
+        self.parser.signed(self.ops)
+    }
+
+    fn operator(&mut self, loosest: usize) -> Option<(usize, Op)> {
+        self.parser.peek()?;
+        let letters = self.parser.letters();
+        for (level, operators) in OPERATORS.iter().enumerate().skip(loosest) {
+            if level == COMPARISONS && !self.compares {
+                continue;
+            }
+            if let Some((_, _, op)) =
+                operators.iter().find(|(text, least, _)| self.parser.takes(text, *least, &letters))
+            {
+                return Some((level, *op));
+            }
+        }
+        None
+    }
+
+    fn join(&mut self, op: Op, (): (), (): ()) {
+        self.ops.push(op);
+    }
 }
 
 impl Parser<'_> {
@@ -66,122 +111,35 @@ impl Parser<'_> {
         if most > STACK { Err(self.error("a shorter expression")) } else { Ok(Expr { ops }) }
     }
 
-    /// Lowest binding: `||`, then `&&`, between operands of one kind.
-    pub(super) fn logical(&mut self, ops: &mut Vec<Op>, operand: Operand) -> Result<(), Error> {
-        self.conjunction(ops, operand)?;
-        while self.accept_pair(b'|') {
-            self.conjunction(ops, operand)?;
-            ops.push(Op::Either);
-        }
-        Ok(())
+    /// An expression outside brackets: without comparisons.
+    pub(super) fn logical(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        read(&mut Reader { parser: self, ops, compares: false }, 0)
     }
 
-    fn conjunction(&mut self, ops: &mut Vec<Op>, operand: Operand) -> Result<(), Error> {
-        let read = |parser: &mut Self, ops: &mut Vec<Op>| match operand {
-            Operand::Expression => parser.expression(ops),
-            Operand::Relation => parser.relation(ops),
-        };
-        read(self, ops)?;
-        while self.accept_pair(b'&') {
-            read(self, ops)?;
-            ops.push(Op::Both);
-        }
-        Ok(())
+    /// An expression inside brackets.
+    pub(super) fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
+        read(&mut Reader { parser: self, ops, compares: true }, 0)
     }
 
-    fn stands_pair(&mut self, byte: u8) -> bool {
-        self.peek() == Some(byte) && self.text.get(self.at + 1) == Some(&byte)
-    }
-
-    fn accept_pair(&mut self, byte: u8) -> bool {
-        let found = self.stands_pair(byte);
-        if found {
-            self.at += 2;
-        }
-        found
-    }
-
-    /// Comparisons.
-    fn relation(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        self.expression(ops)?;
-        loop {
-            let op = match self.letters().get(..2) {
-                Some("EQ") => Op::Eq,
-                Some("NE") => Op::Ne,
-                Some("GT") => Op::Gt,
-                Some("GE") => Op::Ge,
-                Some("LT") => Op::Lt,
-                Some("LE") => Op::Le,
-                _ => return Ok(()),
-            };
-            self.at += 2;
-            self.expression(ops)?;
-            ops.push(op);
-        }
-    }
-
+    /// A sum.
     pub(super) fn expression(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        self.term(ops)?;
-        loop {
-            let letters = self.letters();
-            let op = match self.peek() {
-                Some(b'+') => {
-                    self.at += 1;
-                    Op::Add
-                }
-                Some(b'-') => {
-                    self.at += 1;
-                    Op::Sub
-                }
-                Some(b'|') if !self.stands_pair(b'|') => {
-                    self.at += 1;
-                    Op::Or
-                }
-                _ if letters.starts_with("OR") => {
-                    self.at += 2;
-                    Op::Or
-                }
-                _ if letters.starts_with("XO") => {
-                    self.at += if letters.starts_with("XOR") { 3 } else { 2 };
-                    Op::Xor
-                }
-                _ => return Ok(()),
-            };
-            self.term(ops)?;
-            ops.push(op);
-        }
+        read(&mut Reader { parser: self, ops, compares: false }, SUMS)
     }
 
-    fn term(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
-        self.signed(ops)?;
-        loop {
-            let letters = self.letters();
-            let op = match self.peek() {
-                Some(b'*') => {
-                    self.at += 1;
-                    Op::Mul
-                }
-                Some(b'/') => {
-                    self.at += 1;
-                    Op::Div
-                }
-                Some(b'&') if !self.stands_pair(b'&') => {
-                    self.at += 1;
-                    Op::And
-                }
-                _ if letters.starts_with("AN") => {
-                    self.at += if letters.starts_with("AND") { 3 } else { 2 };
-                    Op::And
-                }
-                _ if letters.starts_with("MOD") => {
-                    self.at += 3;
-                    Op::Mod
-                }
-                _ => return Ok(()),
-            };
-            self.signed(ops)?;
-            ops.push(op);
-        }
+    /// Takes an operator that stands here; of one of letters so many are enough.
+    fn takes(&mut self, text: &str, least: usize, letters: &str) -> bool {
+        let here = self.text.get(self.at..).unwrap_or_default();
+        let length = match text.as_bytes() {
+            // A doubled one is another operator.
+            [sign @ (b'|' | b'&')] if here.get(1) == Some(sign) => 0,
+            [b'A'..=b'Z', ..] if letters.starts_with(text) => text.len(),
+            [b'A'..=b'Z', ..] if text.get(..least).is_some_and(|begin| letters.starts_with(begin)) => least,
+            [b'A'..=b'Z', ..] => 0,
+            sign if here.starts_with(sign) => sign.len(),
+            _ => 0,
+        };
+        self.at += length;
+        length > 0
     }
 
     fn signed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
@@ -248,7 +206,7 @@ impl Parser<'_> {
     pub(super) fn bracketed(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         self.nest()?;
         self.at += 1;
-        self.logical(ops, Operand::Relation)?;
+        self.relation(ops)?;
         if !self.accept(b']') {
             return Err(self.error("']'"));
         }
@@ -284,7 +242,7 @@ impl Parser<'_> {
         if self.peek() != Some(b'[') {
             return Err(self.error("'[' after the function"));
         }
-        if op == Op::Atan {
+        if op == Op::Apply(Function::Atan) {
             return self.arc_tangent(ops);
         }
         self.bracketed(ops)?;
@@ -328,10 +286,10 @@ impl Parser<'_> {
     fn arc_tangent(&mut self, ops: &mut Vec<Op>) -> Result<(), Error> {
         self.nest()?;
         self.at += 1;
-        self.logical(ops, Operand::Relation)?;
+        self.relation(ops)?;
         let two = self.accept(b',');
         if two {
-            self.logical(ops, Operand::Relation)?;
+            self.relation(ops)?;
         }
         if !self.accept(b']') {
             return Err(self.error("']'"));
@@ -344,7 +302,7 @@ impl Parser<'_> {
             return Ok(());
         }
         self.at = mark;
-        ops.push(if two { Op::Atan2 } else { Op::Atan });
+        ops.push(if two { Op::Atan2 } else { Op::Apply(Function::Atan) });
         Ok(())
     }
 }
@@ -352,8 +310,10 @@ impl Parser<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::compile;
-    use super::super::expr::{Fault, VACANT, Variables};
-    use super::super::statement::{Names, Statement};
+    use super::super::expr::{Fault, Variables};
+    use super::super::statement::Statement;
+    use crate::dialect::numeric::VACANT;
+    use crate::mcd::key_words::Names;
 
     struct Fixed;
 

@@ -3,11 +3,12 @@
 use rustc_hash::FxHashMap;
 
 use super::statement::Statement;
+use crate::dialect::kept::Table;
 use crate::mcd::spot::Spot;
 
 /// Partners of the bracketing statements of a program, by block.
 #[derive(Debug, Default)]
-pub(crate) struct Pairs {
+pub(super) struct Pairs {
     /// `WHILE … DO m` or `DO m` → its `END m`, and back.
     loops: FxHashMap<Spot, Spot>,
     /// A block `IF` or `ELSE` → its `ELSE` or `ENDIF`.
@@ -16,7 +17,7 @@ pub(crate) struct Pairs {
 
 impl Pairs {
     /// Pairs the statements of a program given in their order.
-    pub(crate) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
+    pub(super) fn of(statements: impl Iterator<Item = (Spot, Statement)>) -> Self {
         let mut pairs = Self::default();
         let mut open: Vec<(u8, Spot)> = Vec::new();
         let mut ifs: Vec<Spot> = Vec::new();
@@ -60,18 +61,19 @@ impl Pairs {
         pairs
     }
 
-    /// Bytes that they take, about.
-    pub(crate) fn bytes(&self) -> usize {
-        (self.loops.len() + self.branches.len()) * 36
-    }
-
     /// Partner of a loop statement.
-    pub(crate) fn of_loop(&self, spot: Spot) -> Option<Spot> {
+    pub(super) fn of_loop(&self, spot: Spot) -> Option<Spot> {
         self.loops.get(&spot).copied()
     }
 
     /// Where a block `IF` or `ELSE` leads when its branch is not taken.
-    pub(crate) fn of_branch(&self, spot: Spot) -> Option<Spot> {
+    pub(super) fn of_branch(&self, spot: Spot) -> Option<Spot> {
         self.branches.get(&spot).copied()
+    }
+}
+
+impl Table for Pairs {
+    fn bytes(&self) -> usize {
+        (self.loops.len() + self.branches.len()) * 36
     }
 }

@@ -6,7 +6,7 @@
 use super::cursor::{Error, Parser};
 use super::expr::{is_vacant, to_step};
 use super::statement::Item;
-use crate::machine::model::Output;
+use counterpoint_machine::model::Output;
 
 impl Parser<'_> {
     /// `[text#n[cd]…]` with so many digits in each format.
@@ -62,7 +62,7 @@ impl Parser<'_> {
 }
 
 /// A number as DPRNT writes it; vacant is 0.
-pub(crate) fn decimal(value: f64, whole: u8, fraction: u8, output: &Output) -> String {
+pub(super) fn decimal(value: f64, whole: u8, fraction: u8, output: &Output) -> String {
     let value = if is_vacant(value) { 0.0 } else { value };
     let value = to_step(value, 10_f64.powi(i32::from(fraction)));
     let digits = format!("{:.1$}", value.abs(), usize::from(fraction));
@@ -76,7 +76,7 @@ pub(crate) fn decimal(value: f64, whole: u8, fraction: u8, output: &Output) -> S
 }
 
 /// The four bytes of a number as BPRNT writes it, as characters of the same numbers; vacant is 0.
-pub(crate) fn binary(value: f64, fraction: u8) -> String {
+pub(super) fn binary(value: f64, fraction: u8) -> String {
     let value = if is_vacant(value) { 0.0 } else { value };
     let number = (value * 10_f64.powi(i32::from(fraction))).round() as i32;
     number.to_be_bytes().map(char::from).iter().collect()

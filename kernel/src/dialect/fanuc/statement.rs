@@ -1,26 +1,26 @@
 //! A compiled program line, and what its words may be called.
 
 use super::expr::Expr;
-use crate::mcd::special::Special;
+use crate::mcd::key_words::Number;
 
 /// A line after compiling.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Line {
+pub(super) struct Line {
     /// Sequence number.
-    pub(crate) sequence: Option<u32>,
+    pub(super) sequence: Option<u32>,
     /// What it does.
-    pub(crate) statement: Statement,
-    /// Place of the statement, behind the sequence number.
-    pub(crate) place: (u32, u32),
+    pub(super) statement: Statement,
+    /// Place of the statement, after the sequence number.
+    pub(super) place: (u32, u32),
     /// Place of a program name in angle brackets.
-    pub(crate) name: Option<(u32, u32)>,
+    pub(super) name: Option<(u32, u32)>,
     /// Places of its messages to the operator.
-    pub(crate) messages: Box<[(u32, u32)]>,
+    pub(super) messages: Box<[(u32, u32)]>,
 }
 
 /// What a line does.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Statement {
+pub(super) enum Statement {
     /// A block of words, some of them with expressions.
     Words(Vec<TemplateWord>),
     /// `#i = expression`, left to right.
@@ -53,7 +53,7 @@ pub(crate) enum Statement {
 
 /// A part of what a printing statement writes.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Item {
+pub(super) enum Item {
     Text(String),
     /// A variable, its digits before the point and after it.
     Number(Expr, u8, u8),
@@ -61,50 +61,26 @@ pub(crate) enum Item {
 
 /// A word whose value may be an expression.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TemplateWord {
+pub(super) struct TemplateWord {
     /// What it is called.
-    pub(crate) name: Name,
+    pub(super) name: Name,
     /// Value; vacant values drop the word.
-    pub(crate) value: Expr,
+    pub(super) value: Expr,
     /// The value is this number, which the word's register reads.
-    pub(crate) written: Option<Number>,
+    pub(super) written: Option<Number>,
     /// Start in the line.
-    pub(crate) start: u32,
+    pub(super) start: u32,
     /// End in the line.
-    pub(crate) end: u32,
-}
-
-/// A number as written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Number {
-    /// Value read as a plain number.
-    pub(crate) value: f64,
-    /// A decimal point was written.
-    pub(crate) point: bool,
-    /// Digits written before the point.
-    pub(crate) digits: u8,
+    pub(super) end: u32,
 }
 
 /// What a word is called.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Name {
+pub(super) enum Name {
     /// Upper-case letter.
     Letter(u8),
     /// A special register of the machine, and whether it is the incremental form.
     Register(u8, bool),
     /// A literal text: row of the code table. It has no value.
     Text(u16),
-}
-
-/// What a machine has besides words of one letter.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Names<'a> {
-    /// Literal texts that look like words, with their rows, longest first.
-    pub(crate) like_words: &'a [(Vec<u8>, u16)],
-    /// Special registers, longest first.
-    pub(crate) registers: &'a [Special],
-    /// All literal texts with their rows, longest first.
-    pub(crate) texts: &'a [(Vec<u8>, u16)],
-    /// Most levels of brackets in an expression.
-    pub(crate) brackets: Option<u8>,
 }

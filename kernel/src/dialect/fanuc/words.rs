@@ -5,7 +5,8 @@
 
 use super::cursor::{Error, Parser};
 use super::expr::{Expr, Op};
-use super::statement::{Name, Number, Statement, TemplateWord};
+use super::statement::{Name, Statement, TemplateWord};
+use crate::mcd::key_words::Number;
 use crate::mcd::program::program_name;
 use crate::mcd::special::{stands, starts_value};
 
@@ -49,7 +50,7 @@ impl Parser<'_> {
         }
         for special in names.registers.iter().filter(|special| special.has_value(text, start)) {
             self.at = start + special.before.len();
-            // Text behind the number encloses an expression like brackets.
+            // Text after the number encloses an expression like brackets.
             let value = if special.after.is_empty() { self.word_value() } else { self.enclosed() };
             if let Ok(value) = value
                 && text.get(self.at..).is_some_and(|rest| rest.starts_with(&special.after))
@@ -102,7 +103,7 @@ impl Parser<'_> {
         };
         self.blanks();
         let start = self.at;
-        // Letters behind that of the word are a function only if the control has it.
+        // Letters after that of the word are a function only if the control has it.
         if self.peek().is_some_and(|byte| byte.is_ascii_uppercase()) && !self.stands_function() {
             return Err(self.error("a value"));
         }

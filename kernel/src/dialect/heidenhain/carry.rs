@@ -1,6 +1,6 @@
-//! Statements carried out.
+//! Statements executed.
 //!
-//! Facts: see [`super::statement`]. Invariant: a block is either carried out, left as words, or diagnosed.
+//! Facts: see [`super::statement`]. Invariant: a block is either executed, left as words, or diagnosed.
 
 use super::eval::{Asked, Evaluator};
 use super::formula::Formula;
@@ -9,15 +9,15 @@ use super::statement::{Condition, Statement, Test};
 use super::variables::Value;
 use super::words::{Seen, Word, joined};
 use super::{Heidenhain, Line};
-use crate::diag;
-use crate::dialect::{Host, Place};
+use crate::dialect::host::{Host, Place};
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
-/// Blocks between a line and the corner or the path block behind it.
+/// Blocks between a line and the corner or the path block after it.
 const NEAR: u32 = 50;
 
 impl Heidenhain {
-    /// Carries out a block: what is left of it, blocks in lines of their own.
+    /// Executes a block: what is left of it, blocks in lines of their own.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, line: &Line, place: Place) -> Result<Option<String>, Halt> {
         match &line.statement {
             Statement::Nothing | Statement::Label(_) => Ok(None),
@@ -91,7 +91,7 @@ impl Heidenhain {
         }
     }
 
-    /// A statement that is not emulated: told, and dropped.
+    /// A statement that is not emulated: reported and dropped.
     pub(super) fn not_understood(&mut self, host: &mut dyn Host) -> Option<String> {
         let text = format!("the pre-processor does not understand '{}', it is dropped", host.block_text());
         host.diagnose(&diag::STATEMENT_UNKNOWN, text);
@@ -131,14 +131,14 @@ impl Heidenhain {
 
     /// Words of a block that the control tells by parameters.
     pub(super) fn functions_of(&mut self, seen: &[Seen]) {
-        let told = &mut self.variables.told;
+        let control = &mut self.variables.control;
         for word in seen {
             match (&*word.name, word.value) {
-                ("M", Some(number)) => told.function(number),
-                ("T", Some(number)) => told.tool = Some(number),
-                ("G", Some(17.0)) => told.tool_axis = Some(2),
-                ("G", Some(18.0)) => told.tool_axis = Some(1),
-                ("G", Some(19.0)) => told.tool_axis = Some(0),
+                ("M", Some(number)) => control.function(number),
+                ("T", Some(number)) => control.tool = Some(number),
+                ("G", Some(17.0)) => control.tool_axis = Some(2),
+                ("G", Some(18.0)) => control.tool_axis = Some(1),
+                ("G", Some(19.0)) => control.tool_axis = Some(0),
                 _ => {}
             }
         }
@@ -160,7 +160,7 @@ impl Heidenhain {
         words: &[Word],
     ) -> Result<Option<String>, Halt> {
         if let Some(inch) = inch {
-            self.variables.told.inch = inch;
+            self.variables.control.inch = inch;
         }
         if !words.is_empty() {
             let seen = Evaluator::new(&mut self.variables, host).seen(words)?;
@@ -212,7 +212,7 @@ impl Heidenhain {
         };
         let mut seen = Evaluator::new(&mut self.variables, host).seen(words)?;
         if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
-            self.variables.told.tool = Some(number);
+            self.variables.control.tool = Some(number);
         }
         self.feed_units(host, &mut seen)?;
         for word in &seen {
@@ -220,7 +220,7 @@ impl Heidenhain {
                 && let Some(at) = AXES.iter().position(|axis| word.is(axis))
             {
                 // Q109 counts X, Y, Z as 0 to 2, U, V, W as 6 to 8, as the axes stand here.
-                self.variables.told.tool_axis = Some(at);
+                self.variables.control.tool_axis = Some(at);
                 self.path.plane = match at % 3 {
                     0 => [1, 2],
                     1 => [2, 0],
@@ -235,9 +235,9 @@ impl Heidenhain {
         if let Some(number) = number.as_deref().and_then(|number| number.parse::<f64>().ok()) {
             let own = self.tools.get(&(number as u32)).copied().unwrap_or_default();
             let more = seen.iter().find(|word| word.is("DR")).and_then(|word| word.value).unwrap_or(0.0);
-            let told = &mut self.variables.told;
-            (told.tool, told.length) = (Some(number), own.0);
-            told.radius = own.1.map(|radius| radius + more);
+            let control = &mut self.variables.control;
+            (control.tool, control.length) = (Some(number), own.0);
+            control.radius = own.1.map(|radius| radius + more);
         }
         self.functions_of(&seen);
         // Allowances belong to the tool table, unless the machine has registers for them.
@@ -307,7 +307,7 @@ impl Heidenhain {
         }
         let mut steps = Vec::new();
         let second = if is_corner { self.following(host, behind, place) } else { None };
-        // The line of a corner is told by what it was read from.
+        // The line of a corner follows from what it was read from.
         for (read, at) in [(Some(first), behind), (second.map(|(read, _)| read), 0)] {
             if let Some(read) = read
                 && let Statement::Path { shape, iso, words } = &read.statement
@@ -319,7 +319,7 @@ impl Heidenhain {
         Ok(steps)
     }
 
-    /// The next path block from a line on, with the line behind it.
+    /// The next path block from a line on, with the line after it.
     fn following(&mut self, host: &mut dyn Host, from: u32, place: Place) -> Option<(std::sync::Arc<Line>, u32)> {
         let mut line = from;
         while line <= place.range.last && line < from.saturating_add(NEAR) {

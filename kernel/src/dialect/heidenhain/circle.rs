@@ -1,14 +1,14 @@
 //! Circles of path blocks, and their centres.
 //!
 //! Facts: programming manuals of the control (C, CR, CT, CC; G2, G3, G5, G6, I, J, K). Invariant: the centre of a
-//! circle is told either by `CC` before it or by words of its own block, never by both.
+//! circle comes either from `CC` before it or by words of its own block, never by both.
 
-use super::geometry::{Point, along, center_by_radius, left, minus, times};
 use super::path::{AXES, Position, Shape, Walk};
 use super::words::{Seen, joined};
+use crate::dialect::contour::{Point, along, center_by_radius, left, minus, times};
 
 impl Walk<'_> {
-    /// Direction of a circle: before its words in ISO programs, behind them in others.
+    /// Direction of a circle: before its words in ISO programs, after them in others.
     pub(super) fn circle_code(&self, code: &str, clockwise: bool) -> (String, Option<Seen>) {
         match self.step.iso && self.path.mode.is_some() {
             true => ((if clockwise { "G2" } else { "G3" }).to_owned(), None),

@@ -1,43 +1,15 @@
 //! Corners, and ways to and from a contour.
 //!
 //! Facts: programming manuals of the control (CHF, RND, APPR, DEP; G24, G25). Decisions: only corners between straight
-//! lines are made; a way to the contour takes the direction of the path block behind it; radius compensation begins on
+//! lines are made; a way to the contour takes the direction of the path block after it; radius compensation begins on
 //! the first line of an approach and ends on the last line of a departure, after an arc on the next straight line.
-//! Invariant: a corner takes no more of a line than there is of it.
+//! Invariant: a corner that cannot be made is left sharp and reported.
 
-use super::geometry::{Point, along, direction, dot, left, length, minus, times, touch, turn, turned};
-use super::path::{Corner, Position, Shape, Walk, Way, axis};
+use super::path::{Corner, Position, Shape, Walk, axis};
 use super::words::Seen;
-
-/// What a corner needs of both its lines, and how it turns.
-struct Room {
-    from: Point,
-    to: Point,
-    clockwise: bool,
-}
-
-/// Where a corner begins and ends.
-fn room(before: Point, corner: Point, after: Point, chamfer: bool, size: f64) -> Result<Room, &'static str> {
-    let (Some(in_), Some(out)) = (direction(minus(corner, before)), direction(minus(after, corner))) else {
-        return Err("a corner needs a line before and behind it");
-    };
-    if !(size > 0.0 && size.is_finite()) {
-        return Err("a corner needs a length or radius above zero");
-    }
-    let side = turn(in_, out);
-    if side.abs() < 1e-9 {
-        return Err("there is no corner between lines of one direction");
-    }
-    let need = match chamfer {
-        true => size,
-        // The tangent of half the turn.
-        false => size * side.abs() / (1.0 + dot(in_, out)),
-    };
-    if need > length(minus(corner, before)) + 1e-9 || need > length(minus(after, corner)) + 1e-9 {
-        return Err("a corner is larger than its lines");
-    }
-    Ok(Room { from: along(corner, in_, -need), to: along(corner, out, need), clockwise: side < 0.0 })
-}
+use crate::dialect::contour::{
+    self, Approach, Departure, Point, Side, Way, along, direction, left, minus, times, turned,
+};
 
 impl Walk<'_> {
     /// Where a line has to end, if the next block makes a corner at its end.
@@ -68,8 +40,8 @@ impl Walk<'_> {
             return None;
         };
         let (before, corner) = (self.flat(&self.actual), self.flat(end));
-        match room(before, corner, after, chamfer, size) {
-            Ok(Room { from, to, clockwise }) => {
+        match contour::corner(before, corner, after, chamfer, size) {
+            Ok(contour::Corner { from, to, clockwise }) => {
                 let radius = if chamfer { None } else { Some(size) };
                 self.path.corner = Some(Corner { line: first.line, to, radius, clockwise });
                 Some(from)
@@ -94,7 +66,7 @@ impl Walk<'_> {
         }
         let pole = self.path.pole?;
         let from = minus(self.flat(start), pole);
-        let (mut radius, mut angle) = (length(from), libm::atan2(from[1], from[0]).to_degrees());
+        let (mut radius, mut angle) = (libm::hypot(from[0], from[1]), libm::atan2(from[1], from[0]).to_degrees());
         for word in seen {
             match (&*word.name, word.value) {
                 ("PR", Some(value)) => radius = value,
@@ -134,9 +106,12 @@ impl Walk<'_> {
         self.step.seen.iter().find(|word| word.is(name) && word.text != "R0").and_then(|word| word.value)
     }
 
-    /// Side on which the tool goes: that of the compensation, else left for a positive value.
-    fn on_left(&self, value: f64) -> bool {
-        self.path.is_left.unwrap_or(value >= 0.0)
+    /// Length or radius of a way, and the side on which the tool goes: that of the compensation, else left for a positive
+    /// value.
+    fn side(&self, way: Way) -> Side {
+        let size = self.word(if matches!(way, Way::Straight | Way::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
+        let angle = self.word("CCA").unwrap_or(90.0).abs();
+        Side { size: size.abs(), on_left: self.path.is_left.unwrap_or(size >= 0.0), angle }
     }
 
     pub(super) fn approach(&mut self, way: Way) -> Vec<String> {
@@ -159,22 +134,10 @@ impl Walk<'_> {
             let others = self.others(&USED);
             return vec![self.straight(&end, &others)];
         };
-        let size = self.word(if matches!(way, Way::Straight | Way::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
-        let on_left = self.on_left(size);
-        let side = if on_left { left(heading) } else { times(left(heading), -1.0) };
-        let center = along(to, side, size.abs());
-        let begin = match way {
-            Way::Straight => Some(along(to, heading, -size.abs())),
-            Way::Normal => Some(along(to, side, size.abs())),
-            Way::Circle => {
-                let angle = self.word("CCA").unwrap_or(90.0).abs();
-                let back = turned(minus(to, center), if on_left { -angle } else { angle });
-                Some(along(center, back, 1.0))
-            }
-            Way::LineAndCircle => touch(from, center, size.abs(), !on_left),
-        };
+        let side = self.side(way);
+        let made = contour::approach(way, from, (to, heading), side);
         let others = self.others(&USED);
-        let Some(begin) = begin.filter(|_| size != 0.0) else {
+        let Some(Approach { begin, radius, heading }) = made else {
             self.complain("an approach has no length or radius that fits, the point is reached straight");
             return vec![self.straight(&end, &others)];
         };
@@ -185,16 +148,12 @@ impl Walk<'_> {
         self.put(&mut first, begin);
         let lines = vec![self.straight(&first, &others)];
         let from = std::mem::replace(&mut self.actual, first);
-        let last = match way {
-            Way::Straight | Way::Normal => self.straight(&end, &[]),
-            Way::Circle | Way::LineAndCircle => {
-                let around = turn(minus(begin, center), minus(to, center));
-                let longer = if on_left { around < 0.0 } else { around > 0.0 };
-                self.by_radius(&end, if longer { -size.abs() } else { size.abs() }, !on_left, &[])
-            }
+        let last = match radius {
+            None => self.straight(&end, &[]),
+            Some(radius) => self.by_radius(&end, radius, !side.on_left, &[]),
         };
         self.actual = from;
-        self.path.heading = Some(if way == Way::Normal { times(side, -1.0) } else { heading });
+        self.path.heading = Some(heading);
         lines.into_iter().chain([last]).collect()
     }
 
@@ -216,7 +175,7 @@ impl Walk<'_> {
                 let to = self.end_of(&step.seen, from, false)?;
                 let clockwise = step.seen.iter().any(|word| word.text == "DR-");
                 let radius = step.seen.iter().find(|word| word.is("R") && word.text != "R0")?.value?;
-                let center = super::geometry::center_by_radius(point, to, radius, clockwise)?;
+                let center = contour::center_by_radius(point, to, radius, clockwise)?;
                 let tangent = left(direction(minus(point, center))?);
                 Some(if clockwise { times(tangent, -1.0) } else { tangent })
             }
@@ -237,54 +196,44 @@ impl Walk<'_> {
             self.complain("a departure needs a path block before it");
             return Vec::new();
         };
-        let size = self.word(if matches!(way, Way::Straight | Way::Normal) { "LEN" } else { "R" }).unwrap_or(0.0);
-        if size == 0.0 {
+        let side = self.side(way);
+        if side.size == 0.0 {
             self.complain("a departure has no length or radius");
             return Vec::new();
         }
-        let on_left = self.on_left(size);
-        let side = if on_left { left(heading) } else { times(left(heading), -1.0) };
-        let center = along(from, side, size.abs());
         self.path.is_left = None;
         let mut with_end = others;
         if !with_end.iter().any(|word| word.text == "R0") {
             with_end.insert(0, Seen::text("R0"));
         }
-        match way {
-            Way::Straight | Way::Normal => {
-                let direction = if way == Way::Straight { heading } else { side };
-                self.put(&mut end, along(from, direction, size.abs()));
-                self.path.heading = Some(direction);
+        match contour::depart(way, (from, heading), self.flat(&end), side) {
+            Some(Departure::Line { to, heading }) => {
+                self.put(&mut end, to);
+                self.path.heading = Some(heading);
                 vec![self.straight(&end, &with_end)]
             }
-            Way::Circle => {
-                let angle = self.word("CCA").unwrap_or(90.0).abs();
-                let to = along(center, turned(minus(from, center), if on_left { angle } else { -angle }), 1.0);
+            Some(Departure::Arc { to, radius, heading }) => {
                 self.put(&mut end, to);
-                self.path.heading = Some(turned(heading, if on_left { angle } else { -angle }));
+                self.path.heading = Some(heading);
                 self.path.ends_compensation = true;
                 with_end.retain(|word| word.text != "R0");
-                vec![self.by_radius(&end, if angle > 180.0 { -size.abs() } else { size.abs() }, !on_left, &with_end)]
+                vec![self.by_radius(&end, radius, !side.on_left, &with_end)]
             }
-            Way::LineAndCircle => {
-                let goal = self.flat(&end);
-                // Seen from the end the same as an approach, the other way round.
-                let Some(leave) = touch(goal, center, size.abs(), on_left) else {
-                    self.complain("a departure ends inside its circle, the point is reached straight");
-                    return vec![self.straight(&end, &with_end)];
-                };
+            Some(Departure::ArcAndLine { leave, radius, to }) => {
                 let mut middle = self.actual;
                 self.put(&mut middle, leave);
-                let longer = turn(minus(from, center), minus(leave, center)) < 0.0;
-                let radius = if longer == on_left { -size.abs() } else { size.abs() };
                 let feed: Vec<Seen> = with_end.iter().filter(|word| word.is("F")).cloned().collect();
-                let first = self.by_radius(&middle, radius, !on_left, &feed);
+                let first = self.by_radius(&middle, radius, !side.on_left, &feed);
                 with_end.retain(|word| !word.is("F"));
                 let start = std::mem::replace(&mut self.actual, middle);
                 let last = self.straight(&end, &with_end);
                 self.actual = start;
-                self.head_for(minus(goal, leave));
+                self.head_for(minus(to, leave));
                 vec![first, last]
+            }
+            None => {
+                self.complain("a departure ends inside its circle, the point is reached straight");
+                vec![self.straight(&end, &with_end)]
             }
         }
     }
@@ -299,19 +248,4 @@ fn is_g(seen: &[Seen], number: f64) -> bool {
 
 fn is_arc(word: &Seen) -> bool {
     word.is("G") && word.value.is_some_and(|value| matches!(value as u32, 2 | 3 | 5 | 6 | 12 | 13 | 15 | 16))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn corners_take_room_of_both_lines() {
-        let made = room([0.0, 0.0], [10.0, 0.0], [10.0, 10.0], false, 2.0).unwrap();
-        assert_eq!((made.from, made.to, made.clockwise), ([8.0, 0.0], [10.0, 2.0], false));
-        let made = room([0.0, 0.0], [10.0, 0.0], [10.0, -10.0], true, 1.0).unwrap();
-        assert_eq!((made.from, made.to, made.clockwise), ([9.0, 0.0], [10.0, -1.0], true));
-        assert!(room([0.0, 0.0], [1.0, 0.0], [1.0, 10.0], false, 2.0).is_err());
-        assert!(room([0.0, 0.0], [1.0, 0.0], [2.0, 0.0], false, 0.1).is_err());
-    }
 }

@@ -15,8 +15,8 @@ use super::statement::{Call, Statement};
 use super::variables::Value;
 use super::words::{Operand, Seen, Word, joined, words};
 use super::{Heidenhain, Line};
-use crate::diag;
-use crate::dialect::{Host, Place};
+use crate::dialect::host::{Host, Place};
+use counterpoint_fault as diag;
 
 /// Behind `CYCL DEF`.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
@@ -206,13 +206,13 @@ impl Heidenhain {
     /// call stays on the block, M89 as M99 on its own block and on all that follow.
     pub(super) fn cycle_calls(&mut self, host: &mut dyn Host, seen: &mut Vec<Seen>, moves: bool) -> Result<(), Halt> {
         let asked = asks(seen);
-        let modal = self.cycle.modal == Some(self.frames.len()) && moves;
+        let modal = self.cycle.modal == Some(self.frames.depth()) && moves;
         if asked == Asked::No && !modal {
             return Ok(());
         }
         match asked {
             Asked::Once => self.cycle.modal = None,
-            Asked::Modally => self.cycle.modal = Some(self.frames.len()),
+            Asked::Modally => self.cycle.modal = Some(self.frames.depth()),
             Asked::No => {}
         }
         let program = self.cycle.program.clone();

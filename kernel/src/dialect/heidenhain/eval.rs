@@ -12,9 +12,10 @@ use counterpoint_lang::value::Value as Given;
 use super::formula::{Formula, Function, Kind, Name, Op};
 use super::lex::{Cursor, capitals};
 use super::variables::{Value, Variables};
-use crate::diag::{self, Facts};
-use crate::dialect::numeric::{DEGREES, cosine, sine, tangent};
-use crate::dialect::{Answer, Host};
+use crate::dialect::host::{Answer, Host};
+use crate::dialect::numeric::DEGREES;
+use counterpoint_fault as diag;
+use counterpoint_fault::Facts;
 
 /// Longest text.
 const LONGEST: usize = 8192;
@@ -180,7 +181,7 @@ impl<'a> Evaluator<'a> {
             Asked::Unknown if !Variables::exists(name) => {
                 self.fail(&diag::MACRO_VARIABLE, &format!("there is no parameter {name}"))
             }
-            Asked::Unknown => match self.variables.told(name) {
+            Asked::Unknown => match self.variables.of_control(name) {
                 Some(value) => Ok(Some(value)),
                 None => {
                     let what = if name.kind == Kind::Text { "an empty text" } else { "0" };
@@ -203,7 +204,7 @@ impl<'a> Evaluator<'a> {
 
     /// What the machine says of a text.
     pub(super) fn ask(&mut self, text: &str) -> Result<Asked, Halt> {
-        let instead = match self.host.identify(text, None)? {
+        let instead = match self.host.identify(text, None)?.unless(text) {
             Answer::Unknown => return Ok(Asked::Unknown),
             Answer::Drop => return Ok(Asked::Nothing),
             Answer::Keep => return Ok(Asked::Kept),
@@ -236,7 +237,7 @@ impl<'a> Evaluator<'a> {
             let what = if name.kind == Kind::Text { "a text" } else { "a number" };
             return self.fail(&diag::MACRO_DOMAIN, &format!("{name} takes {what}"));
         }
-        match self.host.identify(&name.to_string(), Some(&given(&value)))? {
+        match self.host.identify(&name.to_string(), Some(&given(&value)))?.unless(&name.to_string()) {
             Answer::Drop | Answer::Keep => Ok(()),
             Answer::Instead(instead) => {
                 let instead = capitals(instead.trim());
@@ -260,32 +261,18 @@ pub(super) fn given(value: &Value) -> Given {
 
 fn shown(function: Function) -> &'static str {
     match function {
-        Function::Root => "SQRT",
-        Function::Ln => "LN",
+        Function::Common(function) => function.name(),
         Function::Log => "LOG",
-        Function::Asin => "ASIN",
-        Function::Acos => "ACOS",
-        Function::Tan => "TAN",
         _ => "the function",
     }
 }
 
 fn apply(function: Function, value: f64) -> Option<f64> {
     Some(match function {
+        Function::Common(function) => function.value(value)?,
         Function::Minus => -value,
-        Function::Sin => sine(value),
-        Function::Cos => cosine(value),
-        Function::Tan => tangent(value)?,
-        Function::Asin => libm::asin(value) * DEGREES,
-        Function::Acos => libm::acos(value) * DEGREES,
-        Function::Atan => libm::atan(value) * DEGREES,
         Function::Square => value * value,
-        Function::Root => value.sqrt(),
-        Function::Ln => libm::log(value),
         Function::Log => libm::log10(value),
-        Function::Exp => libm::exp(value),
-        Function::Int => value.trunc(),
-        Function::Abs => value.abs(),
         Function::Frac => value.fract(),
         Function::Sign => {
             if value < 0.0 {

@@ -9,8 +9,8 @@ use super::Heidenhain;
 use super::eval::{Asked, Evaluator};
 use super::variables::Value;
 use super::words::{Seen, shown};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Units of the feeds of a program.
@@ -79,7 +79,7 @@ impl Heidenhain {
 
     /// Teeth of the tool in use.
     fn teeth(&mut self, host: &mut dyn Host) -> Result<f64, Halt> {
-        let tool = self.variables.told.tool.unwrap_or(0.0);
+        let tool = self.variables.control.tool.unwrap_or(0.0);
         let asked = format!("ID50 NR15 IDX{}", shown(tool));
         let answer = Evaluator::new(&mut self.variables, host).ask(&asked)?;
         match answer {

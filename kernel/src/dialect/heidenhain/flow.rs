@@ -6,7 +6,6 @@
 //! Invariant: a jump back and a call are counted by the kernel.
 
 use counterpoint_fault::Halt;
-use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
@@ -16,15 +15,22 @@ use super::formula::Formula;
 use super::lex;
 use super::statement::{self, Label, Statement};
 use super::variables::Value;
-use crate::diag;
-use crate::dialect::{Call, Host};
-use crate::log::event::FileId;
-use crate::machine::model::StoredFile;
+use crate::dialect::host::{Call, Host};
+use crate::dialect::kept::Table;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
 
 /// Lines of a file by label.
 pub(super) type Labels = FxHashMap<Label, u32>;
+
+impl Table for Labels {
+    fn bytes(&self) -> usize {
+        self.len() * 80
+    }
+}
 
 /// What a frame of the kernel runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,16 +70,13 @@ const MOST: f64 = 65_534.0;
 
 impl Heidenhain {
     fn frame(&mut self) -> &mut Frame {
-        self.frames.last_mut().unwrap_or(&mut self.main)
+        self.frames.here_mut()
     }
 
     /// Line of a label in the file being processed.
     fn find_label(&mut self, host: &mut dyn Host, label: &Label) -> Option<u32> {
         let file = host.place().file;
-        let known = self
-            .labels
-            .entry(file)
-            .or_insert_with(|| Arc::new(host.source(file).map(|source| labels(&source)).unwrap_or_default()));
+        let known = self.labels.get(file, || host.source(file).map(|source| labels(&source)).unwrap_or_default());
         known.get(label).copied()
     }
 
@@ -151,15 +154,15 @@ impl Heidenhain {
 
     /// LBL 0: the end of a subprogram, nothing where none was called.
     pub(super) fn end_label(&mut self, host: &mut dyn Host) {
-        if self.frames.last().is_some_and(|frame| frame.kind == Kind::Label) {
-            host.give_back();
+        if self.frames.here().kind == Kind::Label {
+            host.return_from();
         }
     }
 
     /// END PGM: a code of the machine if it has one, else the end of the program or the return of a called one.
     pub(super) fn end_program(&mut self, host: &mut dyn Host) -> Result<Option<String>, Halt> {
-        if !self.frames.is_empty() {
-            host.give_back();
+        if self.frames.depth() > 0 {
+            host.return_from();
             return Ok(None);
         }
         if host.is_code_text("END PGM") {

@@ -1,4 +1,4 @@
-//! Formulas: what stands behind the equal sign of a Q parameter.
+//! Formulas: what stands after the equal sign of a Q parameter.
 //!
 //! Facts: Heidenhain pre-processor pages (operators, functions, string functions), programming manuals: functions act
 //! on the operand that follows, before powers, then multiplication, then addition. Decisions: powers are taken from
@@ -7,6 +7,8 @@
 use std::sync::Arc;
 
 use super::lex::Cursor;
+use crate::dialect::expression::{Grammar, read};
+use crate::dialect::numeric;
 
 /// Kind of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -52,41 +54,32 @@ impl std::fmt::Display for Name {
 /// Function of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Function {
+    /// One that other controls have, too.
+    Common(numeric::Function),
     Minus,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
     Square,
-    Root,
-    Ln,
     Log,
-    Exp,
-    Int,
-    Abs,
     Frac,
     Sign,
 }
 
 /// Names of the functions.
 const FUNCTIONS: [(&str, Function); 17] = [
-    ("SIN", Function::Sin),
-    ("COS", Function::Cos),
-    ("TAN", Function::Tan),
-    ("ASIN", Function::Asin),
-    ("ACOS", Function::Acos),
-    ("ATAN", Function::Atan),
-    ("ARCSIN", Function::Asin),
+    ("SIN", Function::Common(numeric::Function::Sin)),
+    ("COS", Function::Common(numeric::Function::Cos)),
+    ("TAN", Function::Common(numeric::Function::Tan)),
+    ("ASIN", Function::Common(numeric::Function::Asin)),
+    ("ACOS", Function::Common(numeric::Function::Acos)),
+    ("ATAN", Function::Common(numeric::Function::Atan)),
+    ("ARCSIN", Function::Common(numeric::Function::Asin)),
     ("SQ", Function::Square),
-    ("SQRT", Function::Root),
-    ("LN", Function::Ln),
+    ("SQRT", Function::Common(numeric::Function::Sqrt)),
+    ("LN", Function::Common(numeric::Function::Ln)),
     ("LOG", Function::Log),
-    ("EXP", Function::Exp),
+    ("EXP", Function::Common(numeric::Function::Exp)),
     ("NEG", Function::Minus),
-    ("INT", Function::Int),
-    ("ABS", Function::Abs),
+    ("INT", Function::Common(numeric::Function::Fix)),
+    ("ABS", Function::Common(numeric::Function::Abs)),
     ("FRAC", Function::Frac),
     ("SGN", Function::Sign),
 ];
@@ -205,61 +198,50 @@ struct Parser<'c, 't> {
     depth: usize,
 }
 
+/// Operators by level, loosest first.
+static OPERATORS: [&[(&str, Op)]; 4] = [
+    &[("||", Op::Join)],
+    &[("+", Op::Add), ("-", Op::Subtract)],
+    &[("*", Op::Multiply), ("/", Op::Divide), ("%", Op::Modulo), ("DIV", Op::Divide)],
+    &[("^", Op::Power)],
+];
+
+impl Grammar for Parser<'_, '_> {
+    type Operator = &'static Op;
+    type Part = ();
+    type Mistake = Wrong;
+
+    fn operand(&mut self) -> Result<(), Wrong> {
+        self.signed()
+    }
+
+    fn operator(&mut self, loosest: usize) -> Option<(usize, &'static Op)> {
+        let cursor = &mut *self.cursor;
+        let mut take = |text: &str| match text.as_bytes() {
+            [sign] => cursor.take(*sign),
+            [b'A'..=b'Z', ..] => cursor.keyword(text),
+            _ => cursor.take_text(text),
+        };
+        for (level, operators) in OPERATORS.iter().enumerate().skip(loosest) {
+            if let Some((_, op)) = operators.iter().find(|(text, _)| take(text)) {
+                return Some((level, op));
+            }
+        }
+        None
+    }
+
+    fn join(&mut self, op: &'static Op, (): (), (): ()) {
+        self.ops.push(op.clone());
+    }
+}
+
 impl Parser<'_, '_> {
     fn wrong<T>(&self, what: &'static str) -> Result<T, Wrong> {
         Err(expected(self.cursor, what))
     }
 
     fn joined(&mut self) -> Result<(), Wrong> {
-        self.sum()?;
-        while self.cursor.take_text("||") {
-            self.sum()?;
-            self.ops.push(Op::Join);
-        }
-        Ok(())
-    }
-
-    fn sum(&mut self) -> Result<(), Wrong> {
-        self.product()?;
-        loop {
-            let op = match self.cursor.peek() {
-                Some(b'+') => Op::Add,
-                Some(b'-') => Op::Subtract,
-                _ => return Ok(()),
-            };
-            self.cursor.bump();
-            self.product()?;
-            self.ops.push(op);
-        }
-    }
-
-    fn product(&mut self) -> Result<(), Wrong> {
-        self.power()?;
-        loop {
-            let op = match self.cursor.peek() {
-                Some(b'*') => Op::Multiply,
-                Some(b'/') => Op::Divide,
-                Some(b'%') => Op::Modulo,
-                _ if self.cursor.keyword("DIV") => {
-                    self.power()?;
-                    self.ops.push(Op::Divide);
-                    continue;
-                }
-                _ => return Ok(()),
-            };
-            self.cursor.bump();
-            self.power()?;
-            self.ops.push(op);
-        }
-    }
-
-    fn power(&mut self) -> Result<(), Wrong> {
-        self.signed()?;
-        while self.cursor.take(b'^') {
-            self.signed()?;
-            self.ops.push(Op::Power);
-        }
-        Ok(())
+        read(self, 0)
     }
 
     fn signed(&mut self) -> Result<(), Wrong> {

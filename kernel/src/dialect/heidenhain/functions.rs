@@ -7,6 +7,7 @@ use super::formula::{Formula, Function, Name, Op, Wrong, expected, parameter};
 use super::lex::Cursor;
 use super::statement::{Condition, Statement, Test, target};
 use super::words::words;
+use crate::dialect::numeric;
 
 /// Behind `FN`: number, colon, function.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Statement, Wrong> {
@@ -114,9 +115,9 @@ fn operand(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
 /// Functions of one operand.
 fn with_one(number: u32) -> Option<Function> {
     match number {
-        5 => Some(Function::Root),
-        6 => Some(Function::Sin),
-        7 => Some(Function::Cos),
+        5 => Some(Function::Common(numeric::Function::Sqrt)),
+        6 => Some(Function::Common(numeric::Function::Sin)),
+        7 => Some(Function::Common(numeric::Function::Cos)),
         _ => None,
     }
 }
@@ -137,7 +138,7 @@ fn applied(mut formula: Formula, function: Function) -> Formula {
     formula
 }
 
-/// What stands behind the equal sign of FN 0 to FN 8 and FN 13.
+/// What stands after the equal sign of FN 0 to FN 8 and FN 13.
 fn calculated(number: u32, cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     if number == 0 {
         return Formula::parse(cursor);

@@ -93,7 +93,7 @@ pub(super) fn path(words: Vec<Word>) -> Statement {
 }
 
 /// Whether a plain block has to be looked at: it moves, or says what later blocks depend on.
-pub(in crate::dialect) fn concerns(text: &[u8]) -> bool {
+pub(super) fn needs_interpreter(text: &[u8]) -> bool {
     let mut at = text.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
     if matches!(text.get(at), None | Some(b';')) {
         // The line that follows a comment with this sign is part of it.
@@ -196,11 +196,11 @@ mod tests {
     #[test]
     fn plain_words_are_left_alone() {
         for text in ["M30", "  S3000 T5", "G54 M8 ; X", "; X+5", "", "F200.5"] {
-            assert_eq!(concerns(text.as_bytes()), text == "G54 M8 ; X", "{text}");
+            assert_eq!(needs_interpreter(text.as_bytes()), text == "G54 M8 ; X", "{text}");
         }
         for text in ["L X+5", "12 M30", "N10 M30", "Q1 = 2", "%A", "X+5", "M99", "G1", "G91", "M30 *", "G", "\"", "Ü"]
         {
-            assert!(concerns(text.as_bytes()), "{text}");
+            assert!(needs_interpreter(text.as_bytes()), "{text}");
         }
     }
 

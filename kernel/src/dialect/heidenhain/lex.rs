@@ -110,7 +110,7 @@ impl<'t> Cursor<'t> {
         self.at += self.rest().len() - self.rest().trim_start().len();
     }
 
-    /// The next byte behind blanks.
+    /// The next byte after blanks.
     pub(super) fn peek(&mut self) -> Option<u8> {
         self.blanks();
         self.next_byte()
@@ -132,14 +132,14 @@ impl<'t> Cursor<'t> {
         Some(next)
     }
 
-    /// Takes a character behind blanks, if it is the next one.
+    /// Takes a character after blanks, if it is the next one.
     pub(super) fn take(&mut self, wanted: u8) -> bool {
         let is = self.peek() == Some(wanted);
         self.at += usize::from(is);
         is
     }
 
-    /// Takes a text behind blanks, if it is the next one.
+    /// Takes a text after blanks, if it is the next one.
     pub(super) fn take_text(&mut self, wanted: &str) -> bool {
         self.blanks();
         let is = self.rest().starts_with(wanted);

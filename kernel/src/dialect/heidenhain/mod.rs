@@ -7,6 +7,7 @@
 
 mod carry;
 mod circle;
+mod control;
 mod corner;
 mod cycles;
 mod eval;
@@ -14,7 +15,6 @@ mod feeds;
 mod flow;
 mod formula;
 mod functions;
-mod geometry;
 mod iso;
 mod lex;
 mod path;
@@ -33,10 +33,12 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-use super::{Host, Interpreter, Setting};
-use crate::diag;
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::dialect::kept::{Kept, Tables};
+use crate::dialect::levels::Levels;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 use flow::{Frame, Labels};
 use lex::Cursor;
 use path::Path;
@@ -44,7 +46,7 @@ use settings::Settings;
 use statement::Statement;
 use variables::Variables;
 
-pub(in crate::dialect) use iso::concerns;
+pub(crate) use control::Control;
 
 /// Most lines that continue one another.
 const CONTINUED: u32 = 1000;
@@ -54,7 +56,7 @@ const CONTINUED: u32 = 1000;
 struct Line {
     number: Option<u32>,
     statement: Statement,
-    /// Line behind the last one of the block.
+    /// Line after the last one of the block.
     next: u32,
 }
 
@@ -64,9 +66,8 @@ pub(crate) struct Heidenhain {
     variables: Variables,
     path: Path,
     settings: Settings,
-    /// Frames of the kernel but the main program.
-    frames: Vec<Frame>,
-    main: Frame,
+    /// Frames of the kernel.
+    frames: Levels<Frame>,
     /// Kind of the call that has been asked for.
     calling: Option<flow::Kind>,
     /// Program that CALL SELECTED PGM calls.
@@ -74,12 +75,12 @@ pub(crate) struct Heidenhain {
     cycle: cycles::State,
     shifts: shifts::Shifts,
     units: feeds::Units,
-    /// Lengths and radii that TOOL DEF has told.
+    /// Lengths and radii that TOOL DEF has set.
     tools: FxHashMap<u32, (Option<f64>, Option<f64>)>,
     /// A line may run again, so compiled lines are worth keeping.
     keeping: bool,
     compiled: Kept<Line>,
-    labels: FxHashMap<FileId, Arc<Labels>>,
+    labels: Tables<FileId, Labels>,
 }
 
 impl Heidenhain {
@@ -136,7 +137,7 @@ impl Heidenhain {
 }
 
 impl Interpreter for Heidenhain {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.calling = None;
         let place = host.place();
         let read = match place.as_read {
@@ -151,17 +152,16 @@ impl Interpreter for Heidenhain {
             host.go_to(line.next)?;
         }
         let left = self.carry_out(host, &line, place)?;
-        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(None) };
+        let Some(left) = left.filter(|left| !left.trim().is_empty()) else { return Ok(Remaining::Nothing) };
         match line.number.filter(|_| host.is_register("N")) {
-            Some(number) => Ok(Some(format!("N{number} {left}"))),
-            None => Ok(Some(left)),
+            Some(number) => Ok(Remaining::Text(format!("N{number} {left}"))),
+            None => Ok(Remaining::Text(left)),
         }
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         self.variables.begin(reset);
-        self.frames.clear();
-        self.main = Frame::default();
+        self.frames = Levels::default();
         self.calling = None;
         self.path = Path::default();
         self.units = feeds::Units::default();
@@ -172,30 +172,30 @@ impl Interpreter for Heidenhain {
         }
     }
 
-    fn entered(&mut self, _: &mut dyn Host) {
+    fn on_call(&mut self, _: &mut dyn Host) {
         self.keeping = true;
         let kind = self.calling.take().unwrap_or(flow::Kind::Program);
         if kind == flow::Kind::Program {
             self.variables.enter();
         }
-        self.frames.push(Frame { kind, ..Frame::default() });
+        self.frames.enter(Frame { kind, ..Frame::default() });
     }
 
-    fn again(&mut self) {
-        if let Some(frame) = self.frames.last_mut() {
+    fn on_repeat(&mut self) {
+        if let Some(frame) = self.frames.called_mut() {
             frame.repeats.clear();
         }
     }
 
-    fn left(&mut self, _: &mut dyn Host) {
-        if self.frames.pop().is_some_and(|frame| frame.kind == flow::Kind::Program) {
+    fn on_return(&mut self, _: &mut dyn Host) {
+        if self.frames.leave().is_some_and(|frame| frame.kind == flow::Kind::Program) {
             self.variables.leave();
         }
     }
 
     fn variable(&mut self, _: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let Some(name) = spelled(name, indices) else { return Ok(None) };
-        let value = self.variables.get(name).or_else(|| self.variables.told(name));
+        let value = self.variables.get(name).or_else(|| self.variables.of_control(name));
         Ok(value.filter(|_| Variables::exists(name)).map(|value| eval::given(&value)))
     }
 
@@ -211,11 +211,10 @@ impl Interpreter for Heidenhain {
     }
 
     fn memory(&self) -> u64 {
-        let labels: usize = self.labels.values().map(|labels| labels.len() * 80).sum();
-        (self.variables.bytes() + self.compiled.bytes() + labels + self.tools.len() * 60) as u64
+        (self.variables.bytes() + self.compiled.bytes() + self.labels.bytes() + self.tools.len() * 60) as u64
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         let made = self.settings.make(name, values);
         if made == Setting::Made {
             // What was joined or not is read again.

@@ -4,10 +4,10 @@
 //! words say everything is left as it is; polar, tangential and corner blocks become blocks with positions. Invariant:
 //! positions are in the units of the program, in the frame that the program sees; what cannot be made is diagnosed.
 
-use super::geometry::{Point, direction, minus};
 use super::words::{Seen, joined};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::contour::{Point, Way, direction, minus};
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 /// Letters of the axes.
@@ -33,15 +33,6 @@ pub(super) enum Shape {
     Depart(Way),
     /// As G words say, or the last of them.
     Iso,
-}
-
-/// Way to and from a contour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    Straight,
-    Normal,
-    Circle,
-    LineAndCircle,
 }
 
 impl Shape {
@@ -188,7 +179,7 @@ pub(super) fn actual(host: &dyn Host) -> Position {
     out
 }
 
-/// Carries out a path block: the blocks that are left of it.
+/// Executes a path block: the blocks that are left of it.
 pub(super) fn walk(path: &mut Path, host: &mut dyn Host, step: &Step, ahead: &[Step]) -> Result<Vec<String>, Halt> {
     let actual = actual(host);
     let start = path.base.unwrap_or(actual);
@@ -254,7 +245,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The block as it is, with words of the pre-processor behind.
+    /// The block as it is, with words of the pre-processor after.
     pub(super) fn verbatim(&mut self, more: &[Seen]) -> String {
         let mut head = self.step.shape.head().to_owned();
         let has_motion = self.step.seen.iter().any(|word| {

@@ -3,9 +3,9 @@
 //! Facts: programming manuals of the control (LP, CP, CTP; G10 to G16). Decision: circles of more than 270 degrees are
 //! made in pieces, so that none of them is full. Invariant: without a pole there is a diagnostic, no position.
 
-use super::geometry::{Point, along, minus};
 use super::path::{Position, Walk};
 use super::words::joined;
+use crate::dialect::contour::{Point, along, angle_between, minus, pieces};
 use crate::dialect::numeric::{cosine, sine};
 
 impl Walk<'_> {
@@ -81,31 +81,25 @@ impl Walk<'_> {
         let (from, radius) = (angle(start), libm::hypot(start[0] - pole[0], start[1] - pole[1]));
         let turned = match sweep {
             Some(sweep) => sweep.abs(),
-            None => {
-                let to = angle(self.flat(&end)) - from;
-                let to = (if clockwise { -to } else { to }).rem_euclid(360.0);
-                if (1e-9..=360.0 - 1e-9).contains(&to) { to } else { 360.0 }
-            }
+            None => angle_between(from, angle(self.flat(&end)), clockwise),
         };
         if !(0.0..=360.0 * 1000.0).contains(&turned) || radius == 0.0 {
             self.complain("a circle has no radius or more than 1000 turns");
             return Vec::new();
         }
-        let pieces = (turned / 270.0 - 1e-9).ceil().max(1.0) as u32;
         let (begin, mut lines, mut last) = (self.actual, Vec::new(), self.actual);
-        for piece in 1..=pieces {
-            let part = f64::from(piece) / f64::from(pieces);
+        for (piece, part) in pieces(turned).enumerate() {
             let angle = from + if clockwise { -turned * part } else { turned * part };
             let mut to = end;
             for ((slot, from), end) in to.iter_mut().zip(&begin).zip(&end) {
-                *slot = if piece == pieces { *end } else { from + (end - from) * part };
+                *slot = if part == 1.0 { *end } else { from + (end - from) * part };
             }
             self.put(&mut to, along(pole, [cosine(angle), sine(angle)], radius));
             let (code, sign) = self.circle_code("C", clockwise);
             let mut words = self.positions(&last, &to);
             words.extend(sign);
             words.extend(self.center_words(pole));
-            if piece == 1 {
+            if piece == 0 {
                 let mut used = self.polar_words().to_vec();
                 used.push("DR");
                 words.extend(self.others(&used));

@@ -7,8 +7,8 @@
 
 use counterpoint_lang::value::Value;
 
-use crate::dialect::Setting;
-use crate::machine::model::StoredFile;
+use crate::dialect::interpreter::Setting;
+use counterpoint_machine::model::StoredFile;
 
 /// Settings of a kernel.
 #[derive(Debug)]

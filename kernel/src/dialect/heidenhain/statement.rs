@@ -76,7 +76,7 @@ pub(super) enum Statement {
     },
     End,
     CycleDefinition(Vec<Word>),
-    /// A line of a cycle of several lines: number, part, words behind the title.
+    /// A line of a cycle of several lines: number, part, words after the title.
     CyclePart {
         cycle: u32,
         part: u32,
@@ -309,7 +309,7 @@ pub(super) fn program_name(cursor: &mut Cursor<'_>) -> Result<Formula, Wrong> {
     Ok(Formula(vec![Op::Text(name.trim().into())]))
 }
 
-/// `%NAME G71` begins an ISO program, or ends it behind a number; `%NAME` calls one.
+/// `%NAME G71` begins an ISO program, or ends it after a number; `%NAME` calls one.
 fn percent(cursor: &mut Cursor<'_>) -> Statement {
     cursor.take(b'%');
     let text = cursor.all();

@@ -9,8 +9,8 @@ use super::formula::{Formula, Name};
 use super::path::AXES;
 use super::variables::Value;
 use super::words::shown;
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 use counterpoint_fault::Halt;
 
 impl Heidenhain {
@@ -48,15 +48,15 @@ impl Heidenhain {
 
     /// System data that the kernel and this program know.
     fn system_value(&self, host: &dyn Host, id: f64, number: f64, index: Option<f64>) -> Option<f64> {
-        let told = &self.variables.told;
+        let control = &self.variables.control;
         if !(0.0..10_000.0).contains(&id) || !(0.0..10_000.0).contains(&number) {
             return None;
         }
         match (id as u32, number as u32) {
-            (20, 1) => told.tool,
-            (20, 3) => Some(told.tool_axis.map_or(-1.0, |axis| axis as f64)),
-            (20, 5) => Some(told.spindle.map_or(-1.0, f64::from)),
-            (20, 8) => Some(f64::from(u8::from(told.coolant))),
+            (20, 1) => control.tool,
+            (20, 3) => Some(control.tool_axis.map_or(-1.0, |axis| axis as f64)),
+            (20, 5) => Some(control.spindle.map_or(-1.0, f64::from)),
+            (20, 8) => Some(f64::from(u8::from(control.coolant))),
             (240 | 270, 1) => {
                 let index = index.filter(|index| (1.0..=9.0).contains(index))? as usize;
                 let letter = AXES.get(index - 1)?;

@@ -1,7 +1,7 @@
 //! Q, QL, QR and QS parameters.
 //!
 //! Facts: Heidenhain pre-processor pages: Q and QS 0 to 1999, QL and QR 0 to 499; release notes: Q108 to Q111 and Q113
-//! are told by the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
+//! come from the control. Decisions: Q and QS belong to the channel, QL to the program or cycle that uses them,
 //! labels in it included, QR outlives a restart of the program. Invariant: an index in here is one that exists.
 
 use std::sync::Arc;
@@ -9,6 +9,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::formula::{Kind, Name};
+use crate::dialect::levels::Levels;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +20,7 @@ pub(super) enum Value {
 
 /// What the control tells by Q parameters of its own.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Told {
+pub(super) struct ControlState {
     /// Tool called last.
     pub(super) tool: Option<f64>,
     /// Radius of the tool: what TOOL DEF says, with the allowance of TOOL CALL.
@@ -28,13 +29,13 @@ pub(super) struct Told {
     pub(super) length: Option<f64>,
     /// Tool axis, 0 = X.
     pub(super) tool_axis: Option<usize>,
-    /// M3, M4, M5 behind M3, M5 behind M4: 0 to 3.
+    /// M3, M4, M5 after M3, M5 after M4: 0 to 3.
     pub(super) spindle: Option<u8>,
     pub(super) coolant: bool,
     pub(super) inch: bool,
 }
 
-impl Told {
+impl ControlState {
     /// Value of a parameter that the control sets.
     fn get(&self, index: u32) -> Option<f64> {
         Some(match index {
@@ -71,9 +72,8 @@ pub(super) struct Variables {
     kept: FxHashMap<u32, f64>,
     texts: FxHashMap<u32, Arc<str>>,
     /// Of the main program and the programs it has called.
-    local: Vec<FxHashMap<u32, f64>>,
-    main: FxHashMap<u32, f64>,
-    pub(super) told: Told,
+    local: Levels<FxHashMap<u32, f64>>,
+    pub(super) control: ControlState,
 }
 
 impl Variables {
@@ -86,14 +86,14 @@ impl Variables {
     pub(super) fn bytes(&self) -> usize {
         let texts: usize = self.texts.values().map(|text| text.len() + 60).sum();
         let local: usize = self.local.iter().map(|values| values.len() * 32).sum();
-        texts + local + (self.q.len() + self.kept.len() + self.main.len()) * 32
+        texts + local + (self.q.len() + self.kept.len()) * 32
     }
 
     fn numbers(&self, kind: Kind) -> Option<&FxHashMap<u32, f64>> {
         match kind {
             Kind::Q => Some(&self.q),
             Kind::Kept => Some(&self.kept),
-            Kind::Local => Some(self.local.last().unwrap_or(&self.main)),
+            Kind::Local => Some(self.local.here()),
             Kind::Text => None,
         }
     }
@@ -107,8 +107,8 @@ impl Variables {
     }
 
     /// What the control itself says of a parameter that was not set.
-    pub(super) fn told(&self, name: Name) -> Option<Value> {
-        if name.kind == Kind::Q { self.told.get(name.index).map(Value::Number) } else { None }
+    pub(super) fn of_control(&self, name: Name) -> Option<Value> {
+        if name.kind == Kind::Q { self.control.get(name.index).map(Value::Number) } else { None }
     }
 
     /// Sets a parameter that exists to a value of its kind; whether that is so.
@@ -127,7 +127,7 @@ impl Variables {
                 self.kept.insert(name.index, value);
             }
             (Kind::Local, Value::Number(value)) => {
-                self.local.last_mut().unwrap_or(&mut self.main).insert(name.index, value);
+                self.local.here_mut().insert(name.index, value);
             }
             _ => return false,
         }
@@ -136,21 +136,20 @@ impl Variables {
 
     /// A called program has local parameters of its own.
     pub(super) fn enter(&mut self) {
-        self.local.push(FxHashMap::default());
+        self.local.enter(FxHashMap::default());
     }
 
     pub(super) fn leave(&mut self) {
-        self.local.pop();
+        self.local.leave();
     }
 
     /// The program begins again.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.local.clear();
-        self.main.clear();
+        self.local = Levels::default();
         if reset {
             self.q.clear();
             self.texts.clear();
-            self.told = Told::default();
+            self.control = ControlState::default();
         }
     }
 }

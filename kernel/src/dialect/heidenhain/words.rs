@@ -1,4 +1,4 @@
-//! Words of a block: names with numbers, parameters or nothing behind them.
+//! Words of a block: names with numbers, parameters or nothing after them.
 //!
 //! Facts: release notes of the Heidenhain pre-processor (word addresses followed by Q, QL, QR and QS). Invariant: a
 //! number is left as it was written; what is no word is left as it stands, so that the tables of the machine decide.
@@ -11,7 +11,7 @@ use super::formula::{Name, parameter};
 use super::lex::Cursor;
 use super::variables::Value;
 
-/// What stands behind the name of a word.
+/// What stands after the name of a word.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Operand {
     None,
@@ -57,7 +57,7 @@ impl Seen {
     }
 }
 
-/// A number as words have it; what lies behind the ninth digit is nothing that was programmed.
+/// A number as words have it; what lies after the ninth digit is nothing that was programmed.
 pub(super) fn shown(value: f64) -> String {
     let tidy = if value.abs() < 1e6 { (value * 1e9).round() / 1e9 } else { value };
     format!("{}", tidy + 0.0)
@@ -96,7 +96,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
         let first = cursor.bump().map(String::from).unwrap_or_default();
         return Word { operand: operand(cursor, false), name: first.into() };
     }
-    // The parameter that stands directly behind a name.
+    // The parameter that stands directly after a name.
     for ending in ["QL", "QR", "QS", "Q"] {
         let Some(name) = letters.strip_suffix(ending).filter(|name| !name.is_empty()) else { continue };
         if ahead.next_byte().is_some_and(|byte| byte.is_ascii_digit()) {
@@ -119,7 +119,7 @@ fn word(cursor: &mut Cursor<'_>) -> Word {
     Word { operand: operand(cursor, true), name: name.into() }
 }
 
-/// What stands behind a name; blanks may stand before a number.
+/// What stands after a name; blanks may stand before a number.
 fn operand(cursor: &mut Cursor<'_>, blanks: bool) -> Operand {
     if !blanks && cursor.next_byte().is_some_and(|byte| byte == b' ') {
         return Operand::None;

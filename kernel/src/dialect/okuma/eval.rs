@@ -13,8 +13,8 @@ use super::expr::{Expr, Reader, Variable};
 use super::math::{Binary, Fault};
 use super::names::Local;
 use super::store::Store;
-use crate::diag;
-use crate::dialect::{Answer, Host};
+use crate::dialect::host::{Answer, Host};
+use counterpoint_fault as diag;
 
 /// Why there is no value.
 #[derive(Debug)]
@@ -122,7 +122,7 @@ impl<'e> Eval<'e> {
     }
 
     /// A variable with the values of its indices.
-    pub(super) fn told(&mut self, variable: &Variable) -> Result<String, Stop> {
+    pub(super) fn asked_name(&mut self, variable: &Variable) -> Result<String, Stop> {
         match variable {
             Variable::Local(name) => Ok(name.to_string()),
             Variable::Common(family, index) => Ok(format!("{}{}", family.prefix(), self.value(index)?)),
@@ -145,7 +145,7 @@ impl<'e> Eval<'e> {
 
     /// Value of what the program does not own.
     fn unknown(&mut self, text: &str, kind: &str) -> Result<f64, Stop> {
-        let answer = if self.answering { Answer::Unknown } else { self.host.identify(text, None)? };
+        let answer = if self.answering { Answer::Unknown } else { self.host.identify(text, None)?.unless(text) };
         match answer {
             Answer::Drop => Ok(0.0),
             Answer::Keep => Err(Stop::Keep),
@@ -210,7 +210,8 @@ impl<'e> Eval<'e> {
     /// Sets what the program does not own: only the identification macro knows how.
     pub(super) fn assign_unknown(&mut self, text: &str, value: Option<f64>) -> Result<(), Stop> {
         let assigned = value.map_or(Value::Null, Value::Real);
-        let answer = if self.answering { Answer::Unknown } else { self.host.identify(text, Some(&assigned))? };
+        let answer =
+            if self.answering { Answer::Unknown } else { self.host.identify(text, Some(&assigned))?.unless(text) };
         match answer {
             Answer::Drop => return Ok(()),
             Answer::Keep => return Err(Stop::Keep),

@@ -7,6 +7,7 @@
 use super::cursor::{Cursor, Mistake};
 use super::math::{Binary, Function};
 use super::names::{self, Family, Local};
+use crate::dialect::expression::{Grammar, read};
 
 /// Parts of an expression.
 const MOST: usize = 256;
@@ -72,25 +73,13 @@ const LEVELS: &[&[(&str, Binary)]] = &[
     &[("*", Binary::Mul), ("/", Binary::Div), ("MOD", Binary::Mod)],
 ];
 
-impl<'c, 'a> Reader<'c, 'a> {
-    pub(super) fn new(cursor: &'c mut Cursor<'a>) -> Self {
-        Self { cursor, parts: 0, depth: 0 }
-    }
+impl Grammar for Reader<'_, '_> {
+    type Operator = Binary;
+    type Part = Expr;
+    type Mistake = Mistake;
 
-    /// A whole expression.
-    pub(super) fn expression(&mut self) -> Result<Expr, Mistake> {
-        self.level(0)
-    }
-
-    /// Operators that are this tight or tighter.
-    fn level(&mut self, loosest: usize) -> Result<Expr, Mistake> {
-        let mut left = self.signed()?;
-        while let Some((level, operator)) = self.operator(loosest) {
-            self.count()?;
-            let right = self.level(level + 1)?;
-            left = Expr::Binary(operator, Box::new((left, right)));
-        }
-        Ok(left)
+    fn operand(&mut self) -> Result<Expr, Mistake> {
+        self.signed()
     }
 
     fn operator(&mut self, loosest: usize) -> Option<(usize, Binary)> {
@@ -104,6 +93,25 @@ impl<'c, 'a> Reader<'c, 'a> {
             }
         }
         None
+    }
+
+    fn check(&mut self, _: usize, _: bool) -> Result<(), Mistake> {
+        self.count()
+    }
+
+    fn join(&mut self, operator: Binary, left: Expr, right: Expr) -> Expr {
+        Expr::Binary(operator, Box::new((left, right)))
+    }
+}
+
+impl<'c, 'a> Reader<'c, 'a> {
+    pub(super) fn new(cursor: &'c mut Cursor<'a>) -> Self {
+        Self { cursor, parts: 0, depth: 0 }
+    }
+
+    /// A whole expression.
+    pub(super) fn expression(&mut self) -> Result<Expr, Mistake> {
+        read(self, 0)
     }
 
     fn count(&mut self) -> Result<(), Mistake> {

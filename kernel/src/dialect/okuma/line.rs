@@ -1,7 +1,7 @@
 //! A block of the pre-processor, read.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5. Decisions: marks of optional skip stand at the begin of the block and
-//! directly behind its sequence number or name, the last of them decides over what follows; everywhere else `/`
+//! directly after its sequence number or name, the last of them decides over what follows; everywhere else `/`
 //! divides.
 
 use super::cursor::{Cursor, Mistake};
@@ -39,7 +39,7 @@ pub(super) enum Statement {
     /// Nothing more.
     #[default]
     Nothing,
-    /// It goes on with a line above it that there is not.
+    /// It continues with a line above it that there is not.
     Continued,
     /// Go to a block, if something is true.
     Goto(Option<Expr>, Target),
@@ -386,12 +386,12 @@ fn is_statement(word: &[u8]) -> bool {
 }
 
 /// A line with the name of its file: `$NAME.MIN%`.
-pub(crate) fn is_header(line: &[u8]) -> bool {
+pub(super) fn is_header(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     line.first() == Some(&b'$') && line.last() == Some(&b'%')
 }
 
-/// A line that goes on with the one above it: `$` before its words.
+/// A line that continues with the one above it: `$` before its words.
 pub(super) fn is_continued(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'$') && !is_header(line)
 }

@@ -1,10 +1,10 @@
 //! Okuma user task.
 //!
 //! Facts: reference control-emulator.md 4.3, 5.4, 5.7. A block is made ready (`text`), read (`line`, `expr`) and
-//! carried out (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
+//! executed (`run`, `eval`) with the variables of the kernel (`store`); `programs` knows where programs and sequence
 //! names are. Invariant: a line that runs again is not read again.
 
-mod concerns;
+mod control;
 mod cursor;
 mod eval;
 mod expr;
@@ -12,6 +12,7 @@ mod line;
 mod math;
 mod names;
 mod programs;
+mod quick_look;
 mod run;
 mod store;
 mod text;
@@ -22,15 +23,14 @@ use std::sync::Arc;
 use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
-pub(crate) use concerns::concerns;
-pub(crate) use line::is_header;
-pub(crate) use programs::{called, program_name, returns};
+pub(crate) use control::Control;
 
-use super::{Host, Interpreter, Setting};
-use crate::diag;
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::dialect::kept::{Kept, Tables};
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 use cursor::Cursor;
 use expr::{Expr, Reader, Variable};
 use programs::Index;
@@ -53,12 +53,10 @@ pub(crate) struct Okuma {
     /// A line may run again, so what was read is worth keeping.
     caching: bool,
     lines: Kept<line::Line>,
-    indices: FxHashMap<FileId, Arc<Index>>,
-    /// Bytes of those.
-    table_bytes: usize,
+    indices: Tables<FileId, Index>,
     /// Texts of the alarms of the user, `VUACM[n]`.
     alarm_texts: FxHashMap<u32, String>,
-    /// Calls are carried out; otherwise they stay on the block.
+    /// Calls are executed; otherwise they stay on the block.
     takes_calls: bool,
     /// Sequence names are taken off the block.
     takes_names: bool,
@@ -75,8 +73,7 @@ impl Okuma {
             arguments: None,
             caching: false,
             lines: Kept::default(),
-            indices: FxHashMap::default(),
-            table_bytes: 0,
+            indices: Tables::default(),
             alarm_texts: FxHashMap::default(),
             takes_calls: true,
             takes_names,
@@ -111,7 +108,7 @@ impl Okuma {
         }
     }
 
-    /// The text of a block with the lines that go on with it, and the line behind them.
+    /// The text of a block with the lines that continue it, and the line after them.
     fn continued(&mut self, host: &mut dyn Host, text: &[u8]) -> Option<(Vec<u8>, u32)> {
         let place = host.place();
         let of_the_file = text.trim_ascii_start().first() == Some(&b'$');
@@ -130,7 +127,7 @@ impl Okuma {
         (next > place.line + 1).then_some((whole, next))
     }
 
-    /// Plain words too are for the pre-processor where lines go on with those above them.
+    /// Plain words too are for the pre-processor where lines continue those above them.
     fn watch(&mut self, host: &mut dyn Host, file: FileId) {
         if self.index(host, file).continues {
             host.watch(true);
@@ -139,13 +136,7 @@ impl Okuma {
 
     /// What a file that is loaded defines.
     fn index(&mut self, host: &dyn Host, file: FileId) -> Arc<Index> {
-        if let Some(index) = self.indices.get(&file) {
-            return Arc::clone(index);
-        }
-        let index = Arc::new(host.source(file).map(|source| Index::of(&source)).unwrap_or_default());
-        self.table_bytes += index.bytes();
-        self.indices.insert(file, Arc::clone(&index));
-        index
+        self.indices.get(file, || host.source(file).map(|source| Index::of(&source)).unwrap_or_default())
     }
 
     /// Where a subprogram is; none if it is nowhere to be found.
@@ -193,7 +184,7 @@ impl Okuma {
 }
 
 impl Interpreter for Okuma {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         self.arguments = None;
         let whole = self.continued(host, text);
         let text = match &whole {
@@ -205,12 +196,12 @@ impl Interpreter for Okuma {
         };
         let line = self.line(host, text)?;
         if !line.messages.is_empty() && !self.takes_messages {
-            return Ok(Some(String::from_utf8_lossy(text).into_owned()));
+            return Ok(Remaining::Text(String::from_utf8_lossy(text).into_owned()));
         }
-        self.run(host, &line, text)
+        Ok(self.run(host, &line, text)?.into())
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         self.store.begin(reset);
         self.modal.clear();
         self.alarm_texts.clear();
@@ -218,30 +209,30 @@ impl Interpreter for Okuma {
         self.caching = false;
     }
 
-    fn started(&mut self, host: &mut dyn Host) {
+    fn on_start(&mut self, host: &mut dyn Host) {
         let file = host.place().file;
         self.watch(host, file);
     }
 
-    fn entered(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn Host) {
         let place = host.place();
         let arguments = self.arguments.take().filter(|(file, line, _)| (*file, *line) == (place.file, place.line));
         self.store.enter(arguments.map(|(.., arguments)| arguments).unwrap_or_default());
         self.caching = true;
     }
 
-    fn again(&mut self) {
+    fn on_repeat(&mut self) {
         self.store.again();
     }
 
-    fn left(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn Host) {
         self.store.leave();
         if !self.modal.is_empty() {
             self.end_modal(host);
         }
     }
 
-    fn moved(&mut self, host: &mut dyn Host) {
+    fn on_move(&mut self, host: &mut dyn Host) {
         self.call_modally(host);
     }
 
@@ -276,10 +267,10 @@ impl Interpreter for Okuma {
     }
 
     fn memory(&self) -> u64 {
-        (self.store.bytes() + self.lines.bytes() + self.table_bytes) as u64
+        (self.store.bytes() + self.lines.bytes() + self.indices.bytes()) as u64
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         let slot = match name {
             "PROCESS,SUBPROGRAMS" => &mut self.takes_calls,
             "PROCESS,SEQNAME" => &mut self.takes_names,

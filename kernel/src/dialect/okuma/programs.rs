@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::line::{Head, Wanted, is_header, normal, read};
 use super::text::prepare;
+use crate::dialect::kept::{Table, next_or_first};
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
 
@@ -16,7 +17,7 @@ use crate::mcd::source::Source;
 const LIBRARIES: &[&str] = &["ssb", "sub", "lib"];
 
 /// Where the files stored with the machine are.
-const STORED: &str = crate::machine::model::StoredFile::ROOT;
+const STORED: &str = counterpoint_machine::model::StoredFile::ROOT;
 
 /// A program of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub(super) struct Index {
     pub(super) definitions: Vec<Definition>,
     /// Lines by sequence number or name without N, ascending.
     labels: FxHashMap<String, Vec<u32>>,
-    /// Lines go on with those above them.
+    /// Lines continue those above them.
     pub(super) continues: bool,
 }
 
@@ -68,11 +69,6 @@ impl Index {
         index
     }
 
-    /// Bytes that it takes, about.
-    pub(super) fn bytes(&self) -> usize {
-        self.definitions.len() * 60 + self.labels.len() * 100
-    }
-
     /// Lines of a program by its name.
     pub(super) fn program(&self, name: &str) -> Option<Range> {
         let found = self.definitions.iter().find(|definition| definition.name == name)?;
@@ -89,9 +85,13 @@ impl Index {
         let first = own.map_or(1, |definition| definition.first).max(range.first);
         let end = next.map_or(u32::MAX, |definition| definition.first.saturating_sub(1));
         let last = if range.last >= range.first { end.min(range.last) } else { end };
-        let first_from =
-            |from: u32| lines.get(lines.partition_point(|line| *line < from)).copied().filter(|line| *line <= last);
-        first_from(first.max(from.saturating_add(1))).or_else(|| first_from(first))
+        next_or_first(lines, from.saturating_add(1), first, last)
+    }
+}
+
+impl Table for Index {
+    fn bytes(&self) -> usize {
+        self.definitions.len() * 60 + self.labels.len() * 100
     }
 }
 
@@ -101,7 +101,7 @@ fn head(text: &[u8]) -> Option<Head> {
     if !matches!(start, b'N' | b'n' | b'O' | b'o') {
         return None;
     }
-    // Only the head is wanted, so nothing behind it may be a mistake.
+    // Only the head is wanted, so nothing after it may be a mistake.
     let line = read(prepare(cut(text)), Wanted { subprograms: true }).ok()?;
     line.head.into_iter().find(|head| !matches!(head, Head::Mark(_)))
 }
@@ -116,7 +116,7 @@ fn cut(text: &[u8]) -> &[u8] {
 }
 
 /// The name of letters and digits by which a line defines a program, without O; one of digits alone is none.
-pub(crate) fn program_name(text: &[u8]) -> Option<&[u8]> {
+pub(super) fn program_name(text: &[u8]) -> Option<&[u8]> {
     let Some(Head::Program(name)) = head(text) else { return None };
     let start = memchr::memchr2(b'O', b'o', text)? + 1;
     let name = text.get(start..start + name.len() - 1)?;
@@ -124,12 +124,12 @@ pub(crate) fn program_name(text: &[u8]) -> Option<&[u8]> {
 }
 
 /// A line returns from a subprogram.
-pub(crate) fn returns(text: &[u8]) -> bool {
+pub(super) fn returns(text: &[u8]) -> bool {
     prepare(text).upper.trim_ascii().ends_with(b"RTS")
 }
 
 /// The name that a line calls, seen textually.
-pub(crate) fn called(text: &[u8]) -> Option<String> {
+pub(super) fn called(text: &[u8]) -> Option<String> {
     let upper = prepare(text).upper;
     let behind = ["CALL", "MODIN"].into_iter().find_map(|word| {
         let at = memchr::memmem::find(&upper, word.as_bytes())?;

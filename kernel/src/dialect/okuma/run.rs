@@ -1,7 +1,7 @@
 //! What a block of the pre-processor does.
 //!
 //! Facts: reference control-emulator.md 5.4, 5.5, 5.7. Decisions: `Qn` repeats a call n times, so it runs n + 1 times;
-//! a modal call calls behind every block that moves in the program that said it, with the values its arguments had
+//! a modal call calls after every block that moves in the program that said it, with the values its arguments had
 //! then, and ends with that program. Invariant: words keep their order; a block that leaves none leaves no text.
 
 use counterpoint_fault::{Acted, Halt};
@@ -14,8 +14,9 @@ use super::expr::{Expr, Variable};
 use super::line::{Call, Head, Item, Line, Statement, Target, normal};
 use super::store::Arguments;
 use super::{ALARM_TEXTS, Okuma};
-use crate::diag;
-use crate::dialect::{self, Answer, Host};
+use crate::dialect::host;
+use crate::dialect::host::{Answer, Host};
+use counterpoint_fault as diag;
 
 /// Modal calls at the same time.
 const MODAL: usize = 8;
@@ -29,7 +30,7 @@ const REPEATS: f64 = 9999.0;
 /// A modal call.
 #[derive(Debug, Clone)]
 pub(super) struct Modal {
-    call: dialect::Call,
+    call: host::Call,
     arguments: Arguments,
     /// Subprograms that were running when it was said.
     level: usize,
@@ -45,7 +46,7 @@ impl Okuma {
         if !self.head(host, line, &mut left) {
             return Ok(some(left));
         }
-        if !line.messages.is_empty() && !host.tells_messages(text) {
+        if !line.messages.is_empty() && !host.handles_messages(text) {
             line.messages.iter().for_each(|message| host.show(message));
         }
         match &line.statement {
@@ -62,13 +63,13 @@ impl Okuma {
             }
             Statement::ModIn(call) => self.mod_in(host, call)?,
             Statement::ModOut => self.mod_out(host),
-            Statement::Return => host.give_back(),
+            Statement::Return => host.return_from(),
             Statement::Items(items) => items.iter().try_for_each(|item| self.item(host, item, &mut left))?,
         }
         Ok(some(left))
     }
 
-    /// Marks, sequence number and name of a program: whether the rest of the block is carried out.
+    /// Marks, sequence number and name of a program: whether the rest of the block is executed.
     fn head(&mut self, host: &mut dyn Host, line: &Line, left: &mut String) -> bool {
         let mut skipped = false;
         for head in &line.head {
@@ -124,7 +125,7 @@ impl Okuma {
     }
 
     /// A call with the values of its arguments.
-    fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(dialect::Call, Arguments), Halt> {
+    fn made(&mut self, host: &mut dyn Host, call: &Call) -> Result<(host::Call, Arguments), Halt> {
         let repeats = match &call.repeats {
             Some(repeats) => self.value(host, repeats)?,
             None => 0.0,
@@ -144,10 +145,10 @@ impl Okuma {
         }
         let place = self.find(host, normal(call.name.get(1..).unwrap_or_default()))?;
         let name = Arc::from(call.name.as_str());
-        Ok((dialect::Call { name, place, passes: repeats as u32 + 1, closes: false }, arguments.into()))
+        Ok((host::Call { name, place, passes: repeats as u32 + 1, closes: false }, arguments.into()))
     }
 
-    fn call(&mut self, host: &mut dyn Host, call: dialect::Call, arguments: Arguments) {
+    fn call(&mut self, host: &mut dyn Host, call: host::Call, arguments: Arguments) {
         let place = host.place();
         self.caching = true;
         if let Some((file, _)) = call.place {
@@ -245,12 +246,12 @@ impl Okuma {
         (variable, text, raw): (&Variable, &str, &str),
         left: &mut String,
     ) -> Acted {
-        let asked = match Eval::new(&mut self.store, host).told(variable) {
+        let asked = match Eval::new(&mut self.store, host).asked_name(variable) {
             Ok(asked) => asked,
             Err(Stop::Keep) => raw.to_owned(),
             Err(Stop::Halt(halt)) => return Err(halt),
         };
-        match host.identify(&asked, Some(&Value::text(text)))? {
+        match host.identify(&asked, Some(&Value::text(text)))?.unless(&asked) {
             Answer::Drop => return Ok(()),
             Answer::Keep => {
                 push(left, raw);
@@ -274,7 +275,7 @@ impl Okuma {
     /// `VDOUT[992]=n`: the alarm of the user with that number, unless the machine sees to it.
     fn user_alarm(&mut self, host: &mut dyn Host, value: &Expr, raw: &str, left: &mut String) -> Acted {
         let number = self.value(host, value)?;
-        match host.identify("VDOUT[992]", Some(&Value::Real(number)))? {
+        match host.identify("VDOUT[992]", Some(&Value::Real(number)))?.unless("VDOUT[992]") {
             Answer::Drop => return Ok(()),
             Answer::Keep => {
                 push(left, raw);

@@ -9,7 +9,8 @@ use counterpoint_lang::value::Value;
 use rustc_hash::FxHashMap;
 
 use super::names::Local;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use crate::dialect::levels::Levels;
 
 /// Local variables that a call sets.
 pub(super) type Arguments = Box<[(Local, f64)]>;
@@ -25,9 +26,8 @@ struct Locals {
 /// Variables.
 #[derive(Debug, Default)]
 pub(super) struct Store {
-    main: Locals,
-    /// Of the subprograms that run, the innermost one last.
-    called: Vec<Locals>,
+    /// Of the main program and the subprograms that run.
+    locals: Levels<Locals>,
     /// Common variables of this channel alone.
     own: FxHashMap<String, f64>,
 }
@@ -35,8 +35,7 @@ pub(super) struct Store {
 impl Store {
     /// The program begins; `reset` as if it were the first one.
     pub(super) fn begin(&mut self, reset: bool) {
-        self.main = Locals::default();
-        self.called.clear();
+        self.locals = Levels::default();
         if reset {
             self.own.clear();
         }
@@ -44,29 +43,29 @@ impl Store {
 
     /// A subprogram begins.
     pub(super) fn enter(&mut self, arguments: Arguments) {
-        self.called.push(Locals { values: arguments.iter().copied().collect(), arguments });
+        self.locals.enter(Locals { values: arguments.iter().copied().collect(), arguments });
     }
 
     /// Its next pass begins.
     pub(super) fn again(&mut self) {
-        if let Some(locals) = self.called.last_mut() {
+        if let Some(locals) = self.locals.called_mut() {
             locals.values = locals.arguments.iter().copied().collect();
         }
     }
 
     /// A subprogram has returned.
     pub(super) fn leave(&mut self) {
-        self.called.pop();
+        self.locals.leave();
     }
 
     /// Bytes that they take, about.
     pub(super) fn bytes(&self) -> usize {
-        let locals = self.called.iter().map(|locals| locals.values.len() + locals.arguments.len());
-        (self.main.values.len() + locals.sum::<usize>() + self.own.len()) * 100
+        let locals = self.locals.iter().map(|locals| locals.values.len() + locals.arguments.len());
+        (locals.sum::<usize>() + self.own.len()) * 100
     }
 
     fn locals(&mut self) -> &mut Locals {
-        self.called.last_mut().unwrap_or(&mut self.main)
+        self.locals.here_mut()
     }
 
     /// A local variable, if it has a value.

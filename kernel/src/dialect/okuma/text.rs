@@ -1,9 +1,9 @@
 //! The text of a block without its comments, and the messages in it.
 //!
-//! Decisions: brackets of expressions are square, so a round one always opens a comment, but behind MSG a message, and
+//! Decisions: brackets of expressions are square, so a round one always opens a comment, but after MSG a message, and
 //! a comment that begins with `MSG,` is one too. Invariant: places in what is made here are places in the block.
 
-use super::concerns::is_message;
+use super::quick_look::is_message;
 
 /// A block made ready for reading.
 #[derive(Debug, Default)]

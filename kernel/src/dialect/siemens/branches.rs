@@ -1,4 +1,4 @@
-//! Branches, loops, jumps and repetitions, carried out.
+//! Branches, loops, jumps and repetitions, executed.
 //!
 //! Facts: reference control-emulator.md 5.4. Decisions: FOR adds 1 and asks for its last value again after each pass; a
 //! part that is repeated runs as a call of its blocks. Invariant: nothing is remembered of a loop, its partners are found
@@ -9,7 +9,7 @@ use super::line::{Assigned, Item, Jump, Label, Structure};
 use super::run::{Left, MOST_PASSES, Then};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::dialect::{Call, Host};
+use crate::dialect::host::{Call, Host};
 
 impl Siemens {
     /// Branches, loops and jumps.
@@ -26,7 +26,7 @@ impl Siemens {
                         true
                     }
                 };
-                // What stands after a jump that is not made is carried out, further conditions too.
+                // What stands after a jump that is not made is executed, further conditions too.
                 return Ok(if gone { Then::Stop } else { Then::GoOn });
             }
             Item::Goto(jump) => return Ok(if self.jump(host, jump)? { Then::Stop } else { Then::GoOn }),

@@ -11,10 +11,10 @@ use super::line::{Item, read};
 use super::value::Data;
 use super::variables::{Level, Target, Variable};
 use super::{Fault, Outcome, Siemens, syntax};
-use crate::diag;
-use crate::dialect::{Call, Host};
-use crate::log::event::FileId;
+use crate::dialect::host::{Call, Host};
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 
 /// A call that is about to begin.
 #[derive(Debug)]
@@ -249,7 +249,7 @@ impl Siemens {
         labels: &(String, String),
     ) -> Outcome<(FileId, Range)> {
         let (file, range) = place;
-        let at = crate::dialect::Place { file, range, line: range.first.saturating_sub(1), ..host.place() };
+        let at = crate::dialect::host::Place { file, range, line: range.first.saturating_sub(1), ..host.place() };
         let label = |name: &String| super::line::Label::Name(name.clone());
         let first = self.label_line(host, &label(&labels.0), &at)?;
         let last = self.label_line(host, &label(&labels.1), &at)?;

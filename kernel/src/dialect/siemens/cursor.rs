@@ -51,7 +51,7 @@ impl<'a> Cursor<'a> {
         self.text.get(from..self.at).unwrap_or_default()
     }
 
-    /// The byte so many behind this one, 0 at the end.
+    /// The byte so many after this one, 0 at the end.
     pub(super) fn byte(&self, ahead: usize) -> u8 {
         self.text.as_bytes().get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -71,7 +71,7 @@ impl<'a> Cursor<'a> {
         self.at += self.rest().chars().next().map_or(0, char::len_utf8);
     }
 
-    /// Takes a symbol, behind blanks.
+    /// Takes a symbol, after blanks.
     pub(super) fn takes(&mut self, symbol: &str) -> bool {
         let from = self.at;
         self.blanks();
@@ -83,13 +83,13 @@ impl<'a> Cursor<'a> {
         false
     }
 
-    /// The sign of an assignment comes next, behind blanks.
+    /// The sign of an assignment comes next, after blanks.
     pub(super) fn assigns(&self) -> bool {
         let rest = self.rest().trim_start_matches([' ', '\t']).as_bytes();
         rest.first() == Some(&b'=') && rest.get(1) != Some(&b'=')
     }
 
-    /// The name that comes next, behind blanks, as it is written.
+    /// The name that comes next, after blanks, as it is written.
     pub(super) fn peeked_name(&self) -> Option<&'a str> {
         let rest = self.rest().trim_start_matches([' ', '\t']);
         let bytes = rest.as_bytes();

@@ -1,4 +1,4 @@
-//! DEF and REDEF, carried out.
+//! DEF and REDEF, executed.
 //!
 //! Facts: reference control-emulator.md 5.4 and 8.5. Decisions: the first definition of the job gives a variable of all
 //! channels its value; a definition of the channel that comes again leaves the value; a definition of a program that
@@ -11,8 +11,8 @@ use super::expression::Name;
 use super::value::Type;
 use super::variables::{Holder, MOST_IN_ALL, Target, Variable, declared_key};
 use super::{Fault, Outcome, Siemens};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Most elements of a variable.
 const MOST_ELEMENTS: usize = 100_000;

@@ -67,7 +67,7 @@ pub(super) struct Parameter {
     pub(super) default: Option<Expression>,
 }
 
-/// Attributes of data that change nothing here, with the number of values behind them.
+/// Attributes of data that change nothing here, with the number of values after them.
 const ATTRIBUTES: [&str; 16] = [
     "SYNR", "SYNW", "SYNRW", "PHU", "APR", "APW", "APRP", "APWP", "APRB", "APWB", "LLI", "ULI", "ACCESS", "EXECX",
     "IPO", "PRLOC",
@@ -125,7 +125,7 @@ fn attribute(cursor: &mut Cursor<'_>) -> Result<(), String> {
     Ok(())
 }
 
-/// `[n]` behind STRING.
+/// `[n]` after STRING.
 fn text_length(cursor: &mut Cursor<'_>, kind: Type) -> Result<Option<Expression>, String> {
     if !matches!(kind, Type::Text(_)) || !cursor.takes("[") {
         return Ok(None);

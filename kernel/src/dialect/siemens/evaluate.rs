@@ -8,8 +8,8 @@
 use super::expression::{Argument, Binary, Expression, Name, Unary, whole};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, functions, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::{Answer, Host};
+use crate::dialect::host::{Answer, Host};
+use counterpoint_fault as diag;
 
 /// Most characters of a text.
 const LONGEST: usize = 1000;
@@ -31,7 +31,7 @@ fn division<T>() -> Outcome<T> {
 pub(super) fn number(value: &Data) -> Outcome<f64> {
     match value.number() {
         Some(number) => Ok(number),
-        None => wrong_type(format!("{} is no number", value.told())),
+        None => wrong_type(format!("{} is no number", value.described())),
     }
 }
 
@@ -115,7 +115,7 @@ impl Siemens {
         let Some(index) = name.index.first() else { return syntax("AX needs an axis") };
         match self.evaluate(host, index)? {
             Data::Axis(axis) => Ok(Data::Axis(axis)),
-            other => wrong_type(format!("{} is no axis", other.told())),
+            other => wrong_type(format!("{} is no axis", other.described())),
         }
     }
 
@@ -126,7 +126,7 @@ impl Siemens {
         text: &str,
         assigned: Option<&counterpoint_lang::value::Value>,
     ) -> Outcome<Answer> {
-        if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?) }
+        if self.quiet { Ok(Answer::Unknown) } else { Ok(host.identify(text, assigned)?.unless(text)) }
     }
 
     /// What a macro gave in place of a text; it is not asked about what stands in it.
@@ -214,7 +214,7 @@ fn bits(value: &Data) -> Outcome<i32> {
     if number.abs() <= f64::from(u32::MAX) {
         Ok(number as i64 as i32)
     } else {
-        wrong_type(format!("{} has more than 32 bits", value.told()))
+        wrong_type(format!("{} has more than 32 bits", value.described()))
     }
 }
 
@@ -300,7 +300,7 @@ fn compare(operator: Binary, left: Data, right: Data) -> Outcome<Data> {
     let Some(order) = order else { return wrong_type("values cannot be compared") };
     let no_order = matches!(left, Data::Axis(_) | Data::Frame(_));
     if no_order && !matches!(operator, Binary::Equal | Binary::NotEqual) {
-        return wrong_type(format!("{} has no order", left.told()));
+        return wrong_type(format!("{} has no order", left.described()));
     }
     Ok(Data::Bool(match operator {
         Binary::Equal => order.is_eq(),

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::cursor::{Cursor, split_list};
+use crate::dialect::expression::{Grammar, read};
 
 /// Deepest nesting of parentheses, brackets and arguments.
 const DEEPEST: usize = 24;
@@ -73,6 +74,9 @@ pub(super) enum Binary {
     Chain,
 }
 
+/// Level of comparisons.
+const COMPARISONS: usize = 0;
+
 /// Operators by level, weakest first.
 const LEVELS: [&[(&str, Binary)]; 10] = [
     &[
@@ -103,7 +107,7 @@ const LEVELS: [&[(&str, Binary)]; 10] = [
 /// Reads an expression.
 pub(super) fn expression(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
     cursor.operators = 0;
-    level(cursor, 0)
+    read(cursor, 0)
 }
 
 /// Reads a text that has to be one expression.
@@ -120,22 +124,34 @@ pub(super) fn unexpected(cursor: &Cursor<'_>) -> String {
     if rest.is_empty() { "the block ends too early".to_owned() } else { format!("'{rest}' is not expected") }
 }
 
-fn level(cursor: &mut Cursor<'_>, at: usize) -> Result<Expression, String> {
-    let Some(operators) = LEVELS.get(at) else { return unary(cursor) };
-    let mut left = level(cursor, at + 1)?;
-    let mut compared = false;
-    while let Some(operator) = operator(cursor, operators) {
-        if at == 0 && std::mem::replace(&mut compared, true) {
+impl Grammar for Cursor<'_> {
+    type Operator = Binary;
+    type Part = Expression;
+    type Mistake = String;
+
+    fn operand(&mut self) -> Result<Expression, String> {
+        unary(self)
+    }
+
+    fn operator(&mut self, loosest: usize) -> Option<(usize, Binary)> {
+        let mut levels = LEVELS.iter().enumerate().skip(loosest);
+        levels.find_map(|(level, operators)| Some((level, operator(self, operators)?)))
+    }
+
+    fn check(&mut self, level: usize, chained: bool) -> Result<(), String> {
+        if level == COMPARISONS && chained {
             return Err("a comparison binds weaker than AND and OR, each one needs parentheses".to_owned());
         }
-        cursor.operators += 1;
-        if cursor.operators > MOST_OPERATORS {
+        self.operators += 1;
+        if self.operators > MOST_OPERATORS {
             return Err(format!("the expression has more than {MOST_OPERATORS} operators"));
         }
-        let right = level(cursor, at + 1)?;
-        left = Expression::Binary(operator, Box::new(left), Box::new(right));
+        Ok(())
     }
-    Ok(left)
+
+    fn join(&mut self, operator: Binary, left: Expression, right: Expression) -> Expression {
+        Expression::Binary(operator, Box::new(left), Box::new(right))
+    }
 }
 
 fn operator(cursor: &mut Cursor<'_>, operators: &[(&str, Binary)]) -> Option<Binary> {
@@ -198,7 +214,7 @@ fn primary(cursor: &mut Cursor<'_>) -> Result<Expression, String> {
     match cursor.byte(0) {
         b'(' => {
             cursor.takes("(");
-            let inner = deeper(cursor, |cursor| level(cursor, 0))?;
+            let inner = deeper(cursor, |cursor| read(cursor, 0))?;
             if cursor.takes(")") { Ok(inner) } else { Err(format!("a ')' is missing, {}", unexpected(cursor))) }
         }
         b'"' => match cursor.quoted() {
@@ -289,7 +305,7 @@ pub(super) fn parameter(name: &str) -> Option<i64> {
     digits.parse().ok()
 }
 
-/// Indices behind a name in capital letters.
+/// Indices after a name in capital letters.
 pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, String> {
     if let Some(number) = parameter(name) {
         return Ok(Name { name: "R".to_owned(), index: vec![Expression::Int(number)] });
@@ -298,7 +314,7 @@ pub(super) fn indexed(cursor: &mut Cursor<'_>, name: &str) -> Result<Name, Strin
     let mut index = Vec::new();
     while cursor.takes("[") {
         loop {
-            index.push(deeper(cursor, |cursor| level(cursor, 0))?);
+            index.push(deeper(cursor, |cursor| read(cursor, 0))?);
             if cursor.takes("]") {
                 break;
             }
@@ -330,7 +346,7 @@ fn argument(cursor: &Cursor<'_>, text: &str) -> Argument {
     let value = if text.is_empty() {
         Ok(None)
     } else {
-        level(&mut inner, 0).and_then(|read| {
+        read(&mut inner, 0).and_then(|read| {
             inner.blanks();
             if inner.is_at_end() { Ok(Some(read)) } else { Err(unexpected(&inner)) }
         })

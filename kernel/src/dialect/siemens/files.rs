@@ -9,11 +9,11 @@ use super::cursor::Cursor;
 use super::jumps::bare;
 use super::line::{Item, head, read};
 use super::{Fault, Outcome, Siemens};
-use crate::diag;
-use crate::dialect::Host;
-use crate::log::event::FileId;
-use crate::machine::model::StoredFile;
+use crate::dialect::host::Host;
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_machine::model::StoredFile;
 
 /// Folders of the control that subprograms are looked for in, in this order.
 const FOLDERS: [&str; 5] = ["spf.dir", "cus.dir", "cma.dir", "cst.dir", "sub.dir"];
@@ -34,7 +34,7 @@ fn file_path(path: &str) -> String {
     path.split('/').filter(|part| !part.is_empty()).map(file_name).collect::<Vec<_>>().join("/")
 }
 
-/// Name of a program of an archive, behind its `%`: without `_N_` and without extension.
+/// Name of a program of an archive, after its `%`: without `_N_` and without extension.
 pub(super) fn program_name(name: &str) -> String {
     let name = file_name(name.split([' ', '\t', ';', '(']).next().unwrap_or_default());
     let stem = ["spf", "mpf"].iter().find_map(|extension| name.strip_suffix(&format!(".{extension}")));
@@ -158,13 +158,13 @@ impl Siemens {
 
     /// Reads the definition files that a macro has asked for.
     pub(super) fn definition_files(&mut self, host: &mut dyn Host) -> Outcome<()> {
-        for (name, told) in std::mem::take(&mut self.settings.definitions) {
+        for (name, reports) in std::mem::take(&mut self.settings.definitions) {
             let path = file_path(&name);
             let dotted = path.rsplit_once('_').map_or(path.clone(), |(stem, extension)| format!("{stem}.{extension}"));
             let found = [dotted, path].iter().find_map(|path| self.by_path(host, path));
             match found {
                 Some(file) => self.definition_file(host, file)?,
-                None if told => {
+                None if reports => {
                     let text = format!("there is no definition file {name}");
                     host.diagnose(&diag::SIEMENS_FILE, text);
                 }

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9 (`APPLYFRAMES`). Decisions: the programmable frame is set by
 //! blocks with the words TRANS, AROT, ASCALE and AMIRROR of the machine's tables, a settable frame by the work offset of
-//! its number. Invariant: what the machine has no words for is told, and then nothing of the frame is set.
+//! its number. Invariant: what the machine has no words for is reported, and then nothing of the frame is set.
 
 use rustc_hash::FxHashMap;
 
@@ -10,8 +10,8 @@ use super::expression::{Argument, Name};
 use super::frame::{Frame, Part, Parts};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Frames that are kept without being applied.
 #[derive(Debug, Default)]
@@ -37,7 +37,7 @@ pub(super) fn geometry(host: &dyn Host, axis: &Data) -> Outcome<usize> {
             return Ok(at);
         }
     }
-    wrong_type(format!("{} is no geometry axis", axis.told()))
+    wrong_type(format!("{} is no geometry axis", axis.described()))
 }
 
 fn parts(frame: &Frame) -> Outcome<Parts> {

@@ -8,7 +8,7 @@ use super::evaluate::{number, real, same};
 use super::frame::turn;
 use super::value::Data;
 use super::{Fault, Outcome, syntax};
-use crate::diag;
+use counterpoint_fault as diag;
 
 /// Functions, with the smallest and the largest number of arguments.
 const FUNCTIONS: [(&str, usize, usize); 37] = [

@@ -2,7 +2,7 @@
 //!
 //! Facts: reference control-emulator.md 5.4. A file is looked through once, as it stands. Decisions: GOTO looks onwards
 //! first, then from the beginning; a jump stays in its program, and in a part that is repeated. Invariant: partners are
-//! found without running anything, so a jump out of a loop leaves nothing behind.
+//! found without running anything, so a jump out of a loop leaves nothing after.
 
 use std::sync::Arc;
 
@@ -12,12 +12,13 @@ use super::cursor::Cursor;
 use super::line::{Direction, Item, Jump, Label, Line, Structure, head, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens};
-use crate::diag;
+use crate::dialect::host::{Host, Place};
+use crate::dialect::kept::{Table, next_or_first};
 use crate::dialect::text::without_comment;
-use crate::dialect::{Host, Place};
-use crate::log::event::FileId;
 use crate::mcd::program::Range;
 use crate::mcd::source::Source;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 
 /// What is to be found in a file.
 #[derive(Debug, Default)]
@@ -137,12 +138,6 @@ impl Places {
         }
     }
 
-    /// Bytes that they take, about.
-    fn bytes(&self) -> usize {
-        let lines = self.labels.len() * 100 + self.numbers.len() * 60 + self.partners.len() * 40;
-        lines + self.programs.len() * 80
-    }
-
     /// Lines of the program around a line.
     pub(super) fn program(&self, range: Range, line: u32) -> (u32, u32) {
         let around = self.programs.iter().find(|(_, first, last)| (*first..=*last).contains(&line));
@@ -150,16 +145,17 @@ impl Places {
     }
 }
 
+impl Table for Places {
+    fn bytes(&self) -> usize {
+        let lines = self.labels.len() * 100 + self.numbers.len() * 60 + self.partners.len() * 40;
+        lines + self.programs.len() * 80
+    }
+}
+
 impl Siemens {
     /// Labels and loops of a file.
     pub(super) fn places(&mut self, host: &dyn Host, file: FileId) -> Arc<Places> {
-        if let Some(places) = self.places.get(&file) {
-            return Arc::clone(places);
-        }
-        let places = Arc::new(host.source(file).map(|source| Places::of(&source)).unwrap_or_default());
-        self.table_bytes += places.bytes();
-        self.places.insert(file, Arc::clone(&places));
-        places
+        self.places.get(file, || host.source(file).map(|source| Places::of(&source)).unwrap_or_default())
     }
 
     /// A block of a file, read.
@@ -184,7 +180,7 @@ impl Siemens {
         }
     }
 
-    /// Goes on at a line, which has to be in the text that runs, or directly behind it.
+    /// Goes on at a line, which has to be in the text that runs, or directly after it.
     pub(super) fn go(&mut self, host: &mut dyn Host, line: u32) -> Outcome<()> {
         let range = host.place().range;
         if line < range.first || line > range.last.saturating_add(1) {
@@ -193,7 +189,7 @@ impl Siemens {
         Ok(host.go_to(line)?)
     }
 
-    /// Carries out a jump; false if its target is missing and that is no mistake.
+    /// Executes a jump; false if its target is missing and that is no mistake.
     pub(super) fn jump(&mut self, host: &mut dyn Host, jump: &Jump) -> Outcome<bool> {
         let place = host.place();
         let places = self.places(host, place.file);
@@ -243,7 +239,7 @@ impl Siemens {
         })
     }
 
-    /// The line of a label for REPEAT and CALL BLOCK: before this block, else behind it.
+    /// The line of a label for REPEAT and CALL BLOCK: before this block, else after it.
     pub(super) fn label_line(&mut self, host: &mut dyn Host, label: &Label, place: &Place) -> Outcome<u32> {
         let label = self.label(host, label)?;
         let places = self.places(host, place.file);
@@ -280,11 +276,10 @@ fn find(places: &Places, label: &Label, direction: Direction, around: (u32, u32)
     // They are in ascending order.
     let at = |line: u32| lines.partition_point(|other| *other < line);
     let inside = lines.get(at(around.0)..at(around.1.saturating_add(1))).unwrap_or_default();
-    let (before, behind) = inside.split_at_checked(inside.partition_point(|line| *line <= place.line))?;
+    let (before, after) = inside.split_at_checked(inside.partition_point(|line| *line <= place.line))?;
     match direction {
-        Direction::Forward => behind.first(),
-        Direction::Back => before.last(),
-        _ => behind.first().or_else(|| before.first()),
+        Direction::Forward => after.first().copied(),
+        Direction::Back => before.last().copied(),
+        _ => next_or_first(lines, place.line.saturating_add(1), around.0, around.1),
     }
-    .copied()
 }

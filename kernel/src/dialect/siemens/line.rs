@@ -83,7 +83,7 @@ pub(super) enum Structure {
     Repeat,
 }
 
-/// What stands behind `=`.
+/// What stands after `=`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Assigned {
     /// An expression, and how it is written.

@@ -1,12 +1,13 @@
 //! Siemens 840D.
 //!
 //! Facts: reference control-emulator.md 5.4, functions.md 9. A block is read once (`line`, kept by file and line) and
-//! carried out item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
+//! executed item by item (`run`): statements act at once, words are gathered as text. Invariants: a mistake of the
 //! program is an alarm with a text, never a silence; what is no statement, variable or subprogram stays as text for the
 //! tables of the machine.
 
 mod branches;
 mod calls;
+mod control;
 mod cursor;
 mod declare;
 mod define;
@@ -32,23 +33,26 @@ mod variables;
 mod words;
 
 use counterpoint_fault::Halt;
-use std::sync::Arc;
 
 use counterpoint_lang::value::Value;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::{Host, Interpreter, Setting};
-use crate::diag::{self, Facts};
-use crate::dialect::kept::Kept;
-use crate::log::event::FileId;
+use super::host::Host;
+use super::interpreter::{Interpreter, Remaining, Setting};
+use crate::dialect::kept::{Kept, Tables};
 use crate::mcd::program::Range;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
+use counterpoint_fault::Facts;
 
-/// What keeps a block from being carried out.
+pub(crate) use control::Control;
+
+/// What keeps a block from being executed.
 #[derive(Debug)]
 enum Fault {
     /// The channel stops.
     Halt(Halt),
-    /// An alarm that is still to be told.
+    /// An alarm that is still to be reported.
     Alarm(&'static Facts, String),
 }
 
@@ -82,11 +86,10 @@ pub(crate) struct Siemens {
     defines: FxHashMap<String, String>,
     /// Blocks that were read.
     read: Kept<Result<line::Line, String>>,
-    /// Bytes of those texts, and of the labels and loops below.
+    /// Bytes of those texts.
     define_bytes: usize,
-    table_bytes: usize,
     /// Labels and loops of files.
-    places: FxHashMap<FileId, Arc<jumps::Places>>,
+    places: Tables<FileId, jumps::Places>,
     /// Where subprograms are, by calling file and name.
     found: FxHashMap<(FileId, String), Option<(FileId, Range)>>,
     /// Subprograms that were declared by EXTERN.
@@ -105,7 +108,7 @@ pub(crate) struct Siemens {
 }
 
 /// Whether a block is anything but plain words: a name, a call by L, M17, or a sign that plain words do not have.
-pub(crate) fn concerns(text: &[u8]) -> bool {
+fn needs_interpreter(text: &[u8]) -> bool {
     let mut before = b' ';
     for (at, &byte) in text.iter().enumerate() {
         match byte {
@@ -130,7 +133,7 @@ fn returns(text: &[u8]) -> bool {
 
 impl Siemens {
     /// A fault becomes an alarm.
-    fn told<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
+    fn reported<T>(&self, host: &mut dyn Host, outcome: Outcome<T>) -> Result<T, Halt> {
         match outcome {
             Ok(done) => Ok(done),
             Err(Fault::Halt(halt)) => Err(halt),
@@ -160,7 +163,7 @@ impl Siemens {
 }
 
 impl Interpreter for Siemens {
-    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Option<String>, Halt> {
+    fn block(&mut self, host: &mut dyn Host, text: &[u8]) -> Result<Remaining, Halt> {
         if let Some(halt) = self.halted.take() {
             return Err(halt);
         }
@@ -169,10 +172,10 @@ impl Interpreter for Siemens {
             Ok(()) => self.carry_out(host, &String::from_utf8_lossy(text)),
             Err(fault) => Err(fault),
         };
-        self.told(host, outcome)
+        Ok(self.reported(host, outcome)?.into())
     }
 
-    fn begin(&mut self, reset: bool) {
+    fn restart(&mut self, reset: bool) {
         let before = std::mem::take(self);
         if !reset {
             self.variables = before.variables.for_next_program();
@@ -182,24 +185,24 @@ impl Interpreter for Siemens {
         }
     }
 
-    fn entered(&mut self, host: &mut dyn Host) {
+    fn on_call(&mut self, host: &mut dyn Host) {
         self.enter(host);
     }
 
-    fn again(&mut self) {
+    fn on_repeat(&mut self) {
         self.variables.again();
     }
 
-    fn left(&mut self, host: &mut dyn Host) {
+    fn on_return(&mut self, host: &mut dyn Host) {
         let outcome = self.leave(host);
-        if let Err(halt) = self.told(host, outcome) {
+        if let Err(halt) = self.reported(host, outcome) {
             self.halted = Some(halt);
         }
     }
 
     fn variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64]) -> Result<Option<Value>, Halt> {
         let outcome = self.definition_files(host);
-        self.told(host, outcome)?;
+        self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(None) };
         let read = self.quietly(|this| this.read_for_macro(host, &name))?;
         Ok(read.flatten().map(|data| data.value()))
@@ -207,19 +210,19 @@ impl Interpreter for Siemens {
 
     fn set_variable(&mut self, host: &mut dyn Host, name: &str, indices: &[f64], value: &Value) -> Result<bool, Halt> {
         let outcome = self.definition_files(host);
-        self.told(host, outcome)?;
+        self.reported(host, outcome)?;
         let Some(name) = settings::named(name, indices) else { return Ok(false) };
         let set = self.quietly(|this| this.set_for_macro(host, &name, value))?;
         Ok(set.unwrap_or(false))
     }
 
-    fn setting(&mut self, name: &str, values: &[Value]) -> Setting {
+    fn setting(&mut self, _: &mut dyn Host, name: &str, values: &[Value]) -> Setting {
         self.settings.set(name, values)
     }
 
     fn memory(&self) -> u64 {
         let names = self.externals.len() + self.found.len() + self.timers.len();
         let defines = self.defines.len() * 100 + self.define_bytes;
-        (self.variables.bytes() + names * 100 + defines + self.table_bytes + self.read.bytes()) as u64
+        (self.variables.bytes() + names * 100 + defines + self.places.bytes() + self.read.bytes()) as u64
     }
 }

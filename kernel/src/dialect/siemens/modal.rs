@@ -9,7 +9,7 @@ use super::calls::{Calling, Given};
 use super::line::Item;
 use super::run::Left;
 use super::{Outcome, Siemens};
-use crate::dialect::{Call, Host};
+use crate::dialect::host::{Call, Host};
 
 /// What blocks with path motion call.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
-//! A block, carried out item by item.
+//! A block, executed item by item.
 //!
 //! Facts: reference control-emulator.md 2.2 and 5.4. Statements act in the order in which they stand, words are gathered
-//! and act behind them; a call begins behind the words. Invariant: what is neither statement nor variable nor subprogram
+//! and act after them; a call begins after the words. Invariant: what is neither statement nor variable nor subprogram
 //! is among the words that are left.
 
 use std::sync::Arc;
@@ -10,9 +10,9 @@ use super::expression::{Argument, Expression, Name, whole};
 use super::line::{Assigned, Item, Line, read};
 use super::value::Data;
 use super::{Fault, Outcome, Siemens, syntax};
-use crate::diag;
+use crate::dialect::host::{Answer, Call, Host};
 use crate::dialect::text::without_comment;
-use crate::dialect::{Answer, Call, Host};
+use counterpoint_fault as diag;
 
 /// Most passes of a call.
 pub(super) const MOST_PASSES: i64 = 9_999;
@@ -43,7 +43,7 @@ impl Left {
     }
 }
 
-/// Whether the rest of the block is carried out.
+/// Whether the rest of the block is executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Then {
     GoOn,
@@ -51,7 +51,7 @@ pub(super) enum Then {
 }
 
 impl Siemens {
-    /// Carries out a block: the text of the words that are left.
+    /// Executes a block: the text of the words that are left.
     pub(super) fn carry_out(&mut self, host: &mut dyn Host, text: &str) -> Outcome<Option<String>> {
         let Some(text) = skipped(host, text) else { return Ok(None) };
         let place = host.place();
@@ -164,14 +164,14 @@ impl Siemens {
                     return Ok(Then::GoOn);
                 }
                 if self.variables.in_part() {
-                    let told = format!("'{}' ends a pass of the part that is repeated", host.block_text());
-                    host.diagnose(&diag::SIEMENS_IGNORED, told);
+                    let text = format!("'{}' ends a pass of the part that is repeated", host.block_text());
+                    host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
                 if *elsewhere {
-                    let told = format!("the target of RET is not looked for in '{}'", host.block_text());
-                    host.diagnose(&diag::SIEMENS_IGNORED, told);
+                    let text = format!("the target of RET is not looked for in '{}'", host.block_text());
+                    host.diagnose(&diag::SIEMENS_IGNORED, text);
                 }
-                host.give_back();
+                host.return_from();
             }
             Item::Define(name, text) => {
                 self.define(name, text);
@@ -315,7 +315,7 @@ impl Siemens {
     ) -> Outcome<Then> {
         let name = match self.evaluate(host, name)? {
             Data::Text(text) => text.trim().to_owned(),
-            other => return super::wrong_type(format!("{} is no name of a subprogram", other.told())),
+            other => return super::wrong_type(format!("{} is no name of a subprogram", other.described())),
         };
         if !self.settings.subprograms {
             left.add(&format!("CALL \"{name}\""));
@@ -391,7 +391,7 @@ impl Siemens {
     }
 }
 
-/// The block behind its marks of optional skip; none if it is skipped.
+/// The block after its marks of optional skip; none if it is skipped.
 fn skipped<'a>(host: &dyn Host, text: &'a str) -> Option<&'a str> {
     let mut text = text.trim_start();
     while let Some(rest) = text.strip_prefix('/') {

@@ -6,12 +6,12 @@
 use counterpoint_lang::value::Value;
 
 use super::expression::{Expression, Name, whole};
-use crate::dialect::Setting;
+use crate::dialect::interpreter::Setting;
 
 /// Settings.
 #[derive(Debug)]
 pub(super) struct Settings {
-    /// MSG is carried out here.
+    /// MSG is executed here.
     pub(super) messages: bool,
     /// Subprograms are called here.
     pub(super) subprograms: bool,
@@ -25,7 +25,7 @@ pub(super) struct Settings {
     pub(super) severity: Option<u8>,
     /// Folder of the control's files.
     pub(super) root: String,
-    /// Definition files that are still to be read, and whether a missing one is told.
+    /// Definition files that are still to be read, and whether a missing one is reported.
     pub(super) definitions: Vec<(String, bool)>,
 }
 
@@ -127,7 +127,7 @@ impl Settings {
     }
 }
 
-/// A variable in native spelling, with further indices behind it.
+/// A variable in native spelling, with further indices after it.
 pub(super) fn named(text: &str, indices: &[f64]) -> Option<Name> {
     let Ok(Expression::Name(mut name)) = whole(text.trim()) else { return None };
     name.index.extend(indices.iter().map(|index| Expression::Real(*index)));

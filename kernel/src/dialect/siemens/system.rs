@@ -2,13 +2,13 @@
 //!
 //! Facts: reference control-emulator.md 5.4: a small set. Decisions: positions are those of the programmed point;
 //! `$AC_TIME`, the time since the block began, is 0, since a block is read when it begins; the run time of the program
-//! is the simulated time of the channel. Invariant: what is not known here is none, so that it is told.
+//! is the simulated time of the channel. Invariant: what is not known here is none, so that it is reported.
 
 use super::evaluate::number;
 use super::expression::{Expression, Name};
 use super::value::Data;
 use super::{Outcome, Siemens, syntax};
-use crate::dialect::Host;
+use crate::dialect::host::Host;
 
 /// Largest number of a timer.
 const MOST_TIMERS: i64 = 99;
@@ -93,7 +93,7 @@ impl Siemens {
             Expression::Name(axis) if axis.index.is_empty() && !self.variables.knows(&axis.name) => axis.name.clone(),
             _ => match self.evaluate(host, index)? {
                 Data::Axis(axis) | Data::Text(axis) => axis,
-                other => return super::wrong_type(format!("{} is no axis", other.told())),
+                other => return super::wrong_type(format!("{} is no axis", other.described())),
             },
         };
         let is = |text: &str| text.eq_ignore_ascii_case(&wanted);

@@ -4,7 +4,7 @@ use super::expression::{Expression, whole};
 use super::frame::{Frame, Parts};
 use super::line::{Item, head, read};
 use super::value::{Data, Type, shown};
-use super::{concerns, cursor::Cursor, settings::named};
+use super::{cursor::Cursor, needs_interpreter, settings::named};
 
 fn item(text: &str) -> Item {
     let line = read(text).unwrap();
@@ -15,10 +15,10 @@ fn item(text: &str) -> Item {
 #[test]
 fn plain_words_are_not_for_the_pre_processor() {
     for text in ["N10 G1 X10.5 Y-3 F100", "G0X1Y2", "/N20 M3 S1000 ; IF (A)", "T1 D1", "", "M170 M7", "P3"] {
-        assert!(!concerns(text.as_bytes()), "{text}");
+        assert!(!needs_interpreter(text.as_bytes()), "{text}");
     }
     for text in ["X=5", "R1=3", "N10 L20", "M17", "M017", "DIAMON", "LABEL:", ":10 G1", "%_N_A_MPF", "G4 F(1)", "_A"] {
-        assert!(concerns(text.as_bytes()), "{text}");
+        assert!(needs_interpreter(text.as_bytes()), "{text}");
     }
 }
 

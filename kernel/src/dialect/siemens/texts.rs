@@ -6,8 +6,8 @@
 use super::evaluate::number;
 use super::value::{Data, shown};
 use super::{Fault, Outcome, Siemens, syntax, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
+use crate::dialect::host::Host;
+use counterpoint_fault as diag;
 
 /// Largest width in a format of SPRINT.
 const WIDEST: usize = 100;
@@ -16,7 +16,7 @@ fn text(values: &[Data], at: usize) -> Outcome<String> {
     match values.get(at) {
         Some(Data::Text(text) | Data::Axis(text)) => Ok(text.clone()),
         Some(Data::Char(one)) => Ok(char::from(*one).to_string()),
-        Some(other) => wrong_type(format!("{} is no text", other.told())),
+        Some(other) => wrong_type(format!("{} is no text", other.described())),
         None => Ok(String::new()),
     }
 }
@@ -73,7 +73,7 @@ impl Siemens {
             "STRING" => Data::Text(values.first().map(Data::text).unwrap_or_default()),
             "AXSTRING" => match values.first() {
                 Some(Data::Axis(axis)) => Data::Text(axis.clone()),
-                other => return wrong_type(format!("{} is no axis", other.map(Data::told).unwrap_or_default())),
+                other => return wrong_type(format!("{} is no axis", other.map(Data::described).unwrap_or_default())),
             },
             "AXNAME" => {
                 let wanted = first()?.to_ascii_uppercase();

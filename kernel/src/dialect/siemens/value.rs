@@ -100,7 +100,7 @@ impl Type {
         match made {
             Some(Data::Int(number)) if number.abs() > MOST_INT => Err(format!("{number} is beyond the numbers of INT")),
             Some(made) => Ok(made),
-            None => Err(format!("{} cannot be a value of {}", value.told(), self.name())),
+            None => Err(format!("{} cannot be a value of {}", value.described(), self.name())),
         }
     }
 
@@ -170,7 +170,7 @@ impl Data {
     }
 
     /// For messages.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn described(&self) -> String {
         match self {
             Self::Text(text) => format!("\"{text}\""),
             Self::Frame(_) => "a frame".to_owned(),
@@ -190,7 +190,7 @@ impl Data {
     }
 }
 
-/// A number in decimal digits, at most nine behind the point, without zeros at their end.
+/// A number in decimal digits, at most nine after the point, without zeros at their end.
 pub(super) fn shown(value: f64) -> String {
     let text = format!("{value:.9}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

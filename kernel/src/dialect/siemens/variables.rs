@@ -12,9 +12,9 @@ use super::frame::{Frame, Part};
 use super::line::Assigned;
 use super::value::{Data, Type};
 use super::{Fault, Outcome, Siemens, wrong_type};
-use crate::diag;
-use crate::dialect::Host;
-use crate::log::event::FileId;
+use crate::dialect::host::Host;
+use counterpoint_event::FileId;
+use counterpoint_fault as diag;
 
 /// Most elements of all variables of a kernel.
 pub(super) const MOST_IN_ALL: usize = 1_000_000;
@@ -44,7 +44,7 @@ pub(super) struct Level {
     /// Parameters whose values go back: the name, and which of the given ones.
     pub(super) back: Vec<(String, usize)>,
     /// Modal codes that come back at the end.
-    pub(super) modes: Option<crate::dialect::Modes>,
+    pub(super) modes: Option<crate::dialect::host::Modes>,
 }
 
 /// All variables of a kernel.
@@ -367,7 +367,7 @@ impl Siemens {
         Ok(())
     }
 
-    /// Sets what stands behind `=`.
+    /// Sets what stands after `=`.
     pub(super) fn assign(&mut self, host: &mut dyn Host, target: &Target, value: &Assigned) -> Outcome<()> {
         match value {
             Assigned::One(..) if target.whole => missing(format!("{} is an array, it needs its indices", target.name)),
@@ -456,7 +456,7 @@ impl Target {
         self.whole
     }
 
-    /// An element so many behind this one.
+    /// An element so many after this one.
     pub(super) fn element(&self, behind: usize) -> Self {
         Self { at: self.at + behind, whole: false, ..self.clone() }
     }
@@ -466,6 +466,6 @@ impl Target {
 pub(super) fn as_frame(value: Data) -> Outcome<Frame> {
     match value {
         Data::Frame(frame) => Ok(*frame),
-        other => wrong_type(format!("{} is no frame", other.told())),
+        other => wrong_type(format!("{} is no frame", other.described())),
     }
 }

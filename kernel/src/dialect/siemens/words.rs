@@ -11,8 +11,8 @@ use super::line::{Assigned, Way};
 use super::run::Left;
 use super::value::{Data, shown};
 use super::{Outcome, Siemens};
-use crate::diag;
-use crate::dialect::{AxisPlace, Host};
+use crate::dialect::host::{AxisPlace, Host};
+use counterpoint_fault as diag;
 
 /// Largest value of a word.
 const BOUND: f64 = 1e12;
@@ -110,7 +110,7 @@ impl Siemens {
     }
 }
 
-/// A letter with a number behind it.
+/// A letter with a number after it.
 fn splits(address: &str) -> bool {
     address.as_bytes().get(1).is_some_and(u8::is_ascii_digit)
 }

@@ -9,7 +9,7 @@ use crate::channel::Kernel;
 use crate::log::info::Unit;
 use crate::machine::Machine;
 use crate::machine::ident::codes;
-use crate::machine::model::{MachineKind, Preprocessor};
+use crate::machine::model::MachineKind;
 use crate::macros::store::Store;
 use crate::macros::values::code_value;
 
@@ -194,18 +194,7 @@ pub(crate) fn find(name: &str) -> Option<(Read, Option<Write>)> {
         "$DBFILE" => (|k, _| Value::text(k.channel.env.machine.file.as_str()), None),
         // A job knows no clock.
         "$DATE" => (|_, _| Value::text("01-JAN-1970 00:00:00.00"), None),
-        "$PREPROC" => (
-            |k, _| {
-                Value::text(match k.channel.env.machine.preprocessor {
-                    Preprocessor::None => "",
-                    Preprocessor::Fanuc => "FANUC",
-                    Preprocessor::Okuma => "OKUMA",
-                    Preprocessor::Siemens => "SIEMENS",
-                    Preprocessor::Heidenhain => "HEIDENHAIN",
-                })
-            },
-            None,
-        ),
+        "$PREPROC" => (|k, _| Value::text(k.dialect.kind.title().to_ascii_uppercase()), None),
         "$BACK" => {
             (|k, _| Value::Logical(k.channel.env.options.answers.is_empty() && !k.channel.env.options.attended), None)
         }

@@ -11,39 +11,41 @@ use super::{JOB, MACHINE, readable, storage};
 use crate::ledger::record::Record;
 use crate::machines::Definition;
 use crate::reason::Refusal;
+use crate::tenant;
 
-/// Digest → rows that need it; never 0.
+/// Tenant and digest → rows that need it; never 0.
 pub(super) const BLOB: TableDefinition<'_, &str, u64> = TableDefinition::new("blob");
 
-/// Digests that a job needs.
-pub(super) fn of_job(record: &Record) -> BTreeSet<&str> {
-    record.files.iter().map(|(_, digest)| digest.as_str()).chain(of_machine(&record.machine)).collect()
+/// Keys of the blobs that a job needs.
+pub(super) fn of_job(record: &Record) -> BTreeSet<String> {
+    let own = record.files.iter().map(|(_, digest)| tenant::key(&record.tenant, digest));
+    own.chain(of_machine(&record.machine)).collect()
 }
 
-/// Digests that a revision of a machine needs.
-pub(super) fn of_machine(definition: &Definition) -> BTreeSet<&str> {
-    definition.files.values().map(String::as_str).collect()
+/// Keys of the blobs that a revision of a machine needs.
+pub(super) fn of_machine(definition: &Definition) -> BTreeSet<String> {
+    definition.files.values().map(|digest| tenant::key(&definition.tenant, digest)).collect()
 }
 
 /// One more row needs these.
-pub(super) fn add(txn: &WriteTransaction, digests: &BTreeSet<&str>) -> Result<(), Refusal> {
+pub(super) fn add(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Result<(), Refusal> {
     let mut table = txn.open_table(BLOB).map_err(storage)?;
     for digest in digests {
-        let count = table.get(digest).map_err(storage)?.map_or(0, |count| count.value());
-        table.insert(digest, count.saturating_add(1)).map_err(storage)?;
+        let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
+        table.insert(digest.as_str(), count.saturating_add(1)).map_err(storage)?;
     }
     Ok(())
 }
 
 /// One row less needs these.
-pub(super) fn subtract(txn: &WriteTransaction, digests: &BTreeSet<&str>) -> Result<(), Refusal> {
+pub(super) fn subtract(txn: &WriteTransaction, digests: &BTreeSet<String>) -> Result<(), Refusal> {
     let mut table = txn.open_table(BLOB).map_err(storage)?;
     for digest in digests {
-        let count = table.get(digest).map_err(storage)?.map_or(0, |count| count.value());
+        let count = table.get(digest.as_str()).map_err(storage)?.map_or(0, |count| count.value());
         match count {
             0 => {}
-            1 => drop(table.remove(digest).map_err(storage)?),
-            count => drop(table.insert(digest, count - 1).map_err(storage)?),
+            1 => drop(table.remove(digest.as_str()).map_err(storage)?),
+            count => drop(table.insert(digest.as_str(), count - 1).map_err(storage)?),
         }
     }
     Ok(())

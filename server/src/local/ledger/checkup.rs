@@ -72,8 +72,8 @@ impl Checkup {
             }
         }
         let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-        let mut count = |digests: BTreeSet<&str>| {
-            digests.into_iter().for_each(|digest| *counts.entry(digest.to_owned()).or_default() += 1);
+        let mut count = |digests: BTreeSet<String>| {
+            digests.into_iter().for_each(|digest| *counts.entry(digest).or_default() += 1);
         };
         rows.jobs.iter().for_each(|record| count(blob_refs::of_job(record)));
         for row in txn.open_table(MACHINE).map_err(storage)?.iter().map_err(storage)? {
@@ -147,10 +147,15 @@ impl Checkup {
 }
 
 impl Rows {
-    /// Digests that jobs and machines need.
-    pub(crate) fn blobs(&self) -> BTreeSet<&str> {
-        let jobs = self.jobs.iter().flat_map(blob_refs::of_job);
-        jobs.chain(self.machines.iter().flat_map(blob_refs::of_machine)).collect()
+    /// Blobs that jobs and machines need: tenant and digest.
+    pub(crate) fn blobs(&self) -> BTreeSet<(&str, &str)> {
+        fn of(machine: &Definition) -> impl Iterator<Item = (&str, &str)> {
+            machine.files.values().map(|digest| (machine.tenant.as_str(), digest.as_str()))
+        }
+        let own =
+            self.jobs.iter().flat_map(|job| job.files.iter().map(|(_, digest)| (job.tenant.as_str(), digest.as_str())));
+        let machines = self.jobs.iter().map(|record| &record.machine).chain(&self.machines);
+        own.chain(machines.flat_map(of)).collect()
     }
 }
 

@@ -23,7 +23,9 @@ use super::store::Store;
 use crate::ledger::record::Record;
 use crate::ledger::{Accepted, Check, Ended, Keep, Ledger, Submitted};
 use crate::machines::Definition;
+use crate::metrics::Metrics;
 use crate::reason::Refusal;
+use crate::tenant;
 use writer::{Operation, Place, Shared};
 
 const JOB: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("job");
@@ -86,7 +88,10 @@ fn take_out(txn: &WriteTransaction, id: &str, ended_ms: i64) -> Result<(), Refus
     let row = txn.open_table(JOB).map_err(storage)?.remove(id).map_err(storage)?.map(|row| row.value().to_vec());
     txn.open_table(LOG).map_err(storage)?.remove(id).map_err(storage)?;
     let Some(record) = row.and_then(|row| readable::<Record>(id, &row)) else { return Ok(()) };
-    txn.open_table(REQUEST).map_err(storage)?.remove(record.request_id.as_str()).map_err(storage)?;
+    txn.open_table(REQUEST)
+        .map_err(storage)?
+        .remove(tenant::key(&record.tenant, &record.request_id).as_str())
+        .map_err(storage)?;
     blob_refs::subtract(txn, &blob_refs::of_job(&record))
 }
 
@@ -98,7 +103,7 @@ fn get(txn: &WriteTransaction, id: &str) -> Result<Option<Record>, Refusal> {
 
 impl LocalLedger {
     /// Opens or creates the ledger.
-    pub(crate) fn open(store: &Store) -> Result<Self, Refusal> {
+    pub(crate) fn open(store: &Store, metrics: Arc<Metrics>) -> Result<Self, Refusal> {
         let place = if store.durable() { Place::File(store.ledger(), store.disk().clone()) } else { Place::Memory };
         not_lost(store)?;
         let database = place.open().map_err(|error| lost(store, &format!("cannot be opened ({error})")))?;
@@ -112,7 +117,7 @@ impl LocalLedger {
             tracing::info!(before, now = schema::SCHEMA, "the ledger has been brought to the schema of this version");
         }
         let database = RwLock::new(Some(Arc::new(database)));
-        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true) });
+        let shared = Arc::new(Shared { place, database, writable: watch::Sender::new(true), metrics });
         let (operations, queue) = mpsc::channel(1024);
         let own = shared.clone();
         let writer = std::thread::Builder::new().name("ledger".to_owned()).spawn(move || writer::write(&own, queue))?;
@@ -192,7 +197,8 @@ impl Ledger for LocalLedger {
     async fn submit(&self, mut record: Record, check: Check<Record>, accepted: Accepted) -> Result<Submitted, Refusal> {
         let work = move |txn: &WriteTransaction| {
             let mut requests = txn.open_table(REQUEST).map_err(storage)?;
-            let known = requests.get(record.request_id.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
+            let request = tenant::key(&record.tenant, &record.request_id);
+            let known = requests.get(request.as_str()).map_err(storage)?.map(|id| id.value().to_owned());
             if let Some(known) = known.map(|id| get(txn, &id)).transpose()?.flatten() {
                 return same(known, &record);
             }
@@ -200,7 +206,7 @@ impl Ledger for LocalLedger {
             record.id = next_id(txn)?;
             put(txn, &record)?;
             blob_refs::add(txn, &blob_refs::of_job(&record))?;
-            requests.insert(record.request_id.as_str(), record.id.as_str()).map_err(storage)?;
+            requests.insert(request.as_str(), record.id.as_str()).map_err(storage)?;
             Ok(Submitted::New(Box::new(record)))
         };
         let (operation, answered) = Self::operation(work, |submitted| {
@@ -272,9 +278,9 @@ impl Ledger for LocalLedger {
         row.map(|row| parse(id, row.value())).transpose()
     }
 
-    fn by_request(&self, request_id: &str) -> Result<Option<Record>, Refusal> {
+    fn by_request(&self, tenant: &str, request_id: &str) -> Result<Option<Record>, Refusal> {
         let table = self.snapshot()?.open_table(REQUEST).map_err(storage)?;
-        let id = table.get(request_id).map_err(storage)?.map(|id| id.value().to_owned());
+        let id = table.get(tenant::key(tenant, request_id).as_str()).map_err(storage)?.map(|id| id.value().to_owned());
         id.map_or(Ok(None), |id| self.job(&id))
     }
 
@@ -300,9 +306,15 @@ impl Ledger for LocalLedger {
         self.write(move |txn| {
             check(&definition)?;
             let bytes = serde_json::to_vec(&definition).map_err(storage)?;
-            let pinned = format!("{}@{}", definition.name, definition.revision());
+            let name = tenant::key(&definition.tenant, &definition.name);
+            let pinned = format!("{name}@{}", definition.revision());
             let mut table = txn.open_table(MACHINE).map_err(storage)?;
-            table.insert(definition.name.as_str(), bytes.as_slice()).map_err(storage)?;
+            let before = table.get(name.as_str()).map_err(storage)?.and_then(|row| readable(&name, row.value()));
+            if !definition.trusted && before.is_some_and(|before: Definition| before.trusted) {
+                let text = format!("the machine '{}' was put by an administrator", definition.name);
+                return Err(Refusal::PermissionDenied(text));
+            }
+            table.insert(name.as_str(), bytes.as_slice()).map_err(storage)?;
             let known = table.insert(pinned.as_str(), bytes.as_slice()).map_err(storage)?.is_some();
             drop(table);
             if known { Ok(()) } else { blob_refs::add(txn, &blob_refs::of_machine(&definition)) }
@@ -312,10 +324,11 @@ impl Ledger for LocalLedger {
 
     fn collect_blocking(
         &self,
+        tenant: &str,
         digests: Vec<String>,
         remove: Box<dyn Fn(&str) -> bool + Send>,
     ) -> Result<usize, Refusal> {
-        let shared = self.shared.clone();
+        let (shared, tenant) = (self.shared.clone(), tenant.to_owned());
         self.write_blocking(move |txn| {
             // A row that goes in this very transaction is still there when the transaction fails.
             let durable = shared.current().ok_or_else(closed)?.begin_read().map_err(storage)?;
@@ -323,8 +336,9 @@ impl Ledger for LocalLedger {
             let table = txn.open_table(blob_refs::BLOB).map_err(storage)?;
             let mut removed = 0;
             for digest in &digests {
-                let needed = durable.get(digest.as_str()).map_err(storage)?.is_some()
-                    || table.get(digest.as_str()).map_err(storage)?.is_some();
+                let key = tenant::key(&tenant, digest);
+                let needed = durable.get(key.as_str()).map_err(storage)?.is_some()
+                    || table.get(key.as_str()).map_err(storage)?.is_some();
                 removed += usize::from(!needed && remove(digest));
             }
             Ok(removed)
@@ -336,20 +350,23 @@ impl Ledger for LocalLedger {
         Ok(table.get(id).map_err(storage)?.is_some())
     }
 
-    fn machine(&self, name: &str) -> Result<Option<Definition>, Refusal> {
+    fn machine(&self, tenant: &str, name: &str) -> Result<Option<Definition>, Refusal> {
         let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
-        let row = table.get(name).map_err(storage)?;
+        let row = table.get(tenant::key(tenant, name).as_str()).map_err(storage)?;
         row.map(|row| parse(name, row.value())).transpose()
     }
 
-    fn machines(&self) -> Result<Vec<Definition>, Refusal> {
+    fn machines(&self, tenant: &str) -> Result<Vec<Definition>, Refusal> {
         let table = self.snapshot()?.open_table(MACHINE).map_err(storage)?;
         let mut found = Vec::new();
         for row in table.iter().map_err(storage)? {
             let (name, bytes) = row.map_err(storage)?;
-            if !name.value().contains('@') {
-                found.extend(readable::<Definition>(name.value(), bytes.value()));
+            if name.value().contains('@')
+                || name.value().split_once('/').map_or(tenant::DEFAULT, |(of, _)| of) != tenant
+            {
+                continue;
             }
+            found.extend(readable::<Definition>(name.value(), bytes.value()));
         }
         Ok(found)
     }

@@ -15,6 +15,7 @@ use tokio::sync::{mpsc, watch};
 use super::file::{Frozen, LedgerFile};
 use super::storage;
 use crate::local::disk::Disk;
+use crate::metrics::Metrics;
 use crate::reason::Refusal;
 
 const GROUP: usize = 256;
@@ -70,6 +71,7 @@ pub(super) struct Shared {
     pub(super) database: RwLock<Option<Arc<Database>>>,
     /// Whether operations can be done.
     pub(super) writable: watch::Sender<bool>,
+    pub(super) metrics: Arc<Metrics>,
 }
 
 impl Shared {
@@ -114,7 +116,10 @@ pub(super) fn write(shared: &Shared, mut queue: mpsc::Receiver<Operation>) {
             group.push(next);
         }
         let Some(database) = shared.current() else { continue };
-        if commit(&database, group) {
+        let begin = Instant::now();
+        let done = commit(&database, group);
+        shared.metrics.commit(begin.elapsed());
+        if done {
             pause = FIRST_PAUSE;
             continue;
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::ident::{codes, data};
 use crate::model::{AlarmScope, CallForm, CodeForm, Machine, MachineKind, MainReturn, PathsForm};
-use crate::model::{Preprocessor, RewindStop, SyncDialect};
+use crate::model::{RewindStop, SyncDialect};
 use crate::package;
 use crate::show::{Show, show};
 use counterpoint_event::Unit;
@@ -214,7 +214,7 @@ fn the_two_path_lathe_has_these_data() {
 #[test]
 fn the_two_path_lathe_is_set_up_like_this() {
     let lathe = shipped("fanuc-2path-lathe");
-    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor), (MachineKind::Lathe, Unit::Mm, Preprocessor::Fanuc));
+    assert_eq!((lathe.kind, lathe.unit, lathe.preprocessor.row().name), (MachineKind::Lathe, Unit::Mm, "fanuc"));
     let channels: Vec<_> =
         lathe.channels.iter().map(|c| (c.number, c.name.as_str(), c.axes.as_slice(), c.spindle)).collect();
     assert_eq!(channels, [(1, "UPPER", &[0, 1, 2][..], Some(1)), (2, "LOWER", &[3, 4][..], Some(1))]);

@@ -1,0 +1,127 @@
+//! Machines of a server: refused, sent, checked, listed and shown.
+
+use std::path::Path;
+
+use counterpoint_kernel::machine::package;
+use counterpoint_lang::ident;
+use counterpoint_proto::v1;
+
+use crate::arguments::{Machine, Part};
+use crate::client::Client;
+use crate::error::Error;
+use crate::text::table;
+use crate::{findings, pack, say};
+
+pub(crate) async fn dispatch(command: Machine) -> Result<u8, Error> {
+    match command {
+        Machine::Check { machine, at } => check(&machine, at.server.as_deref()).await,
+        Machine::List { at } => list(at.server.as_deref()).await,
+        Machine::Show { machine, part, json, at } => show(&machine, part, json, at.server.as_deref()).await,
+    }
+}
+
+async fn check(machine: &str, server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let mut request = v1::CheckMachineRequest { name: machine.to_owned(), files: Vec::new() };
+    if pack::is_folder(machine) {
+        let (name, files) = pack::machine(Path::new(machine))?;
+        client.upload(&files.blobs()).await?;
+        request = v1::CheckMachineRequest { name, files: machine_files(files) };
+    } else {
+        known(&client, machine)?;
+    }
+    let answer = client.machines().check_machine(request).await?.into_inner();
+    findings::print(&answer.findings);
+    let verdict = if answer.usable { "usable" } else { "cannot be used" };
+    let count = answer.findings.len();
+    let plural = if count == 1 { "" } else { "s" };
+    say::data(format!("{machine}: {verdict}, {count} finding{plural}\n").as_bytes())?;
+    Ok(if answer.usable { 0 } else { 2 })
+}
+
+async fn list(server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let machines = client.machines().list_machines(v1::ListMachinesRequest {}).await?.into_inner().machines;
+    let mut rows = vec![["machine", "revision", "channels", "description"].map(str::to_owned).to_vec()];
+    rows.extend(machines.into_iter().map(|m| {
+        let revision = if m.shipped { "shipped".to_owned() } else { m.revision };
+        vec![m.name, revision, m.channels.to_string(), m.description]
+    }));
+    say::data(table(&rows, 4).as_bytes())?;
+    Ok(0)
+}
+
+async fn show(machine: &str, part: Part, json: bool, server: Option<&str>) -> Result<u8, Error> {
+    let client = Client::at(server).await?;
+    let name = if pack::is_folder(machine) {
+        put_machine(&client, Path::new(machine)).await?
+    } else {
+        known(&client, machine)?;
+        machine.to_owned()
+    };
+    let section = match part {
+        Part::All => v1::MachineSection::All,
+        Part::Codes => v1::MachineSection::Codes,
+        Part::Data => v1::MachineSection::Data,
+        Part::Axes => v1::MachineSection::Axes,
+        Part::Channels => v1::MachineSection::Channels,
+        Part::Groups => v1::MachineSection::Groups,
+        Part::Macros => v1::MachineSection::Macros,
+        Part::Refusals => v1::MachineSection::Refusals,
+    };
+    let request = v1::GetMachineRequest { name, section: section.into(), json };
+    let text = client.machines().get_machine(request).await?.into_inner().text;
+    say::data(text.as_bytes())?;
+    Ok(0)
+}
+
+/// Refuses what is neither a folder with a definition nor the name of a machine, as far as that is known here.
+pub(crate) fn known(client: &Client, machine: &str) -> Result<(), Error> {
+    let names = package::shipped_names();
+    if names.iter().any(|name| name == machine) {
+        return Ok(());
+    }
+    if Path::new(machine).is_dir() || machine.contains(['/', '\\']) {
+        return Err(Error::Usage(format!(
+            "'{machine}' has no file machine.toml: a machine is a name or a folder with one"
+        )));
+    }
+    if client.is_embedded() {
+        let near = ident::nearest(machine, names.iter().map(String::as_str));
+        let near = near.map(|near| format!("did you mean {near}? ")).unwrap_or_default();
+        return Err(Error::Usage(format!(
+            "there is no machine '{machine}': {near}Shipped are {}; one of your own is a folder with machine.toml",
+            names.join(", ")
+        )));
+    }
+    Ok(())
+}
+
+/// Puts a machine folder on the server; gives `name@revision`.
+pub(crate) async fn put_machine(client: &Client, folder: &Path) -> Result<String, Error> {
+    let (name, files) = pack::machine(folder)?;
+    client.upload(&files.blobs()).await?;
+    let files = machine_files(files);
+    let request = v1::PutMachineRequest { name: name.clone(), files };
+    match client.machines().put_machine(request).await {
+        Ok(response) => {
+            let response = response.into_inner();
+            findings::print(&response.findings);
+            let machine = response.machine.unwrap_or_default();
+            Ok(format!("{}@{}", machine.name, machine.revision))
+        }
+        Err(status) => {
+            for violation in tonic_types::StatusExt::get_error_details(&status).bad_request().into_iter() {
+                violation.field_violations.iter().for_each(|v| {
+                    say::status_line(format_args!("{}: {}", v.field, v.description));
+                });
+            }
+            Err(status.into())
+        }
+    }
+}
+
+/// Files of a machine in wire form.
+fn machine_files(files: pack::Files) -> Vec<v1::MachineFile> {
+    files.0.into_iter().map(|(path, blob)| v1::MachineFile { path, digest: blob.digest }).collect()
+}

@@ -1,0 +1,42 @@
+//! How a job ended, as text and as exit code.
+
+use counterpoint_proto::v1;
+
+use crate::error::Error;
+use crate::findings;
+use crate::say;
+use crate::text::time;
+
+/// Lowest severity of a warning.
+const WARNING: u32 = 4;
+
+/// Prints how a job ended; gives the exit code.
+pub(crate) fn ended(status: &v1::JobStatus, strict: bool) -> u8 {
+    if let Some(code) = not_run(status) {
+        return code;
+    }
+    let state = status.state().as_str_name().trim_start_matches("JOB_STATE_");
+    let succeeded = status.state() == v1::JobState::Succeeded;
+    let warnings = if succeeded && status.highest_severity >= WARNING { ", with warnings" } else { "" };
+    let text = format!("{state}{warnings}  {}  {}", time(status.makespan_ns), status.verdict);
+    say::status_line(text.trim_end());
+    exit_code(status, strict)
+}
+
+/// Prints why a job was not run at all; gives the exit code then.
+pub(crate) fn not_run(status: &v1::JobStatus) -> Option<u8> {
+    if !status.findings.is_empty() {
+        findings::print(&status.findings);
+        return Some(2);
+    }
+    if !status.error.is_empty() {
+        say::error(&Error::Usage(status.error.clone()));
+        return Some(1);
+    }
+    None
+}
+
+/// Exit code of an ended job; `strict`: warnings count as errors.
+pub(crate) fn exit_code(status: &v1::JobStatus, strict: bool) -> u8 {
+    u8::from(status.state() != v1::JobState::Succeeded || strict && status.highest_severity >= WARNING)
+}

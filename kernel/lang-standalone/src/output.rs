@@ -1,0 +1,18 @@
+//! What macros print, report and trace, and the commands that would go to a control.
+
+use counterpoint_lang::diag::Diagnostic;
+
+/// What macros have shown while nothing was attached.
+#[derive(Debug, Default)]
+pub struct Output {
+    /// What PPRINT printed and what was written to the console.
+    pub printed: Vec<String>,
+    /// Commands for the control, one line each.
+    pub commands: Vec<String>,
+    /// Reported diagnostics.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Lines of the trace.
+    pub traced: Vec<String>,
+    /// What is attached takes no lines any more.
+    pub(crate) closed: bool,
+}

@@ -1,0 +1,35 @@
+//! Where lines go and where files are.
+//!
+//! Invariant: without an [`Outside`] nothing but memory is touched.
+
+use counterpoint_lang::diag::Diagnostic;
+use counterpoint_lang::host::Shelf;
+
+/// Kinds of lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stream {
+    /// What PPRINT prints.
+    Printed,
+    /// The macro trace.
+    Traced,
+    /// What is written to the console.
+    Console,
+}
+
+/// A console, and files below one folder.
+pub trait Outside: Shelf + std::fmt::Debug {
+    /// Takes a line; false if it takes no more lines, which ends the run.
+    fn line(&mut self, stream: Stream, text: &str) -> bool;
+
+    /// Takes a diagnostic.
+    fn report(&mut self, diagnostic: &Diagnostic);
+
+    /// One line from the console.
+    fn console(&mut self) -> Option<String>;
+
+    /// Now: seconds since 1970-01-01 00:00, offset of the local zone in seconds, its name.
+    fn now(&self) -> (f64, i32, String);
+
+    /// Value of an environment variable.
+    fn environment(&self, name: &str) -> Option<String>;
+}

@@ -1,0 +1,35 @@
+//! The host's variables.
+
+use crate::fault::Outcome;
+use crate::state::Scale;
+use crate::value::Value;
+
+/// Variables that macros share with the outside.
+pub trait Variables {
+    /// Reads a system variable.
+    ///
+    /// # Errors
+    /// The variable is not available here, or an index is out of range.
+    fn read_system(&mut self, index: u32, indices: &[i64]) -> Outcome<Value>;
+
+    /// Writes a system variable.
+    ///
+    /// # Errors
+    /// The variable is not available here, or the value is out of its range.
+    fn write_system(&mut self, index: u32, indices: &[i64], value: Value) -> Outcome<()>;
+
+    /// Lets `access` read or change a global variable, which grows by so many bytes at most.
+    fn global(&mut self, index: u32, growth: usize, access: &mut dyn FnMut(&mut Value));
+
+    /// Adds what the host keeps of the values of macros.
+    fn held(&self, scale: &mut Scale) {
+        let _ = scale;
+    }
+
+    /// Place of a global variable that nobody else reaches while this macro runs; none if there may be others, who are
+    /// kept away by [`global`](Self::global). Between two calls of the host it is always the same place.
+    fn own_global(&mut self, index: u32) -> Option<&mut Value> {
+        let _ = index;
+        None
+    }
+}

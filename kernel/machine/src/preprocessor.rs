@@ -1,0 +1,49 @@
+//! Pre-processors that a machine definition can name.
+//!
+//! Facts: reference control-emulator.md 1.1, 5.4. What a pre-processor does is not known here: a [`Preprocessor`] is a
+//! row of a table, and above this module another table has the pre-processors themselves by name. *Invariant:* a
+//! [`Preprocessor`] is always a row of the table.
+
+/// What a machine definition depends on.
+#[derive(Debug)]
+pub struct Row {
+    /// Name in machine definitions.
+    pub name: &'static str,
+    /// Words may call programs (`[[subprograms.calls]]`).
+    pub calls_by_word: bool,
+    /// Incremental words after a change of frame travel the change too, unless the machine says otherwise.
+    pub frame_increments: bool,
+    /// A semicolon starts a comment, so it does not end a block.
+    pub semicolon_comments: bool,
+}
+
+/// A row for plain words only, and the defaults of the others.
+const PLAIN: Row = Row { name: "none", calls_by_word: false, frame_increments: false, semicolon_comments: false };
+
+static ROWS: [Row; 5] = [
+    PLAIN,
+    Row { name: "fanuc", calls_by_word: true, ..PLAIN },
+    Row { name: "okuma", ..PLAIN },
+    Row { name: "siemens", frame_increments: true, semicolon_comments: true, ..PLAIN },
+    Row { name: "heidenhain", semicolon_comments: true, ..PLAIN },
+];
+
+/// Pre-processor of a control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Preprocessor(u8);
+
+impl Preprocessor {
+    /// No pre-processor: plain words only.
+    pub const NONE: Self = Self(0);
+
+    /// All of them, in the order of the table.
+    pub fn all() -> impl ExactSizeIterator<Item = Self> {
+        (0..ROWS.len() as u8).map(Self)
+    }
+
+    /// Its row of the table.
+    #[must_use]
+    pub fn row(self) -> &'static Row {
+        ROWS.get(usize::from(self.0)).unwrap_or(&PLAIN)
+    }
+}

@@ -1,0 +1,150 @@
+//! Words that call programs by themselves: G M T S B, as the machine says.
+//!
+//! Facts: reference control-emulator.md 5.4 (calls by G M T S B); what each word does is a parameter of the control
+//! (O9010 by a G code, O9001 by an M code, O9000 by T with #149, and so on). They act before the code table sees their
+//! word. Decisions: a word that calls a macro makes arguments of all others; a subprogram is called behind what the
+//! other words of the block do; in a program that a word has called, words of the same kind (G, or all others) act as
+//! without the row, those of the other kind if the machine says so; behind G66.1 words are arguments only. Invariant:
+//! a machine without such words pays one test for each block.
+
+use counterpoint_fault::Acted;
+use std::sync::Arc;
+
+use crate::channel::Kernel;
+use crate::channel::flow::Callee;
+use crate::channel::flow::Pending;
+use crate::diag;
+use crate::dialect::{MacroCall, NotThere};
+use crate::machine::Machine;
+use crate::machine::ident::data;
+use crate::machine::model::{CallHow, NestedCalls, WordCall};
+
+/// Kind of a word that calls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WordKind {
+    G,
+    Other,
+}
+
+/// Which word has called.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct By {
+    pub(crate) kind: WordKind,
+    /// Common variable that gets the value of the word.
+    pub(crate) variable: Option<u32>,
+    pub(crate) value: f64,
+}
+
+/// A macro that a word of the block calls.
+#[derive(Debug)]
+pub(crate) struct CodeMacro {
+    pub(super) register: u8,
+    pub(super) program: u32,
+    pub(super) how: MacroCall,
+    pub(super) by: By,
+}
+
+/// The words of a machine.
+#[derive(Debug)]
+pub(crate) struct CodeCalls {
+    /// Their registers, bit by register.
+    registers: u128,
+    rows: Vec<WordCall>,
+}
+
+impl CodeCalls {
+    pub(crate) fn new(machine: &Machine) -> Option<Box<Self>> {
+        let rows = machine.subprograms.calls.clone();
+        let registers = rows.iter().filter(|row| row.register < 128).fold(0, |bits, row| bits | 1 << row.register);
+        (!rows.is_empty()).then(|| Box::new(Self { registers, rows }))
+    }
+
+    fn find(&self, register: u8, value: f64) -> Option<(&WordCall, u32)> {
+        if self.registers >> register & 1 == 0 {
+            return None;
+        }
+        self.rows.iter().find_map(|row| Some((row, row.program_of(register, value)?)))
+    }
+}
+
+impl Kernel<'_> {
+    /// Takes the words off the block that call; true for a macro with the other words as arguments.
+    #[cold]
+    pub(crate) fn calls_by_code(&mut self) -> bool {
+        let plan = self.plan;
+        let Some(calls) = plan.code_calls.as_deref() else { return false };
+        let has_any = self.channel.block.words.iter().any(|word| calls.find(word.register, word.value).is_some());
+        if !has_any || self.has_own_call() || self.calls_each_block() {
+            return false;
+        }
+        if let Some((_, call, program, by)) = self.calling_word(calls, true) {
+            let how = match call.how {
+                CallHow::Moves => MacroCall::AfterMoves,
+                CallHow::Blocks => MacroCall::EachBlock,
+                CallHow::Macro | CallHow::Subprogram => MacroCall::Once,
+            };
+            let register = call.register;
+            self.flow.code_macro = Some(Box::new(CodeMacro { register, program, how, by }));
+            return true;
+        }
+        while let Some((at, call, program, by)) = self.calling_word(calls, false) {
+            self.channel.block.words.remove(at);
+            let letter =
+                self.channel.env.machine.registers.get(usize::from(call.register)).map_or("", |r| r.name.as_str());
+            let passes = if matches!(letter, "G" | "M") { self.repeat_word() } else { 1 };
+            self.ask(Pending::Call { what: Callee::Program(program), passes, arguments: None, by: Some(Box::new(by)) });
+        }
+        false
+    }
+
+    /// The first word that calls a macro, or a subprogram, and may do so here.
+    fn calling_word<'c>(&self, calls: &'c CodeCalls, arguments: bool) -> Option<(usize, &'c WordCall, u32, By)> {
+        self.channel.block.words.iter().enumerate().find_map(|(at, word)| {
+            let (call, program) = calls.find(word.register, word.value)?;
+            let kind = if Some(word.register) == self.plan.registers.g { WordKind::G } else { WordKind::Other };
+            let fits = arguments == (call.how != CallHow::Subprogram) && self.may_call(kind);
+            fits.then_some((at, call, program, By { kind, variable: call.variable, value: word.value }))
+        })
+    }
+
+    /// A word of this kind calls in the program that runs.
+    fn may_call(&self, kind: WordKind) -> bool {
+        let mut callers = self.flow.frames.iter().filter_map(|frame| frame.by);
+        match self.channel.env.machine.subprograms.nested {
+            NestedCalls::OtherKind => callers.all(|caller| caller != kind),
+            NestedCalls::Never => callers.next().is_none(),
+        }
+    }
+
+    /// Takes the repeat word off the block.
+    fn repeat_word(&mut self) -> u32 {
+        let source = self.plan.data.sources.get(usize::from(data::CALSUB_REPEAT.0)).and_then(|sources| sources.first());
+        let at =
+            source.and_then(|source| self.channel.block.words.iter().position(|word| word.register == source.register));
+        let Some(at) = at else { return 1 };
+        let count = self.channel.block.words.remove(at).value;
+        self.passes(count).max(1)
+    }
+
+    /// Hands the value of the word over to the program that it calls.
+    pub(crate) fn hand_over(&mut self, by: &By) -> Acted {
+        match by.variable {
+            Some(variable) => self.set_numbered(variable, by.value).map_err(|why| match why {
+                NotThere::Halt(halt) => halt,
+                NotThere::Missing | NotThere::ReadOnly => {
+                    let text = format!("variable #{variable} cannot be written in '{}'", self.block_text());
+                    self.alarm(&diag::MACRO_VARIABLE, text)
+                }
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Takes the program name off the block.
+    pub(crate) fn take_name(&mut self) -> Option<Arc<str>> {
+        let (start, end) = self.channel.block.take_name()?;
+        let line = self.text_bytes();
+        let name = line.get(start as usize + 1..(end as usize).saturating_sub(1))?;
+        Some(String::from_utf8_lossy(name).into())
+    }
+}

@@ -1,0 +1,50 @@
+//! Jumps, loops, calls and returns of the interpreter.
+
+use counterpoint_fault::{Acted, Halt};
+
+use crate::channel::Kernel;
+use crate::channel::flow::Pending;
+use crate::dialect::{Call, Flow, Loops};
+use crate::mcd::spot::Spot;
+
+impl Flow for Kernel<'_> {
+    fn go_to(&mut self, line: u32) -> Acted {
+        self.jump_to_line(line)
+    }
+
+    fn go_to_block(&mut self, block: Spot) -> Acted {
+        self.jump_to(block)
+    }
+
+    fn sequence(&mut self, number: u32) -> Result<Spot, Halt> {
+        self.find_sequence(number)
+    }
+
+    fn after(&self, block: Spot) -> Spot {
+        Kernel::after(self, block)
+    }
+
+    fn loops(&mut self) -> &mut Loops {
+        &mut self.flow.loops
+    }
+
+    fn call(&mut self, call: Call) {
+        self.ask(Pending::CallText(Box::new(call)));
+    }
+
+    fn calls_modally(&mut self, on: bool) {
+        self.flow.modal_text = on;
+    }
+
+    fn return_from(&mut self) {
+        self.ask(Pending::Return(None));
+    }
+
+    fn watch(&mut self, on: bool) {
+        self.flow.watched = on;
+    }
+
+    fn effect(&mut self) {
+        self.flow.pass.effects = true;
+    }
+}

@@ -1,0 +1,131 @@
+//! Where the kernel is, and the texts of its programs.
+
+use std::sync::Arc;
+
+use counterpoint_fault::Acted;
+
+use crate::channel::Kernel;
+use crate::channel::scan::Scanner;
+use crate::dialect::{Place, Programs};
+use crate::log::event::FileId;
+use crate::mcd::key_words::Names;
+use crate::mcd::program::Range;
+use crate::mcd::source::Source;
+use crate::mcd::spot::Spot;
+use crate::state::block::Block;
+
+impl Kernel<'_> {
+    /// The scanner for the text of the block in process.
+    fn scanner(&self) -> &Scanner {
+        let plan = self.plan;
+        if plan.hooks.is_none() {
+            return &plan.scanner;
+        }
+        let runtime = &*self.macros;
+        let own = match &plan.unmarked {
+            _ if runtime.block.issued => &runtime.reading.unmarked,
+            Some(scanner) if runtime.block.made => return scanner,
+            _ => &runtime.reading.switched,
+        };
+        own.as_deref().unwrap_or(&plan.scanner)
+    }
+}
+
+impl Programs for Kernel<'_> {
+    fn place(&self) -> Place {
+        let frame = self.flow.frames.last();
+        let range = frame.map_or(Range { number: None, first: 1, last: 0 }, |frame| frame.range);
+        let as_read = self.channel.text.edited.is_none() && self.macros.block.text.is_none();
+        Place {
+            file: self.channel.at.file,
+            line: self.channel.at.line,
+            range,
+            level: self.flow.level(),
+            as_read,
+            repeats: self.flow.repeats,
+        }
+    }
+
+    fn spot(&self) -> Spot {
+        Kernel::spot(self)
+    }
+
+    fn program(&self) -> Option<(FileId, Range)> {
+        self.flow.frames.last().map(|frame| (frame.file, frame.range))
+    }
+
+    fn source(&self, file: FileId) -> Option<Arc<Source>> {
+        self.channel.env.sources.shared(file)
+    }
+
+    fn files(&self) -> Vec<String> {
+        self.channel.env.info.files.iter().map(|file| file.name.clone()).collect()
+    }
+
+    fn load(&mut self, file: FileId) -> Acted {
+        Kernel::load(self, file)
+    }
+
+    fn main_file(&self) -> FileId {
+        self.flow.frames.first().map_or(self.channel.at.file, |frame| frame.file)
+    }
+
+    fn block_text(&self) -> String {
+        Kernel::block_text(self)
+    }
+
+    fn part(&self, span: (u32, u32)) -> String {
+        self.span_text(span)
+    }
+
+    fn strip(&mut self, text: &[u8], displays: bool, into: &mut Vec<u8>) -> Box<[(u32, u32)]> {
+        let (plan, own) = (self.plan, self.block_scanner());
+        own.as_deref().unwrap_or(&plan.scanner).strip(text, into, &mut self.channel.block);
+        let messages = self.channel.block.messages.as_slice().into();
+        if displays && self.plan.hooks.is_none() {
+            self.show_messages(text);
+        }
+        self.channel.block.messages.clear();
+        messages
+    }
+
+    fn display_again(&mut self, text: &[u8], messages: &[(u32, u32)]) {
+        // A machine with macros has seen to them before.
+        if self.plan.hooks.is_none() {
+            self.channel.block.messages.extend_from_slice(messages);
+            self.show_messages(text);
+        }
+    }
+
+    fn names(&self) -> Names<'_> {
+        self.scanner().names()
+    }
+
+    fn each_block(&self, line: &[u8], visit: &mut dyn FnMut(usize, &[u8], Names<'_>)) {
+        let (plan, switched) = (self.plan, self.switched_scanner());
+        let scanner = switched.as_deref().unwrap_or(&plan.scanner);
+        let (mut stripped, mut scratch) = (Vec::new(), Block::default());
+        for offset in scanner.block_starts(line) {
+            let rest = line.get(offset..).unwrap_or_default();
+            let block = rest.get(..scanner.block_end(rest).unwrap_or(rest.len())).unwrap_or_default();
+            scanner.strip(block, &mut stripped, &mut scratch);
+            visit(offset, &stripped, scanner.names());
+        }
+    }
+
+    fn skips(&self, level: Option<u8>) -> bool {
+        self.scanner().skips(level)
+    }
+
+    fn work(&mut self, elements: usize) -> Acted {
+        Kernel::work(self, elements)
+    }
+
+    fn clock(&self) -> i64 {
+        self.channel.at.clock
+    }
+
+    fn channel(&self) -> u16 {
+        self.channel.at.channel
+    }
+}

@@ -1,0 +1,66 @@
+//! Messages, diagnostics and printed lines of the interpreter.
+
+use counterpoint_fault::{Acted, Facts, Halt};
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::dialect::Report;
+use crate::log::event::{Kind, Message};
+use crate::machine::model::Output;
+
+impl Report for Kernel<'_> {
+    fn show(&mut self, text: &str) {
+        self.display(text);
+    }
+
+    fn log_message(&mut self, text: &str) {
+        self.emit(0, Kind::Message(Message { text: text.into(), printed: false }));
+    }
+
+    fn handles_messages(&self, text: &[u8]) -> bool {
+        self.plan.hooks.is_some() && self.plan.scanner.remarks(text).iter().any(|(is_message, ..)| *is_message)
+    }
+
+    fn diagnose(&mut self, facts: &'static Facts, text: String) {
+        let unknown = facts.number == diag::NOT_RECOGNISED.number && self.channel.env.machine.habits.unknown_alarms;
+        Kernel::diagnose(self, if unknown { &diag::UNKNOWN_TEXT } else { facts }, text);
+    }
+
+    fn report(&mut self, facts: &'static Facts, severity: u8, text: String) {
+        Kernel::diagnose(self, &Facts { severity, ..*facts }, text);
+    }
+
+    fn alarm(&mut self, facts: &'static Facts, text: String) -> Halt {
+        Kernel::alarm(self, facts, text)
+    }
+
+    fn continues_after(&self, facts: &'static Facts) -> bool {
+        self.channel.goes_on_at(facts)
+    }
+
+    fn output(&self) -> &Output {
+        &self.channel.env.machine.output
+    }
+
+    fn open_output(&mut self, open: bool) {
+        self.flow.printing.open = open;
+    }
+
+    /// All channels write one file, in the order of simulated time; how much is written is bounded (reference
+    /// fanuc-variables-and-alarms.md 2.5).
+    fn print(&mut self, line: &str) -> Acted {
+        let output = &self.channel.env.machine.output;
+        if output.opened
+            && !self.flow.printing.open
+            && !std::mem::replace(&mut self.flow.printing.closed_reported, true)
+        {
+            let text = format!("'{}' prints without POPEN before it; its output is kept", self.block_text());
+            self.diagnose(&diag::PRINT_CLOSED, text);
+        }
+        self.flow.pass.effects = true;
+        if let Err(text) = self.shared(|order| order.shared.files.print(&output.file, line))? {
+            self.diagnose(&diag::MACRO_FILES, text);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! Variables of the kernel and of the machine for the interpreter.
+
+use counterpoint_fault::{Acted, Halt};
+use counterpoint_lang::value::Value;
+
+use crate::channel::Kernel;
+use crate::dialect::{Answer, NotThere, Values};
+use crate::machine::macros::model::Hook;
+
+impl Values for Kernel<'_> {
+    fn shared(&mut self, name: &str) -> Result<Option<Value>, Halt> {
+        self.flow.pass.polled = true;
+        Kernel::shared(self, |order| order.shared.named.get(name).cloned())
+    }
+
+    fn set_shared(&mut self, name: &str, value: Option<Value>) -> Acted {
+        self.flow.pass.effects = true;
+        let limit = self.channel.shares().common;
+        let growth = name.len() + 200 + value.as_ref().and_then(Value::as_text).map_or(0, str::len);
+        let over = Kernel::shared(self, |order| match value {
+            Some(value) => {
+                order.shared.named.insert(name.into(), value);
+                order.shared.grown(growth, limit)
+            }
+            None => {
+                order.shared.named.remove(name);
+                false
+            }
+        })?;
+        if over { Err(self.out_of_memory("variables that all channels share take most of it")) } else { Ok(()) }
+    }
+
+    fn has_own_common(&self) -> bool {
+        self.channel.env.machine.variables.own_common
+    }
+
+    fn number(&mut self, index: u32) -> Result<f64, NotThere> {
+        self.numbered(index)
+    }
+
+    fn set_number(&mut self, index: u32, value: f64) -> Result<(), NotThere> {
+        self.set_numbered(index, value)
+    }
+
+    fn is_common(&self, index: u32) -> bool {
+        Kernel::is_common(self, index)
+    }
+
+    fn set_vacant(&mut self, on: bool) {
+        self.dialect.variables.reads_zero = !on;
+    }
+
+    fn set_asking(&mut self, on: bool) {
+        self.dialect.variables.keeps_system = !on;
+    }
+
+    fn identifies(&self) -> bool {
+        self.hook(Hook::Identification).is_some()
+    }
+
+    fn identify(&mut self, text: &str, assigned: Option<&Value>) -> Result<Answer, Halt> {
+        let Some(code) = self.hook(Hook::Identification) else { return Ok(Answer::Unknown) };
+        self.ask_identification(code, text, assigned.cloned().unwrap_or(Value::Null))
+    }
+}

@@ -1,0 +1,125 @@
+//! Words of the machine for the interpreter.
+
+use crate::channel::Kernel;
+use crate::diag;
+use crate::dialect::{MadeWord, Words};
+use crate::log::info::Unit;
+use crate::machine::number::written;
+use crate::mcd::key_words::Number;
+use crate::state::block::{Word, irregular};
+
+impl Words for Kernel<'_> {
+    fn is_register(&self, name: &str) -> bool {
+        let is = |text: &str| text.eq_ignore_ascii_case(name);
+        let mut registers = self.channel.env.machine.registers.iter();
+        registers
+            .any(|register| is(&register.name) || is(&register.before) || register.second.as_deref().is_some_and(is))
+    }
+
+    fn word(&self, name: &str, value: f64, spelled: Option<&str>) -> Option<String> {
+        let is = |text: &str| text.strip_suffix('=').unwrap_or(text).eq_ignore_ascii_case(name);
+        let mut registers = self.channel.env.machine.registers.iter();
+        let (before, register) = registers.find_map(|register| match &register.second {
+            Some(second) if is(second) => Some((second, register)),
+            _ => is(&register.before).then_some((&register.before, register)),
+        })?;
+        let format = if self.channel.state.secondary { &register.secondary } else { &register.format };
+        let number = spelled.map_or_else(|| written(value, format), str::to_owned);
+        Some(format!("{before}{number}{}", register.after))
+    }
+
+    fn second(&self, register: &str) -> Option<String> {
+        let found =
+            self.channel.env.machine.registers.iter().find(|found| found.name.eq_ignore_ascii_case(register))?;
+        found.second.clone()
+    }
+
+    fn is_code_text(&self, text: &str) -> bool {
+        let mut texts = self.channel.env.machine.tables.texts.iter();
+        texts.any(|&row| self.literal_of(row).is_some_and(|literal| literal.eq_ignore_ascii_case(text)))
+    }
+
+    fn knows_code(&self, letter: u8, value: f64) -> bool {
+        let tables = &self.channel.env.machine.tables;
+        let register = tables.letter.get(usize::from(letter)).copied().flatten();
+        register.is_some_and(|(register, _)| !tables.code(register, value).is_empty())
+    }
+
+    fn is_inch(&self) -> bool {
+        (self.channel.env.machine.unit == Unit::Inch) != self.channel.state.secondary
+    }
+
+    fn length_factor(&self) -> f64 {
+        match (self.channel.env.machine.unit, self.channel.state.secondary) {
+            (Unit::Mm, true) => 25.4,
+            (Unit::Inch, true) => 1.0 / 25.4,
+            (_, false) => 1.0,
+        }
+    }
+
+    fn register(&self, letter: u8) -> Option<(u8, bool)> {
+        self.plan.scanner.register(letter)
+    }
+
+    fn steps(&self, register: u8) -> Option<f64> {
+        let secondary = usize::from(self.channel.state.secondary);
+        self.plan.rules.steps.get(usize::from(register))?.get(secondary).copied()
+    }
+
+    fn read(&mut self, register: u8, number: Number) -> f64 {
+        let reading = self.plan.scanner.reading(register, number, self.channel.state.secondary);
+        let (value, odd) = reading.unwrap_or((number.value, 0));
+        self.channel.block.flags.irregular |= odd;
+        value
+    }
+
+    fn take_sequence(&mut self, register: u8, value: f64) -> bool {
+        let is_free = self.channel.block.sequence.is_none() && value >= 0.0;
+        let takes = Some(register) == self.plan.scanner.sequence() && is_free;
+        if takes {
+            self.channel.block.sequence = Some(value as u32);
+        }
+        takes
+    }
+
+    fn set_sequence(&mut self, number: u32) {
+        self.channel.block.sequence = Some(number);
+    }
+
+    fn set_program_name(&mut self, span: (u32, u32)) {
+        self.channel.block.set_name(span);
+    }
+
+    fn push(&mut self, word: MadeWord) {
+        let MadeWord { register, incremental, value, written, span: (start, end) } = word;
+        let value = match written {
+            Some(number) => self.read(register, number),
+            None => {
+                let of = self.channel.env.machine.registers.get(usize::from(register));
+                let refused = self.channel.is_alarm(&diag::MINUS_SIGN) && of.is_some_and(|register| !register.signed);
+                let wrong = refused && value < 0.0;
+                self.channel.block.flags.irregular |= u8::from(wrong) * irregular::SIGN;
+                value
+            }
+        };
+        self.channel.block.push(Word { register, incremental, used: false, value, start, end });
+    }
+
+    fn push_text(&mut self, row: u16) {
+        self.channel.block.texts.push(row);
+    }
+
+    fn keep_text(&mut self, span: (u32, u32)) {
+        self.channel.block.unrecognised.push(span);
+    }
+
+    fn words_are_made(&mut self) {
+        if self.channel.env.trace.is_some() {
+            self.trace_preprocessed();
+        }
+    }
+
+    fn is_call_strict(&self) -> bool {
+        self.channel.env.machine.subprograms.strict
+    }
+}

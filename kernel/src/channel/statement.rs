@@ -1,0 +1,141 @@
+//! Statements: blocks for the interpreter of the control.
+//!
+//! Facts: reference control-emulator.md 2.2, 4.3, 5.4, 5.7. *Invariant:* what an interpreter leaves is words on the block, or
+//! a text that is split into words as any block is; on a kernel with macros it continues to Pre-Processor Shutdown.
+
+use std::sync::Arc;
+
+use counterpoint_fault::Acted;
+
+use super::Kernel;
+use super::flow::{Callee, Frame};
+use crate::diag;
+use crate::dialect::{Call, Interpreter, Remaining};
+use crate::mcd::spot::Spot;
+
+impl Kernel<'_> {
+    /// A block that is more than plain words.
+    pub(crate) fn statement_line(&mut self, text: &[u8]) -> Acted {
+        if self.channel.env.trace.is_some() {
+            self.trace_deleted(text);
+        }
+        self.channel.block.clear();
+        match self.with_interpreter(|interpreter, kernel| interpreter.block(kernel, text)) {
+            Some(remaining) => match remaining? {
+                Remaining::Nothing => Ok(()),
+                Remaining::Words => self.made_words(),
+                Remaining::Text(left) => left.split('\n').try_for_each(|left| self.left_words(left, text)),
+            },
+            None => {
+                let text = format!("'{}' comes while the pre-processor asks a macro, it is dropped", self.block_text());
+                self.diagnose(&diag::PREPROCESSOR_ASKS, text);
+                Ok(())
+            }
+        }
+    }
+
+    /// The words that are left of a block act.
+    fn left_words(&mut self, text: &str, whole: &[u8]) -> Acted {
+        // A sequence number alone is nothing that a loop could wait for.
+        let number = text.trim().strip_prefix(['N', 'n']).unwrap_or("");
+        if number.is_empty() || !number.bytes().all(|byte| byte.is_ascii_digit()) {
+            self.flow.pass.effects = true;
+        }
+        if text.trim().as_bytes() != whole.trim_ascii() {
+            self.trace_left(text);
+        }
+        if let Some(hooks) = self.plan.hooks {
+            return (hooks.block.left)(self, text);
+        }
+        if text.trim().is_empty() {
+            return Ok(());
+        }
+        let read = self.channel.text.edited.replace(Arc::from(text.as_bytes()));
+        let plan = self.plan;
+        let scanner = plan.unmarked.as_deref().unwrap_or(&plan.scanner);
+        scanner.scan_as(text.as_bytes(), self.channel.state.secondary, &mut self.channel.block, false);
+        let acted = self.words();
+        // The next block has a text of its own.
+        self.channel.text.edited = read;
+        acted
+    }
+
+    /// Lets the interpreter work. While it does, blocks within its block get another one, if the dialect allows that.
+    pub(crate) fn with_interpreter<R>(&mut self, work: impl FnOnce(&mut dyn Interpreter, &mut Self) -> R) -> Option<R> {
+        let Some(mut interpreter) = self.dialect.interpreter.take() else {
+            let mut nested = self.dialect.kind.nested()?;
+            return Some(work(&mut *nested, self));
+        };
+        let done = work(&mut *interpreter, self);
+        if std::mem::take(&mut self.dialect.is_stale) {
+            interpreter.forget_lines();
+        }
+        self.dialect.interpreter = Some(interpreter);
+        Some(done)
+    }
+
+    /// What the interpreter has read of programs no longer holds.
+    pub(crate) fn forget_lines(&mut self) {
+        match self.dialect.interpreter.as_deref_mut() {
+            Some(interpreter) => interpreter.forget_lines(),
+            None => self.dialect.is_stale = true,
+        }
+    }
+
+    /// A word jumps within the program.
+    pub(crate) fn interpreter_jump(&mut self, target: Spot) {
+        if !self.flow.loops.is_empty() {
+            self.with_interpreter(|interpreter, kernel| interpreter.on_jump(kernel, target));
+        }
+    }
+
+    pub(crate) fn interpreter_start(&mut self) {
+        if self.dialect.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.on_start(kernel));
+        }
+    }
+
+    #[inline]
+    pub(crate) fn interpreter_call(&mut self) {
+        if self.dialect.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.on_call(kernel));
+        }
+    }
+
+    #[inline]
+    pub(crate) fn interpreter_repeat(&mut self) {
+        if let Some(interpreter) = self.dialect.interpreter.as_deref_mut() {
+            interpreter.on_repeat();
+        }
+    }
+
+    #[inline]
+    pub(crate) fn interpreter_return(&mut self) {
+        if self.dialect.interpreter.is_some() {
+            self.with_interpreter(|interpreter, kernel| interpreter.on_return(kernel));
+        }
+    }
+
+    /// Calls a text that the interpreter has found, or that a startup macro may find.
+    pub(crate) fn call_text(&mut self, call: Call) -> Acted {
+        let Call { name, place, passes, closes } = call;
+        self.check_nesting(|| name.to_string())?;
+        let called = self.called(Callee::Named(Arc::clone(&name)), passes);
+        let mut found = place;
+        if let Some(hooks) = self.plan.hooks {
+            match (hooks.program.call)(self, &called, found)? {
+                None => return Ok(()),
+                Some(place) => found = place,
+            }
+        }
+        let Some((file, range)) = found else {
+            let text = format!("subprogram {name} is missing, called in '{}'", self.block_text());
+            return Err(self.alarm(&diag::SUBPROGRAM_MISSING, text));
+        };
+        let (next, repeats) = (range.first, passes.saturating_sub(1));
+        let name = (*name).into();
+        let (by, own_variables) = (None, false);
+        self.enter(Frame { file, range, next, offset: 0, repeats, closes, own_variables, called, by, name });
+        Ok(())
+    }
+}

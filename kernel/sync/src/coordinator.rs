@@ -1,0 +1,298 @@
+//! The threads and coroutines of a job's kernels, brought into the order of their shared operations.
+//!
+//! What may happen next is the business of [`Order`]; here it is put behind one lock, running kernels publish how far they
+//! have come without taking it, and those that wait are put to sleep and woken. Invariants: an order is changed under the
+//! lock only; `need` of a running kernel is at most the time of any parked tag that it may still act before.
+
+mod lifecycle;
+mod permits;
+#[cfg(all(test, feature = "shuttle"))]
+mod schedules;
+mod sleep;
+pub mod switch;
+pub mod turn;
+
+use crossbeam_channel::Sender;
+
+use crate::merge::Message;
+use crate::order::{BLOCKED, Effect, Order};
+use crate::primitives;
+use crate::primitives::atomic::{
+    AtomicBool, AtomicI64, AtomicU32, AtomicU64,
+    Ordering::{Acquire, Relaxed, Release, SeqCst},
+};
+use crate::primitives::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError, spin_loop};
+use crate::ranks::Ranks;
+use crate::shared::Shared;
+use crate::sink::WrittenFiles;
+use crate::tag::Tag;
+use crate::waits::Waits;
+
+/// Tries for the lock before the thread is parked.
+const LOCK_TRIES: u32 = 100;
+
+/// Where a job stops that is aborted: before everything.
+const ABORT: Tag = Tag { t: i64::MIN, micro: 0, rank: 0 };
+
+/// The job was stopped; the kernel has to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped;
+
+/// What other threads see of a kernel without the lock.
+#[repr(align(128))]
+struct Slot {
+    /// The kernel does nothing before this time.
+    bound: AtomicI64,
+    /// A parked kernel wants to hear when the bound passes this time.
+    need: AtomicI64,
+    /// Counts wake-ups; a kernel spins on it before it sleeps.
+    signal: AtomicU32,
+    /// Its thread sleeps, or is about to; changed under the lock.
+    asleep: AtomicBool,
+    condvar: Condvar,
+}
+
+/// Everything under the lock.
+struct Inner {
+    order: Order,
+    /// By kernel: all its events are sent, and it sends none until it is woken.
+    flushed: Vec<bool>,
+    /// By kernel: the merger knows that its stream is blocked.
+    stream_blocked: Vec<bool>,
+    permits: usize,
+    /// Kernels that wait for a permit, with their bound.
+    queue: Vec<(i64, u16)>,
+    /// To the merger, if there is one.
+    messages: Option<Sender<Message>>,
+}
+
+/// The meeting place of the kernels of one job.
+pub struct Coordinator {
+    ranks: Ranks,
+    slots: Box<[Slot]>,
+    inner: Mutex<Inner>,
+    /// Time of the stop, read by running kernels once per block.
+    stop_t: AtomicI64,
+    /// Counts when a resume begins to change a bound and when it has.
+    resumes: AtomicU64,
+    /// Kernels waiting for a permit.
+    waiting_permits: AtomicU32,
+    /// One kernel is all there is: nobody looks at its bound.
+    single: AtomicBool,
+    /// Fewer permits than kernels.
+    limited: bool,
+    /// All kernels share the thread of the master.
+    one_thread: bool,
+    spin: u32,
+    /// Waits to come that sleep at once, because other programs want the processors too. It changes how a kernel waits, never
+    /// what comes out.
+    crowded: AtomicU32,
+}
+
+type Guard<'a> = MutexGuard<'a, Inner>;
+
+impl Inner {
+    fn send(&self, message: Message) {
+        if let Some(messages) = &self.messages {
+            let _ = messages.send(message);
+        }
+    }
+}
+
+impl Coordinator {
+    /// For these channels, of which `threads` may run at once (0 = all).
+    pub fn new(ranks: Ranks, threads: usize, shared: Shared, waits: Waits, messages: Option<Sender<Message>>) -> Self {
+        let kernels = ranks.count();
+        let permits = if threads == 0 { kernels } else { threads.min(kernels) };
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let one_thread = permits <= 1 || cores == 1;
+        // On one thread a kernel runs until it has to wait, so nobody needs a permit.
+        let permits = if one_thread { kernels } else { permits };
+        let slot = || Slot {
+            bound: AtomicI64::new(0),
+            need: AtomicI64::new(i64::MAX),
+            signal: AtomicU32::new(0),
+            asleep: AtomicBool::new(false),
+            condvar: Condvar::new(),
+        };
+        Self {
+            slots: (0..kernels).map(|_| slot()).collect(),
+            inner: Mutex::new(Inner {
+                order: Order::new(ranks.clone(), shared, waits),
+                flushed: vec![false; kernels],
+                stream_blocked: vec![false; kernels],
+                permits,
+                queue: Vec::new(),
+                messages,
+            }),
+            ranks,
+            stop_t: AtomicI64::new(i64::MAX),
+            resumes: AtomicU64::new(0),
+            waiting_permits: AtomicU32::new(0),
+            single: AtomicBool::new(false),
+            limited: permits < kernels,
+            one_thread,
+            spin: if one_thread { 0 } else { sleep::TURNS },
+            crowded: AtomicU32::new(0),
+        }
+    }
+
+    /// Only one kernel is going to run.
+    pub fn set_single(&self) {
+        self.single.store(true, Relaxed);
+    }
+
+    /// Whether only one kernel runs.
+    pub fn is_single(&self) -> bool {
+        self.single.load(Relaxed)
+    }
+
+    /// All kernels run on the thread of the master, each until it has to wait.
+    pub fn on_one_thread(&self) -> bool {
+        self.one_thread
+    }
+
+    fn slot(&self, rank: u16) -> Option<&Slot> {
+        self.slots.get(self.ranks.index(rank))
+    }
+
+    /// The lock; a poisoned one is taken over, since every change under it is complete.
+    fn lock(&self) -> Guard<'_> {
+        // What is done under the lock is short: trying for a moment is cheaper than letting the system park a thread.
+        for _ in 0..self.spin.min(LOCK_TRIES) {
+            match self.inner.try_lock() {
+                Ok(guard) => return guard,
+                Err(TryLockError::Poisoned(poisoned)) => return poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) => spin_loop(),
+            }
+        }
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The kernel will do nothing before `t`. Returns `false` when the job was stopped before that.
+    #[inline]
+    pub fn publish(&self, rank: u16, t: i64) -> bool {
+        if self.single.load(Relaxed) {
+            return t <= self.stop_t.load(Relaxed);
+        }
+        if let Some(slot) = self.slot(rank) {
+            // Whoever asks at this very moment may see the time before this one, and is answered with the next block.
+            slot.bound.store(t, Release);
+            if t > slot.need.load(Acquire) {
+                let mut inner = self.lock();
+                slot.need.store(i64::MAX, SeqCst);
+                self.settle(&mut inner);
+            }
+        }
+        t <= self.stop_t.load(SeqCst)
+    }
+
+    /// No other kernel will do anything before this time, nor has stopped the job before it; the largest time when
+    /// all the others are done. A kernel that is blocked can only be resumed by this one, so it holds at this one's time.
+    pub fn floor(&self, rank: u16) -> i64 {
+        let least = || {
+            let others = self.slots.iter().zip(self.ranks.numbers()).filter(|(_, other)| **other != rank);
+            let least = others.map(|(slot, _)| slot.bound.load(SeqCst)).min().unwrap_or(i64::MAX);
+            let least = if least == BLOCKED { self.bound(rank) } else { least };
+            // A kernel that has stopped the job is done: the stop is looked at after its bound.
+            least.min(self.stop_t.load(SeqCst))
+        };
+        // Between two looks at the bounds a blocked kernel may have continued after the one that resumed it.
+        let before = self.resumes.load(SeqCst);
+        let floor = least();
+        if before.is_multiple_of(2) && self.resumes.load(SeqCst) == before {
+            return floor;
+        }
+        let _inner = self.lock();
+        least()
+    }
+
+    /// No event of a kernel comes before this time any more, ns.
+    pub fn bound(&self, rank: u16) -> i64 {
+        self.slot(rank).map_or(i64::MAX, |slot| slot.bound.load(SeqCst))
+    }
+
+    /// The files that macros have written, when no kernel runs any more.
+    pub fn written(&self) -> WrittenFiles {
+        self.lock().order.shared.files.take()
+    }
+
+    /// Nothing after this tag belongs to the log.
+    pub fn stop_tag(&self) -> Tag {
+        self.lock().order.stopped().unwrap_or(Tag::END)
+    }
+
+    /// The order and what it keeps, while no kernel needs its turn for that: before the first and after the last of them has
+    /// run, or for what may be done in any order.
+    pub fn unordered<R>(&self, operation: impl FnOnce(&mut Order) -> R) -> R {
+        let mut inner = self.lock();
+        let result = operation(&mut inner.order);
+        self.apply(&mut inner);
+        result
+    }
+
+    /// Lets the order take its next steps.
+    fn settle(&self, inner: &mut Inner) {
+        inner.order.hear(self.slots.iter().map(|slot| slot.bound.load(SeqCst)));
+        let waiting = inner.order.settle();
+        self.apply(inner);
+        let Some(tag) = waiting else { return };
+        // Whoever passes the tag at this very moment sees the need with its next block, or settles when it waits or ends.
+        for slot in inner.order.earlier(tag).filter_map(|index| self.slots.get(index)) {
+            slot.need.fetch_min(tag.t, SeqCst);
+        }
+    }
+
+    /// Does what the order has decided.
+    fn apply(&self, inner: &mut Inner) {
+        let mut effects = inner.order.effects();
+        for effect in effects.drain(..) {
+            match effect {
+                Effect::Bound(rank, t) => self.set_bound(rank, t),
+                Effect::Blocked(rank) => self.stream_blocked(inner, rank),
+                Effect::Woken(rank, tag) => {
+                    let index = self.ranks.index(rank);
+                    if let Some(flushed) = inner.flushed.get_mut(index) {
+                        *flushed = false;
+                    }
+                    let blocked = inner.stream_blocked.get_mut(index).is_some_and(std::mem::take);
+                    if let Some(tag) = tag.filter(|_| blocked) {
+                        inner.send(Message::Resumed(rank, tag));
+                    }
+                    self.signal(rank);
+                }
+                Effect::Stop(tag) => {
+                    self.stop_t.fetch_min(tag.t, SeqCst);
+                    // When a job is aborted, the log ends where its kernels do.
+                    if tag != ABORT {
+                        inner.send(Message::StopAt(tag));
+                    }
+                }
+            }
+        }
+        inner.order.recycle(effects);
+    }
+
+    fn set_bound(&self, rank: u16, t: i64) {
+        let Some(slot) = self.slot(rank) else { return };
+        if slot.bound.load(SeqCst) == BLOCKED {
+            self.resumes.fetch_add(1, SeqCst);
+            slot.bound.store(t, SeqCst);
+            self.resumes.fetch_add(1, SeqCst);
+            slot.need.store(i64::MAX, SeqCst);
+        } else {
+            slot.bound.store(t, SeqCst);
+        }
+    }
+
+    /// The kernel is blocked: the merger hears of it once all events up to here are sent.
+    fn stream_blocked(&self, inner: &mut Inner, rank: u16) {
+        let index = self.ranks.index(rank);
+        if inner.flushed.get(index) == Some(&true) {
+            inner.send(Message::Blocked(rank));
+            if let Some(blocked) = inner.stream_blocked.get_mut(index) {
+                *blocked = true;
+            }
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Start and end of a kernel, and the end of the job.
+
+use super::{ABORT, Coordinator};
+use crate::merge::Message;
+use crate::order::Order;
+use crate::waits::{Finish, Terminal};
+
+impl Coordinator {
+    /// A channel that never runs.
+    pub fn never_started(&self, rank: u16) {
+        let mut inner = self.lock();
+        inner.order.waits.finish(rank, Finish { how: Terminal::NeverStarted, file: 0, line: 0 });
+        inner.order.done(rank);
+        self.apply(&mut inner);
+        inner.send(Message::Done(rank));
+    }
+
+    /// The kernel is finished, and all its events are sent. `last` is done before: its end may concern others.
+    pub fn done(&self, rank: u16, last: impl FnOnce(&mut Order)) {
+        let mut inner = self.lock();
+        inner.send(Message::Done(rank));
+        last(&mut inner.order);
+        inner.order.done(rank);
+        if self.limited {
+            self.release_permit(&mut inner);
+        }
+        self.settle(&mut inner);
+    }
+
+    /// Stops the job wherever it is (cancel, full log): whoever asked has cut the log.
+    pub fn abort(&self) {
+        let mut inner = self.lock();
+        inner.order.stop(ABORT);
+        self.apply(&mut inner);
+    }
+}

@@ -1,0 +1,91 @@
+//! How a kernel waits for another one: spinning, giving the processor away, sleeping.
+//!
+//! Invariant: signals are given under the coordinator's lock, so none is lost between the last look and the sleep.
+
+use std::time::{Duration, Instant};
+
+use super::primitives::atomic::Ordering::{Relaxed, SeqCst};
+use super::primitives::{PoisonError, spin_loop, yield_now};
+use super::switch::{Pause, Switch};
+use super::{Coordinator, Guard, Slot};
+
+/// Looks at the signal before the processor is given away.
+pub(super) const TURNS: u32 = if cfg!(all(test, feature = "shuttle")) { 2 } else { 150 };
+
+/// Turns of the processor given away before a waiting thread is put to sleep.
+const YIELDS: u32 = if cfg!(all(test, feature = "shuttle")) { 1 } else { 300 };
+
+/// A turn given away that takes longer was used by another program.
+const SLICE: Duration = Duration::from_micros(200);
+
+/// Waits after such a turn that sleep at once.
+const CROWDED_WAITS: u32 = 256;
+
+/// Turns after which a kernel that waits looks again how far the others are: looking slows them down.
+const LOOK_EVERY: u32 = 64;
+
+impl Coordinator {
+    pub(super) fn signal(&self, rank: u16) {
+        if let Some(slot) = self.slot(rank) {
+            slot.signal.fetch_add(1, SeqCst);
+            if slot.asleep.swap(false, SeqCst) {
+                slot.condvar.notify_one();
+            }
+        }
+    }
+
+    /// Sleeps until a signal, or runs other kernels meanwhile.
+    pub(super) fn sleep<'a>(&'a self, rank: u16, inner: Guard<'a>, switch: Switch<'_>) -> Guard<'a> {
+        let Some(slot) = self.slot(rank) else { return inner };
+        slot.asleep.store(true, SeqCst);
+        match switch {
+            Switch::Thread => slot.condvar.wait(inner).unwrap_or_else(PoisonError::into_inner),
+            Switch::Coroutine(yielder) => {
+                drop(inner);
+                yielder.suspend(Pause::Sleep);
+                self.lock()
+            }
+        }
+    }
+
+    /// The kernel waits for a signal that has not come yet.
+    pub fn sleeps(&self, rank: u16) -> bool {
+        self.slot(rank).is_some_and(|slot| slot.asleep.load(SeqCst))
+    }
+
+    /// Does the work that there is (`true`: with a look at how far the others are) and spins, until the signal comes or the
+    /// patience is over.
+    pub(super) fn spin_for_signal(&self, slot: &Slot, seen: u32, mut work: impl FnMut(bool) -> bool) {
+        let signalled = || slot.signal.load(SeqCst) != seen;
+        for turn in 0..self.spin {
+            while !signalled() && work(turn % LOOK_EVERY == LOOK_EVERY - 1) {}
+            if signalled() {
+                return;
+            }
+            spin_loop();
+        }
+        self.give_way(signalled);
+    }
+
+    /// Gives the processor to whoever has work (the merger, most of all) for a while, until `over`, before the thread is put
+    /// to sleep. Where others want the processors too, a thread that gives way loses a whole time slice, and one that
+    /// sleeps is woken at once: then it sleeps.
+    fn give_way(&self, over: impl Fn() -> bool) {
+        let crowded = self.crowded.load(Relaxed);
+        if crowded > 0 {
+            self.crowded.store(crowded - 1, Relaxed);
+            return;
+        }
+        for _ in 0..YIELDS {
+            if over() {
+                return;
+            }
+            let before = Instant::now();
+            yield_now();
+            if before.elapsed() > SLICE {
+                self.crowded.store(CROWDED_WAITS, Relaxed);
+                return;
+            }
+        }
+    }
+}

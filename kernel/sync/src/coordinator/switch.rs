@@ -1,0 +1,115 @@
+//! How a kernel waits for others: on a thread of its own, which sleeps, or as one of several on a thread, which runs
+//! another one meanwhile.
+//!
+//! Invariant: a kernel that waits holds no lock.
+
+use std::ops::Deref;
+
+use corosensei::Yielder;
+
+use super::turn::{Met, Turn, Waiter};
+use super::{Coordinator, Stopped};
+use crate::order::Wake;
+use crate::tag::Tag;
+use crate::waits::Waiting;
+
+/// Why a kernel lets its thread run another one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pause {
+    /// It has nothing to do until it is signalled.
+    Sleep,
+    /// It needs an empty chunk, which the merger gives back.
+    Chunk,
+}
+
+/// How a kernel waits.
+#[derive(Clone, Copy)]
+pub enum Switch<'a> {
+    /// Its thread sleeps.
+    Thread,
+    /// Its thread runs another kernel.
+    Coroutine(&'a Yielder<(), Pause>),
+}
+
+/// There is nothing to do meanwhile.
+fn no_work<S>(_: &mut S, _: bool) -> bool {
+    false
+}
+
+/// The coordinator as one kernel reaches it.
+#[derive(Clone, Copy)]
+pub struct Port<'a> {
+    core: &'a Coordinator,
+    switch: Switch<'a>,
+}
+
+impl Deref for Port<'_> {
+    type Target = Coordinator;
+
+    fn deref(&self) -> &Coordinator {
+        self.core
+    }
+}
+
+impl<'a> Port<'a> {
+    /// The coordinator for a kernel that waits in this way.
+    pub fn new(core: &'a Coordinator, switch: Switch<'a>) -> Self {
+        Self { core, switch }
+    }
+
+    /// Waits until an operation at this tag is next. `flush` sends the events so far, if that takes long.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the job was stopped before this tag.
+    pub fn enter<S>(self, tag: Tag, state: &mut S, flush: impl FnOnce(&mut S)) -> Result<Turn<'a>, Stopped> {
+        self.core.enter(tag, self.waiter(tag.rank, state, flush, no_work::<S>))
+    }
+
+    /// Waits until another kernel resumes this one, which is blocked.
+    pub fn wait<S>(self, rank: u16, state: &mut S, flush: impl FnOnce(&mut S)) -> Wake {
+        self.core.wait(self.waiter(rank, state, flush, no_work::<S>))
+    }
+
+    /// Arrives at a wait. `flush` sends the events so far, if nobody comes soon; `work` is done for a moment while this
+    /// thread waits.
+    pub fn meet<S>(
+        self,
+        waiting: Waiting,
+        state: &mut S,
+        flush: impl FnOnce(&mut S),
+        work: impl Fn(&mut S, bool) -> bool,
+    ) -> Met<'a> {
+        let rank = waiting.tag.rank;
+        self.core.meet(waiting, self.waiter(rank, state, flush, work))
+    }
+
+    fn waiter<S, F, W>(self, rank: u16, state: S, flush: F, work: W) -> Waiter<'a, S, F, W> {
+        Waiter { rank, switch: self.switch, state, flush, work }
+    }
+
+    /// Lets all other kernels come up to `tag`, if this one is free to wait.
+    pub fn catch_up(self, tag: Tag) {
+        if self.core.is_free(tag.rank) {
+            let _ = self.enter(tag, &mut (), |()| ());
+        }
+    }
+
+    /// Waits for the merger to give chunks back: `try_now` asks for one, `wait` waits for one on a thread of its own.
+    pub fn wait_chunk<R, S>(
+        self,
+        tag: Tag,
+        source: &mut S,
+        mut try_now: impl FnMut(&mut S) -> Option<R>,
+        wait: impl FnOnce(&mut S) -> R,
+    ) -> R {
+        self.core.away(tag, || match self.switch {
+            Switch::Thread => wait(source),
+            Switch::Coroutine(yielder) => loop {
+                if let Some(chunk) = try_now(source) {
+                    break chunk;
+                }
+                yielder.suspend(Pause::Chunk);
+            },
+        })
+    }
+}

@@ -1,0 +1,184 @@
+//! How a kernel comes to its turn, and how it waits for its partners.
+//!
+//! Invariant: a kernel that sleeps has sent all its events before, so the merger never waits for it; before that it waits for
+//! a moment, since most partners are only a few blocks away.
+
+use std::ops::{Deref, DerefMut};
+
+use super::primitives::atomic::Ordering::SeqCst;
+use super::switch::Switch;
+use super::{Coordinator, Guard, Stopped};
+use crate::order::{Order, Status, Wake};
+use crate::tag::Tag;
+use crate::waits::Waiting;
+
+/// The order while a kernel has its turn, which ends when this is dropped.
+pub struct Turn<'a> {
+    coordinator: &'a Coordinator,
+    rank: u16,
+    inner: Guard<'a>,
+}
+
+impl Deref for Turn<'_> {
+    type Target = Order;
+
+    fn deref(&self) -> &Order {
+        &self.inner.order
+    }
+}
+
+impl DerefMut for Turn<'_> {
+    fn deref_mut(&mut self) -> &mut Order {
+        &mut self.inner.order
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.inner.order.leave(self.rank);
+        self.coordinator.settle(&mut self.inner);
+    }
+}
+
+/// What came of an arrival.
+pub enum Met<'a> {
+    /// The wait is over.
+    Woken(Wake),
+    /// The arrival concerns more than shared state (an alarm, a verdict): the kernel carries it out itself.
+    Turn(Turn<'a>),
+}
+
+/// A kernel that waits.
+pub(super) struct Waiter<'s, S, F, W> {
+    pub(super) rank: u16,
+    pub(super) switch: Switch<'s>,
+    /// What the next two work on.
+    pub(super) state: S,
+    /// Sends the events so far.
+    pub(super) flush: F,
+    /// Does a little work, `true`: with a look at how far the others are; `false` when there is none.
+    pub(super) work: W,
+}
+
+impl Coordinator {
+    /// Waits until this operation is next.
+    ///
+    /// # Errors
+    /// [`Stopped`] when the job was stopped before this tag.
+    pub(super) fn enter<S>(
+        &self,
+        tag: Tag,
+        waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
+    ) -> Result<Turn<'_>, Stopped> {
+        let mut inner = self.lock();
+        inner.order.request(tag, None);
+        self.settle(&mut inner);
+        match self.wake(inner, waiter) {
+            (inner, Wake::Turn) => Ok(Turn { coordinator: self, rank: tag.rank, inner }),
+            _ => Err(Stopped),
+        }
+    }
+
+    /// Arrives at a wait, and waits until the meeting takes place or the kernel has to see to its arrival itself.
+    pub(super) fn meet<S>(
+        &self,
+        waiting: Waiting,
+        waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
+    ) -> Met<'_> {
+        let mut inner = self.lock();
+        let tag = waiting.tag;
+        inner.order.request(tag, Some(waiting));
+        self.settle(&mut inner);
+        match self.wake(inner, waiter) {
+            (inner, Wake::Turn) => Met::Turn(Turn { coordinator: self, rank: tag.rank, inner }),
+            (_, wake) => Met::Woken(wake),
+        }
+    }
+
+    /// Waits until another kernel resumes this one, which is blocked.
+    pub(super) fn wait<S>(
+        &self,
+        waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
+    ) -> Wake {
+        self.wake(self.lock(), waiter).1
+    }
+
+    /// Waits for the answer to a request: looks at once, then for a moment, then sleeps.
+    fn wake<'a, S>(
+        &'a self,
+        mut inner: Guard<'a>,
+        waiter: Waiter<'_, &mut S, impl FnOnce(&mut S), impl Fn(&mut S, bool) -> bool>,
+    ) -> (Guard<'a>, Wake) {
+        let Waiter { rank, switch, state, flush, work } = waiter;
+        if let Some(wake) = inner.order.take_wake(rank) {
+            return (inner, wake);
+        }
+        if self.spin > 0
+            && let Some(slot) = self.slot(rank)
+        {
+            let seen = slot.signal.load(SeqCst);
+            drop(inner);
+            self.spin_for_signal(slot, seen, |look| work(state, look));
+            inner = self.lock();
+            if let Some(wake) = inner.order.take_wake(rank) {
+                return (inner, wake);
+            }
+        }
+        drop(inner);
+        flush(state);
+        inner = self.lock();
+        let index = self.ranks.index(rank);
+        let mut gave_permit = false;
+        loop {
+            if let Some(wake) = inner.order.take_wake(rank) {
+                if let Some(flushed) = inner.flushed.get_mut(index) {
+                    *flushed = false;
+                }
+                // A turn that waits for a permit holds back other turns only, and those who sleep have no permit.
+                if gave_permit {
+                    inner = self.acquire_permit(rank, inner);
+                }
+                return (inner, wake);
+            }
+            if let Some(flushed) = inner.flushed.get_mut(index)
+                && !std::mem::replace(flushed, true)
+                && inner.order.status(rank) == Status::Blocked
+            {
+                self.stream_blocked(&mut inner, rank);
+            }
+            if self.limited && !gave_permit {
+                gave_permit = true;
+                self.release_permit(&mut inner);
+            }
+            inner = self.sleep(rank, inner, switch);
+        }
+    }
+
+    /// Does something that waits for what is outside of the job's order, which is the merger giving chunks back. Meanwhile a
+    /// running kernel acts at `tag` at the earliest, and whoever comes before that may continue, which is what lets the
+    /// merger move on. A kernel that is parked or blocked already keeps its place.
+    pub(super) fn away<R>(&self, tag: Tag, wait: impl FnOnce() -> R) -> R {
+        let mut inner = self.lock();
+        let running = inner.order.is_free(tag.rank);
+        if running {
+            inner.order.away(tag);
+        }
+        if self.limited {
+            self.release_permit(&mut inner);
+        }
+        self.settle(&mut inner);
+        drop(inner);
+        let result = wait();
+        let mut inner = self.acquire_permit(tag.rank, self.lock());
+        if running {
+            inner.order.back(tag.rank);
+            self.settle(&mut inner);
+        }
+        result
+    }
+
+    /// Whether the kernel executes blocks and no answer waits for it.
+    pub(super) fn is_free(&self, rank: u16) -> bool {
+        self.lock().order.is_free(rank)
+    }
+}

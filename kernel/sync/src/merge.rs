@@ -1,0 +1,317 @@
+//! From the kernels' own event streams to the one ordered log.
+//!
+//! Each kernel sends chunks in its own order with a promise `upto`: nothing earlier will follow. An event goes out
+//! when no other stream can still produce an earlier one. Invariant: messages about a stream's state are sent under
+//! the coordinator's lock, so a release is in the queue before anything that the released partner's releaser does
+//! later. A kernel may have only [`CREDIT`] chunks on the way, each with [`TEXTS`]
+//! bytes of text; beyond that it waits for empty ones to come back.
+
+use std::collections::VecDeque;
+
+use crossbeam_channel::{Receiver, Sender, bounded, unbounded};
+
+use crate::sink::Sink;
+use crate::tag::Tag;
+use counterpoint_event::event::{Event, Kind, Phase};
+
+/// Events in a full chunk.
+pub const CHUNK: usize = 512;
+/// Chunks a kernel may have on the way, less when the memory of the job has no room for them.
+const CREDIT: usize = 8;
+/// Bytes of texts after which a chunk goes out though it is not full.
+pub const TEXTS: usize = 32 << 10;
+
+/// What kernels tell the merger.
+pub enum Message {
+    /// Events of a stream, and the promise that later ones are not before `upto`.
+    Chunk {
+        /// Stream.
+        rank: u16,
+        /// Events in order.
+        events: Vec<Event>,
+        /// Promise.
+        upto: Tag,
+    },
+    /// The stream produces nothing until it is resumed.
+    Blocked(u16),
+    /// The stream goes on, not before the tag.
+    Resumed(u16, Tag),
+    /// The stream is complete.
+    Done(u16),
+    /// Nothing after this tag belongs to the log.
+    StopAt(Tag),
+}
+
+/// A kernel's end of the merger.
+pub struct Feeder {
+    /// Number of the channel.
+    pub rank: u16,
+    /// Where the chunks go.
+    pub messages: Sender<Message>,
+    empties: Receiver<Vec<Event>>,
+    made: usize,
+    /// Chunks that it may have.
+    credit: usize,
+}
+
+impl Feeder {
+    /// A chunk to be overwritten, or `None` when the kernel has to wait for one ([`Feeder::wait_empty`]).
+    pub fn try_empty(&mut self) -> Option<Vec<Event>> {
+        if let Ok(chunk) = self.empties.try_recv() {
+            return Some(chunk);
+        }
+        if self.made < self.credit {
+            self.made += 1;
+            return Some(Vec::new());
+        }
+        None
+    }
+
+    /// Waits for a chunk to come back.
+    pub fn wait_empty(&mut self) -> Vec<Event> {
+        self.empties.recv().unwrap_or_default()
+    }
+}
+
+enum State {
+    Active(Tag),
+    Blocked,
+    Done,
+}
+
+struct Stream {
+    rank: u16,
+    chunks: VecDeque<(Vec<Event>, usize)>,
+    state: State,
+    /// The end of the channel is in the log.
+    ended: bool,
+    empties: Sender<Vec<Event>>,
+}
+
+impl Stream {
+    fn head(&self) -> Option<Tag> {
+        let (events, at) = self.chunks.front()?;
+        events.get(*at).map(|e| Tag { t: e.t_ns, micro: e.micro, rank: self.rank })
+    }
+
+    /// No event of this stream that is not yet out is before this tag.
+    fn floor(&self) -> Tag {
+        match (self.head(), &self.state) {
+            (Some(head), _) => head,
+            (None, State::Active(upto)) => *upto,
+            (None, _) => Tag::END,
+        }
+    }
+}
+
+/// The merger: owned by the thread that runs the job.
+pub struct Merger {
+    streams: Vec<Stream>,
+    messages: Receiver<Message>,
+    stop: Tag,
+    /// Number of the next event.
+    pub next_seq: u64,
+    /// Time and micro of the last event out.
+    pub last: (i64, u32),
+    /// How the log ended so far.
+    end: End,
+}
+
+/// Why the merger returned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// All streams are complete.
+    Complete,
+    /// The sink refused events.
+    Refused,
+}
+
+impl Merger {
+    /// A merger for the given ranks, each of which may have so many bytes on the way, a feeder for each, and a sender for messages about streams.
+    pub fn new(ranks: impl Iterator<Item = u16>, room: u64) -> (Self, Vec<Feeder>, Sender<Message>) {
+        let chunk = (CHUNK * size_of::<Event>() + TEXTS) as u64;
+        let credit = usize::try_from(room / chunk).unwrap_or(CREDIT).clamp(2, CREDIT);
+        let (sender, messages) = unbounded();
+        let mut streams = Vec::new();
+        let mut feeders = Vec::new();
+        for rank in ranks {
+            let (back, empties) = bounded(CREDIT);
+            let floor = Tag { t: 0, micro: 0, rank };
+            streams.push(Stream {
+                rank,
+                chunks: VecDeque::with_capacity(CREDIT),
+                state: State::Active(floor),
+                ended: false,
+                empties: back,
+            });
+            feeders.push(Feeder { rank, messages: sender.clone(), empties, made: 0, credit });
+        }
+        (Self { streams, messages, stop: Tag::END, next_seq: 1, last: (0, 0), end: End::Complete }, feeders, sender)
+    }
+
+    /// Channels whose end is in the log.
+    pub fn ended(&self) -> Vec<u16> {
+        self.streams.iter().filter(|s| s.ended).map(|s| s.rank).collect()
+    }
+
+    /// Passes a chunk of the only stream on. Returns `false` when the log takes nothing more.
+    pub fn pass(&mut self, rank: u16, events: &[Event], sink: &mut dyn Sink) -> bool {
+        if self.end == End::Complete {
+            self.end = self.send(rank, events, sink);
+        }
+        self.end == End::Complete
+    }
+
+    /// How the log ended.
+    pub fn end(&self) -> End {
+        self.end
+    }
+
+    /// Hands events that are next in the log to the sink.
+    fn send(&mut self, rank: u16, batch: &[Event], sink: &mut dyn Sink) -> End {
+        if batch.iter().any(|e| matches!(e.kind, Kind::Lifecycle(Phase::ProgramEnd | Phase::Alarmed)))
+            && let Some(stream) = self.stream(rank)
+        {
+            stream.ended = true;
+        }
+        if let Some(last) = batch.last() {
+            self.last = (last.t_ns, last.micro);
+            if !sink.events(self.next_seq, batch) {
+                return End::Refused;
+            }
+        }
+        self.next_seq += batch.len() as u64;
+        End::Complete
+    }
+
+    /// Receives and merges until all streams are complete. After [`End::Refused`] the streams are
+    /// still drained (kernels must come to their end), but nothing more goes to the sink.
+    pub fn run(&mut self, sink: &mut dyn Sink, mut on_stop: impl FnMut()) {
+        while let Ok(message) = self.messages.recv() {
+            self.take(message);
+            while let Ok(message) = self.messages.try_recv() {
+                self.take(message);
+            }
+            self.hand_on(sink, &mut on_stop);
+            if self.streams.iter().all(|s| matches!(s.state, State::Done) && s.chunks.is_empty()) {
+                break;
+            }
+        }
+    }
+
+    /// Takes what has been sent so far and hands on what can be ordered: for kernels that run on this thread in turns.
+    pub fn pump(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
+        let mut any = false;
+        while let Ok(message) = self.messages.try_recv() {
+            self.take(message);
+            any = true;
+        }
+        if any {
+            self.hand_on(sink, on_stop);
+        }
+    }
+
+    /// Hands on what can be ordered; once the sink has refused events, throws it away.
+    fn hand_on(&mut self, sink: &mut dyn Sink, on_stop: impl FnOnce()) {
+        if self.end == End::Complete {
+            self.end = self.emit(sink);
+            if self.end != End::Complete {
+                on_stop();
+            }
+        }
+        if self.end != End::Complete {
+            self.discard();
+        }
+    }
+
+    fn stream(&mut self, rank: u16) -> Option<&mut Stream> {
+        self.streams.iter_mut().find(|s| s.rank == rank)
+    }
+
+    fn take(&mut self, message: Message) {
+        match message {
+            Message::Chunk { rank, events, upto } => {
+                if let Some(stream) = self.stream(rank) {
+                    stream.state = State::Active(upto);
+                    if events.is_empty() {
+                        let _ = stream.empties.try_send(events);
+                    } else {
+                        stream.chunks.push_back((events, 0));
+                    }
+                }
+            }
+            Message::Blocked(rank) => self.set(rank, State::Blocked),
+            Message::Resumed(rank, tag) => self.set(rank, State::Active(tag)),
+            Message::Done(rank) => self.set(rank, State::Done),
+            Message::StopAt(tag) => self.stop = self.stop.min(tag),
+        }
+    }
+
+    fn set(&mut self, rank: u16, state: State) {
+        if let Some(stream) = self.stream(rank) {
+            stream.state = state;
+        }
+    }
+
+    fn discard(&mut self) {
+        for stream in &mut self.streams {
+            while let Some((events, _)) = stream.chunks.pop_front() {
+                recycle(stream, events);
+            }
+        }
+    }
+
+    /// Sends out everything that can be ordered now.
+    fn emit(&mut self, sink: &mut dyn Sink) -> End {
+        loop {
+            let Some(index) = (0..self.streams.len())
+                .filter(|&i| self.streams.get(i).is_some_and(|s| s.head().is_some()))
+                .min_by_key(|&i| self.streams.get(i).map(Stream::floor))
+            else {
+                return End::Complete;
+            };
+            let bound = self
+                .streams
+                .iter()
+                .enumerate()
+                .filter(|&(i, _)| i != index)
+                .map(|(_, s)| s.floor())
+                .min()
+                .unwrap_or(Tag::END);
+            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            if stream.floor() > self.stop {
+                // Everything left is after the stop.
+                for stream in &mut self.streams {
+                    while let Some((events, _)) = stream.chunks.pop_front() {
+                        recycle(stream, events);
+                    }
+                }
+                return End::Complete;
+            }
+            let (rank, stop) = (stream.rank, self.stop);
+            let Some((events, at)) = stream.chunks.pop_front() else { return End::Complete };
+            let rest = events.get(at..).unwrap_or_default();
+            let run = rest
+                .iter()
+                .position(|e| {
+                    let tag = Tag { t: e.t_ns, micro: e.micro, rank };
+                    tag > bound || tag > stop
+                })
+                .unwrap_or(rest.len());
+            let end = self.send(rank, rest.get(..run).unwrap_or_default(), sink);
+            let Some(stream) = self.streams.get_mut(index) else { return End::Complete };
+            if at + run >= events.len() {
+                recycle(stream, events);
+            } else {
+                stream.chunks.push_front((events, at + run));
+            }
+            if end != End::Complete || run == 0 {
+                return end;
+            }
+        }
+    }
+}
+
+fn recycle(stream: &Stream, events: Vec<Event>) {
+    let _ = stream.empties.try_send(events);
+}

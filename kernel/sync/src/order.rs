@@ -1,0 +1,366 @@
+//! The order in which kernels act on what they share: the rules, without threads.
+//!
+//! A kernel asks for an operation with its tag and gets its turn when no other kernel can act before that tag any more.
+//! Operations go in, [`Effect`]s come out: which kernels continue and how far each has come. Nothing here locks, waits or
+//! signals; that is the coordinator's business.
+//!
+//! Invariants: operations take their turns in ascending order of their tags; one kernel has the turn at a time; a kernel that
+//! waits is woken once for each wait. Facts: reference channel-synchronisation.md 1.1, 2.3.
+
+pub mod arrive;
+#[cfg(test)]
+mod explore;
+
+use crate::ranks::Ranks;
+use crate::shared::Shared;
+use crate::tag::Tag;
+use crate::waits::{Arrival, Set, Waiting, Waits};
+
+/// Bound of a kernel that is blocked at a wait.
+pub const BLOCKED: i64 = i64::MAX - 1;
+/// Bound of a kernel that is done.
+pub const DONE: i64 = i64::MAX;
+
+/// What a kernel is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// Executing blocks; it acts at its bound at the earliest.
+    Running,
+    /// Asks for an operation.
+    Parked(Tag),
+    /// Waits for something outside of the job's order and acts at this tag at the earliest.
+    Away(Tag),
+    /// Waits for a partner.
+    Blocked,
+    /// Finished in whatever way.
+    Done,
+}
+
+/// Why a wait of a kernel is over.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wake {
+    /// The operation that it asked for is next: it has the turn.
+    Turn,
+    /// Its partners have arrived; continue at this tag.
+    Released {
+        /// Where to continue.
+        tag: Tag,
+        /// Ordinal of the meeting.
+        meeting: u64,
+        /// Every kernel that is not done took part, so nobody acts before the tag.
+        all: bool,
+    },
+    /// The control raised an alarm for this wait.
+    Alarm {
+        /// When.
+        tag: Tag,
+        /// Text of the alarm.
+        text: String,
+    },
+    /// No kernel is left that could end this wait.
+    Over,
+    /// The job was stopped.
+    Stopped,
+}
+
+/// What an operation changed for the kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// The kernel acts at this time at the earliest ([`BLOCKED`], [`DONE`]).
+    Bound(u16, i64),
+    /// Another kernel carried out the arrival of this one, which is blocked now.
+    Blocked(u16),
+    /// The wait of the kernel is over; a blocked one continues at the tag.
+    Woken(u16, Option<Tag>),
+    /// Nothing after this tag happens.
+    Stop(Tag),
+}
+
+/// A kernel as the order knows it.
+#[derive(Debug, Clone)]
+struct Seat {
+    status: Status,
+    /// It acts at this time at the earliest.
+    bound: i64,
+    /// Its bound when it was blocked.
+    since: i64,
+    /// The arrival that it asks for.
+    arriving: Option<Waiting>,
+    wake: Option<Wake>,
+}
+
+/// The kernels of a job and what they share.
+#[derive(Debug, Clone)]
+pub struct Order {
+    ranks: Ranks,
+    seats: Vec<Seat>,
+    /// The kernel that has the turn.
+    acting: Option<u16>,
+    stop: Option<Tag>,
+    /// Meetings so far.
+    pub meetings: u64,
+    /// A verdict has been given.
+    pub judged: bool,
+    /// Variables, spindles and files that the kernels share.
+    pub shared: Shared,
+    /// Waits of all kernels.
+    pub waits: Waits,
+    effects: Vec<Effect>,
+}
+
+impl Order {
+    /// The order of a run that begins.
+    pub fn new(ranks: Ranks, shared: Shared, waits: Waits) -> Self {
+        let seat = || Seat { status: Status::Running, bound: 0, since: 0, arriving: None, wake: None };
+        let seats = (0..ranks.count()).map(|_| seat()).collect();
+        let (acting, stop, effects) = (None, None, Vec::new());
+        Self { ranks, seats, acting, stop, meetings: 0, judged: false, shared, waits, effects }
+    }
+
+    fn seat(&mut self, rank: u16) -> Option<&mut Seat> {
+        self.seats.get_mut(self.ranks.index(rank))
+    }
+
+    /// How far a kernel has come.
+    pub fn status(&self, rank: u16) -> Status {
+        self.seats.get(self.ranks.index(rank)).map_or(Status::Done, |seat| seat.status)
+    }
+
+    /// The last tag of the job, once it has been stopped.
+    pub fn stopped(&self) -> Option<Tag> {
+        self.stop
+    }
+
+    /// What has changed since the last call; give the list back to [`recycle`](Self::recycle).
+    pub fn effects(&mut self) -> Vec<Effect> {
+        std::mem::take(&mut self.effects)
+    }
+
+    /// Keeps the memory of a list of effects.
+    pub fn recycle(&mut self, effects: Vec<Effect>) {
+        if self.effects.is_empty() {
+            self.effects = effects;
+        }
+    }
+
+    /// A running kernel has come so far.
+    pub fn hear(&mut self, bounds: impl Iterator<Item = i64>) {
+        for (seat, bound) in self.seats.iter_mut().zip(bounds) {
+            if seat.status == Status::Running {
+                seat.bound = bound;
+            }
+        }
+    }
+
+    /// A running kernel asks for an operation at this tag, or arrives at a wait. Its next [`Wake`] is the answer.
+    pub fn request(&mut self, tag: Tag, arriving: Option<Waiting>) {
+        let refused = self.stop.is_some_and(|stop| stop < tag);
+        let Some(seat) = self.seat(tag.rank) else { return };
+        if refused {
+            seat.wake = Some(Wake::Stopped);
+            return;
+        }
+        seat.status = Status::Parked(tag);
+        seat.bound = seat.bound.max(tag.t);
+        seat.arriving = arriving;
+        let bound = seat.bound;
+        self.effects.push(Effect::Bound(tag.rank, bound));
+    }
+
+    /// A running kernel does nothing before this tag until it is [`back`](Self::back).
+    pub fn away(&mut self, tag: Tag) {
+        if let Some(seat) = self.seat(tag.rank) {
+            seat.status = Status::Away(tag);
+        }
+    }
+
+    /// It continues where it was.
+    pub fn back(&mut self, rank: u16) {
+        if let Some(seat) = self.seat(rank).filter(|seat| matches!(seat.status, Status::Away(_))) {
+            seat.status = Status::Running;
+        }
+    }
+
+    /// The answer to a kernel's last request or wait, if it is there.
+    pub fn take_wake(&mut self, rank: u16) -> Option<Wake> {
+        self.seat(rank)?.wake.take()
+    }
+
+    /// The next turn in order, or the end of all waits that nobody is left to end. Gives the tag that cannot have its turn
+    /// yet because running kernels may still act before it.
+    pub fn settle(&mut self) -> Option<Tag> {
+        while self.acting.is_none() {
+            let parked = |seat: &Seat| if let Status::Parked(tag) = seat.status { Some(tag) } else { None };
+            let Some(tag) = self.seats.iter().filter_map(parked).min() else {
+                self.end_hopeless();
+                return None;
+            };
+            if !self.is_next(tag) {
+                return Some(tag);
+            }
+            let waits = &self.waits;
+            let seat = self.seats.get_mut(self.ranks.index(tag.rank))?;
+            let arriving = seat.arriving.take();
+            match arriving.filter(|waiting| waits.is_plain(waiting)) {
+                Some(waiting) => self.arrive_for(waiting),
+                None => {
+                    seat.status = Status::Running;
+                    self.acting = Some(tag.rank);
+                    self.wake(tag.rank, Wake::Turn);
+                }
+            }
+        }
+        None
+    }
+
+    /// No other kernel can act before this tag.
+    fn is_next(&self, tag: Tag) -> bool {
+        self.seats.iter().zip(self.ranks.numbers()).all(|(seat, rank)| {
+            *rank == tag.rank
+                || match seat.status {
+                    Status::Running => seat.bound > tag.t,
+                    Status::Parked(other) | Status::Away(other) => other > tag,
+                    Status::Blocked | Status::Done => true,
+                }
+        })
+    }
+
+    /// Running kernels that may still act before this tag, by index.
+    pub fn earlier(&self, tag: Tag) -> impl Iterator<Item = usize> {
+        let seats = self.seats.iter().zip(self.ranks.numbers()).enumerate();
+        let earlier = move |seat: &Seat| seat.status == Status::Running && seat.bound <= tag.t;
+        seats.filter(move |(_, (seat, rank))| **rank != tag.rank && earlier(seat)).map(|(index, _)| index)
+    }
+
+    /// The kernel executes blocks, has no turn, and no answer waits for it.
+    pub fn is_free(&self, rank: u16) -> bool {
+        let seat = self.seats.get(self.ranks.index(rank));
+        self.acting != Some(rank) && seat.is_some_and(|seat| seat.status == Status::Running && seat.wake.is_none())
+    }
+
+    /// No other kernel runs or is about to act.
+    pub fn alone(&self, rank: u16) -> bool {
+        self.seats
+            .iter()
+            .zip(self.ranks.numbers())
+            .all(|(seat, &other)| other == rank || matches!(seat.status, Status::Blocked | Status::Done))
+    }
+
+    /// The kernel gives its turn back.
+    pub fn leave(&mut self, rank: u16) {
+        if self.acting == Some(rank) {
+            self.acting = None;
+        }
+    }
+
+    /// The kernel waits until another one resumes it.
+    pub fn block(&mut self, rank: u16) {
+        self.rest(rank, Status::Blocked, BLOCKED);
+    }
+
+    /// The kernel is finished.
+    pub fn done(&mut self, rank: u16) {
+        self.leave(rank);
+        self.rest(rank, Status::Done, DONE);
+    }
+
+    fn rest(&mut self, rank: u16, status: Status, bound: i64) {
+        if let Some(seat) = self.seat(rank) {
+            if seat.bound < BLOCKED {
+                seat.since = seat.bound;
+            }
+            (seat.status, seat.bound) = (status, bound);
+            self.effects.push(Effect::Bound(rank, bound));
+        }
+    }
+
+    /// Ends the wait of a blocked kernel.
+    pub fn resume(&mut self, rank: u16, wake: Wake) {
+        if let Some(seat) = self.seat(rank) {
+            let t = match &wake {
+                Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => tag.t,
+                // What it does at its end has its place in the order too.
+                Wake::Turn | Wake::Over | Wake::Stopped if seat.status == Status::Blocked => seat.since,
+                Wake::Turn | Wake::Over | Wake::Stopped => seat.bound,
+            };
+            (seat.status, seat.bound) = (Status::Running, t);
+            self.effects.push(Effect::Bound(rank, t));
+            self.wake(rank, wake);
+        }
+    }
+
+    fn wake(&mut self, rank: u16, wake: Wake) {
+        let tag = match &wake {
+            Wake::Released { tag, .. } | Wake::Alarm { tag, .. } => Some(*tag),
+            Wake::Turn | Wake::Over | Wake::Stopped => None,
+        };
+        if let Some(seat) = self.seat(rank) {
+            seat.wake = Some(wake);
+            self.effects.push(Effect::Woken(rank, tag));
+        }
+    }
+
+    /// Stops the job at `tag`: nothing after it happens. All waits end.
+    pub fn stop(&mut self, tag: Tag) {
+        if self.stop.is_some_and(|stop| stop <= tag) {
+            return;
+        }
+        self.stop = Some(tag);
+        self.effects.push(Effect::Stop(tag));
+        for index in 0..self.seats.len() {
+            let (Some(seat), Some(&rank)) = (self.seats.get_mut(index), self.ranks.numbers().get(index)) else { break };
+            let after = match seat.status {
+                Status::Parked(other) => other > tag,
+                Status::Blocked => true,
+                Status::Running | Status::Away(_) | Status::Done => false,
+            };
+            if after {
+                seat.arriving = None;
+                self.resume(rank, Wake::Stopped);
+            }
+        }
+    }
+
+    /// A meeting takes place; its number.
+    pub fn count_meeting(&mut self, channels: Set) -> u64 {
+        self.shared.met(channels);
+        self.meetings += 1;
+        self.meetings
+    }
+
+    /// A meeting takes place: lets these kernels continue at this time and microstep, but for the one that acts.
+    pub fn release(&mut self, channels: Set, (t, micro): (i64, u32), but: Option<u16>) -> u64 {
+        let meeting = self.count_meeting(channels);
+        let part = |(seat, rank): (&Seat, &u16)| seat.status == Status::Done || channels.has(*rank);
+        let all = self.seats.iter().zip(self.ranks.numbers()).all(part);
+        for channel in channels.iter().filter(|&channel| Some(channel) != but) {
+            self.resume(channel, Wake::Released { tag: Tag { t, micro, rank: channel }, meeting, all });
+        }
+        meeting
+    }
+
+    /// Carries out a plain arrival in place of its kernel.
+    fn arrive_for(&mut self, waiting: Waiting) {
+        let rank = waiting.tag.rank;
+        self.block(rank);
+        match self.waits.arrive(waiting) {
+            Arrival::Released { channels, t, micro } => {
+                self.release(channels, (t, micro), None);
+            }
+            Arrival::Blocked | Arrival::Mismatch { .. } => self.effects.push(Effect::Blocked(rank)),
+        }
+    }
+
+    /// Ends all waits when nothing can happen any more.
+    fn end_hopeless(&mut self) {
+        if !self.seats.iter().all(|seat| matches!(seat.status, Status::Blocked | Status::Done)) {
+            return;
+        }
+        for index in 0..self.seats.len() {
+            let blocked = self.seats.get(index).is_some_and(|seat| seat.status == Status::Blocked);
+            if let Some(&rank) = self.ranks.numbers().get(index).filter(|_| blocked) {
+                self.resume(rank, Wake::Over);
+            }
+        }
+    }
+}

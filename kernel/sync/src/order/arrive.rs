@@ -1,0 +1,92 @@
+//! Arrivals at waits, and the verdict on waits that never end.
+
+use counterpoint_event::event::{Member, Verdict, VerdictKind};
+use counterpoint_event::info::Info;
+
+use super::{Order, Wake};
+use crate::tag::Tag;
+use crate::verdict;
+use crate::waits::{Arrival, Finish, Set, Terminal, Waiting};
+
+/// What the arrival means for the arriving kernel.
+pub enum After {
+    /// It continues at once.
+    Go {
+        /// Time of the release, ns.
+        t: i64,
+        /// Its order at that time.
+        micro: u32,
+        /// Number of the sync point.
+        meeting: u64,
+    },
+    /// It waits, with the verdict if no wait can end any more.
+    Stand(Option<Verdict>),
+    /// The control refuses the wait.
+    Alarm {
+        /// Its text.
+        text: String,
+        /// The verdict, if it is the first one.
+        verdict: Option<Verdict>,
+    },
+}
+
+impl Order {
+    /// The verdict on the channels that can never continue, if that is new.
+    pub fn judge(&mut self, t: i64, info: &Info) -> Option<Verdict> {
+        let dead = self.waits.dead();
+        if self.judged || dead == Set::default() {
+            return None;
+        }
+        self.judged = true;
+        Some(verdict::of(dead, t, &self.waits, info))
+    }
+
+    /// Carries out the arrival of a channel at a wait.
+    pub fn arrive(&mut self, waiting: Waiting, own: Finish, info: &Info) -> After {
+        let tag = waiting.tag;
+        let (file, line) = (waiting.file, waiting.line);
+        match self.waits.arrive(waiting) {
+            Arrival::Released { channels, t, micro } => {
+                let meeting = self.release(channels, (t, micro), Some(tag.rank));
+                After::Go { t, micro, meeting }
+            }
+            Arrival::Blocked => {
+                let verdict = if self.waits.hopeful(tag.rank) { None } else { self.judge(tag.t, info) };
+                self.block(tag.rank);
+                After::Stand(verdict)
+            }
+            Arrival::Mismatch { channels, members, text } => {
+                let own_place = Member { channel: tag.rank, file, line, waiting_for: Vec::new() };
+                let members = members.into_iter().chain([own_place]).collect();
+                refuse(self, channels, members, text, (tag, own))
+            }
+        }
+    }
+}
+
+/// The control refuses to pair waits: all of them alarm.
+fn refuse(
+    order: &mut Order,
+    channels: Set,
+    mut members: Vec<Member>,
+    text: String,
+    (tag, own): (Tag, Finish),
+) -> After {
+    members.sort_by_key(|m| m.channel);
+    for member in &mut members {
+        let own = member.channel;
+        member.waiting_for = channels.iter().filter(|&c| c != own).collect();
+    }
+    let text = format!("PS0160 waiting codes do not match: {text}");
+    for member in members.iter().filter(|m| m.channel != tag.rank) {
+        let finish = Finish { how: Terminal::Alarmed, file: member.file, line: member.line };
+        order.waits.finish(member.channel, finish);
+        let tag = Tag { t: tag.t, micro: tag.micro + 1, rank: member.channel };
+        order.resume(member.channel, Wake::Alarm { tag, text: text.clone() });
+    }
+    order.waits.finish(tag.rank, own);
+    let first = !order.judged;
+    order.judged = true;
+    let verdict = Verdict { kind: VerdictKind::Mismatch, at_ns: tag.t, text: text.clone().into(), members };
+    After::Alarm { text, verdict: first.then_some(verdict) }
+}

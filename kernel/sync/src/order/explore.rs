@@ -1,0 +1,361 @@
+//! Every schedule of two and three kernels: whatever the threads do, operations happen in the order of their tags, the
+//! outcome is the same, and nobody sleeps for ever.
+//!
+//! Kernels are short scripts. Publishing a bound, looking at the need for it, and each access of the coordinator to the
+//! bounds of others are steps of their own, as they are on real threads; what happens under the lock is one step.
+
+use std::collections::{BTreeSet, HashSet};
+use std::fmt::Write as _;
+
+use super::*;
+use crate::waits::{Finish, Spec, Style, Terminal};
+use counterpoint_event::event::Primitive;
+
+/// A step of a script.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Op {
+    /// Blocks that take this time.
+    Run(i64),
+    /// An operation on shared state.
+    Act,
+    /// A wait of all kernels with this code.
+    Meet(u32),
+    /// A wait for the merger.
+    Away,
+    /// An alarm that stops the job.
+    Stop,
+    /// The end of the program, which comes after the script.
+    End,
+}
+
+use Op::{Act, Away, End, Meet, Run, Stop};
+
+/// What a kernel does next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Next {
+    /// Its script.
+    Script,
+    /// It has published its bound and looks at the need.
+    LookAtNeed,
+    /// It waits for an answer to this.
+    Answer(Op),
+    /// It is away.
+    Return,
+    Ended,
+}
+
+#[derive(Debug, Clone)]
+struct Player {
+    script: Vec<Op>,
+    next: Next,
+    /// Time and microstep.
+    clock: (i64, u32),
+    bound: i64,
+    need: i64,
+    /// What became of it.
+    fate: &'static str,
+}
+
+/// What holds the lock does next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Locked {
+    /// Reads the bound of the kernel with this index.
+    Hear(usize),
+    /// Asks the kernel with this index, which acts before the tag.
+    Ask(usize, Tag),
+}
+
+#[derive(Debug, Clone)]
+struct World {
+    order: Order,
+    players: Vec<Player>,
+    /// Bounds as they were read so far.
+    heard: Vec<i64>,
+    locked: Option<Locked>,
+    /// Operations as they were carried out.
+    log: Vec<(Tag, Op)>,
+}
+
+impl World {
+    fn new(scripts: &[&[Op]]) -> Self {
+        let ranks = Ranks::new(1..=scripts.len() as u16);
+        let waits = Waits::new(ranks.clone(), 0);
+        let player = |script: &&[Op]| Player {
+            script: script.iter().rev().copied().collect(),
+            next: Next::Script,
+            clock: (0, 0),
+            bound: 0,
+            need: i64::MAX,
+            fate: "",
+        };
+        Self {
+            order: Order::new(ranks, Shared::default(), waits),
+            players: scripts.iter().map(player).collect(),
+            heard: vec![0; scripts.len()],
+            locked: None,
+            log: Vec::new(),
+        }
+    }
+
+    fn tag(&self, index: usize) -> Tag {
+        let (t, micro) = self.players[index].clock;
+        Tag { t, micro, rank: index as u16 + 1 }
+    }
+
+    fn waiting(&self, index: usize, number: u32) -> Waiting {
+        let parts: Set = (1..=self.players.len() as u16).collect();
+        let spec =
+            Spec { primitive: Primitive::Barrier, letter: 'M', number, named: parts, parts, style: Style::Listed };
+        Waiting { spec, tag: self.tag(index), file: 0, line: 0 }
+    }
+
+    /// Steps that can be taken now.
+    fn choices(&self) -> Vec<usize> {
+        // Whoever holds the lock can always continue; the others only with what needs no lock.
+        let mut choices: Vec<usize> = self.locked.map(|_| self.players.len()).into_iter().collect();
+        choices.extend((0..self.players.len()).filter(|&index| {
+            let player = &self.players[index];
+            let woken = self.order.seats[index].wake.is_some();
+            match player.next {
+                Next::Ended => false,
+                Next::Answer(_) => self.locked.is_none() && woken,
+                Next::Script => self.locked.is_none() || matches!(player.script.last(), Some(Run(_))),
+
+                Next::LookAtNeed => self.locked.is_none() || player.bound <= player.need,
+                Next::Return => self.locked.is_none(),
+            }
+        }));
+        choices
+    }
+
+    fn step(&mut self, choice: usize) {
+        match self.locked {
+            Some(locked) if choice == self.players.len() => self.locked_step(locked),
+            _ => self.player_step(choice),
+        }
+    }
+
+    fn settle(&mut self) {
+        self.apply();
+        self.locked = Some(Locked::Hear(0));
+    }
+
+    fn locked_step(&mut self, locked: Locked) {
+        self.locked = None;
+        match locked {
+            Locked::Hear(index) if index < self.players.len() => {
+                self.heard[index] = self.players[index].bound;
+                self.locked = Some(Locked::Hear(index + 1));
+            }
+            Locked::Hear(_) => {
+                self.order.hear(self.heard.clone().into_iter());
+                let waiting = self.order.settle();
+                self.apply();
+                self.locked = waiting.map(|tag| Locked::Ask(0, tag));
+            }
+            Locked::Ask(index, tag) if index < self.players.len() => {
+                if self.order.earlier(tag).any(|earlier| earlier == index) {
+                    let need = &mut self.players[index].need;
+                    *need = (*need).min(tag.t);
+                }
+                self.locked = Some(Locked::Ask(index + 1, tag));
+            }
+            Locked::Ask(..) => {}
+        }
+    }
+
+    fn apply(&mut self) {
+        for effect in self.order.effects() {
+            if let Effect::Bound(rank, t) = effect {
+                let player = &mut self.players[usize::from(rank) - 1];
+                if player.bound == BLOCKED {
+                    player.need = i64::MAX;
+                }
+                player.bound = t;
+            }
+        }
+    }
+
+    fn player_step(&mut self, index: usize) {
+        let (tag, rank) = (self.tag(index), index as u16 + 1);
+        let player = &mut self.players[index];
+        match player.next {
+            Next::Script => match player.script.pop().unwrap_or(End) {
+                Run(time) => {
+                    player.clock = (player.clock.0 + time, 0);
+                    player.bound = player.clock.0;
+                    player.next = Next::LookAtNeed;
+                }
+                Away => {
+                    player.next = Next::Return;
+                    self.order.away(tag);
+                    self.settle();
+                }
+                op => {
+                    player.next = Next::Answer(op);
+                    let arriving = if let Meet(number) = op { Some(self.waiting(index, number)) } else { None };
+                    self.order.request(tag, arriving);
+                    self.settle();
+                }
+            },
+            Next::LookAtNeed => {
+                player.next = Next::Script;
+                if player.bound > player.need {
+                    player.need = i64::MAX;
+                    self.settle();
+                }
+            }
+            Next::Return => {
+                player.next = Next::Script;
+                self.order.back(rank);
+                self.settle();
+            }
+            Next::Answer(op) => {
+                player.next = Next::Script;
+                match self.order.take_wake(rank).unwrap() {
+                    Wake::Turn => self.act(index, op),
+                    Wake::Released { tag, .. } => self.players[index].clock = (tag.t, tag.micro),
+                    Wake::Over => self.end(index, "over", None),
+                    Wake::Alarm { .. } => self.end(index, "alarm", None),
+                    Wake::Stopped => self.end(index, "stopped", None),
+                }
+            }
+            Next::Ended => {}
+        }
+    }
+
+    fn act(&mut self, index: usize, op: Op) {
+        let (tag, rank) = (self.tag(index), index as u16 + 1);
+        self.log.push((tag, op));
+        match op {
+            Act => self.players[index].clock.1 += 1,
+            Stop => {
+                self.order.stop(tag);
+                return self.end(index, "stopped", None);
+            }
+            Meet(number) => match self.order.waits.arrive(self.waiting(index, number)) {
+                Arrival::Released { channels, t, micro } => {
+                    self.order.release(channels, (t, micro), Some(rank));
+                    self.players[index].clock = (t, micro);
+                }
+                Arrival::Blocked => {
+                    self.order.block(rank);
+                    self.players[index].next = Next::Answer(op);
+                }
+                Arrival::Mismatch { channels, .. } => {
+                    for other in channels.iter().filter(|&other| other != rank) {
+                        let at = Tag { t: tag.t, micro: tag.micro + 1, rank: other };
+                        self.order.resume(other, Wake::Alarm { tag: at, text: String::new() });
+                    }
+                    return self.end(index, "alarm", Some(Terminal::Alarmed));
+                }
+            },
+            End => {
+                self.order.waits.finish(rank, Finish { how: Terminal::Ended, file: 0, line: 0 });
+                return self.end(index, "ended", None);
+            }
+            Run(_) | Away => {}
+        }
+        self.order.leave(rank);
+        self.settle();
+    }
+
+    fn end(&mut self, index: usize, fate: &'static str, how: Option<Terminal>) {
+        let rank = index as u16 + 1;
+        (self.players[index].next, self.players[index].fate) = (Next::Ended, fate);
+        if let Some(how) = how {
+            self.order.waits.finish(rank, Finish { how, file: 0, line: 0 });
+        }
+        self.order.done(rank);
+        self.settle();
+    }
+
+    /// What must not depend on the schedule. After a stop the others get as far as they get: only what is in the log counts.
+    fn outcome(&self) -> String {
+        let mut out = String::new();
+        for (tag, op) in &self.log {
+            let _ = writeln!(out, "{tag:?} {op:?}");
+        }
+        for player in &self.players {
+            let _ = writeln!(out, "{:?} {}", player.clock, player.fate);
+        }
+        out
+    }
+}
+
+/// Tries out all schedules; gives the outcomes and how many states there are.
+fn explore(scripts: &[&[Op]]) -> (BTreeSet<String>, usize) {
+    let (mut seen, mut outcomes) = (HashSet::new(), BTreeSet::new());
+    let mut open = vec![World::new(scripts)];
+    while let Some(world) = open.pop() {
+        if !seen.insert(format!("{world:?}")) {
+            continue;
+        }
+        let choices = world.choices();
+        if choices.is_empty() {
+            let sleeps = world.players.iter().any(|player| player.next != Next::Ended);
+            assert!(!sleeps, "somebody sleeps for ever: {scripts:?}\n{world:#?}");
+            let sorted = world.log.is_sorted_by(|(one, _), (two, _)| one < two);
+            assert!(sorted, "not in order: {scripts:?}\n{:?}", world.log);
+            outcomes.insert(world.outcome());
+        }
+        for choice in choices {
+            let mut next = world.clone();
+            next.step(choice);
+            open.push(next);
+        }
+    }
+    (outcomes, seen.len())
+}
+
+fn one_outcome(scripts: &[&[Op]]) {
+    let (outcomes, states) = explore(scripts);
+    assert!(states > 1);
+    let stops = scripts.iter().any(|script| script.contains(&Stop));
+    if !stops {
+        assert_eq!(outcomes.len(), 1, "{scripts:?}\n{outcomes:#?}");
+        return;
+    }
+    // Up to the stop the operations are the same; afterwards nothing is carried out.
+    let logs: BTreeSet<Vec<&str>> =
+        outcomes.iter().map(|o| o.lines().filter(|l| l.starts_with("Tag")).collect()).collect();
+    assert_eq!(logs.len(), 1, "{scripts:?}\n{outcomes:#?}");
+}
+
+#[test]
+fn all_schedules_of_short_scripts_of_two_kernels() {
+    let steps = [Run(1), Act, Meet(1), Meet(2), Away, Stop];
+    let scripts: Vec<[Op; 2]> = steps.iter().flat_map(|&one| steps.map(|two| [one, two])).collect();
+    for one in &scripts {
+        for two in &scripts {
+            one_outcome(&[one, two]);
+        }
+    }
+}
+
+#[test]
+fn all_schedules_of_longer_scripts_of_two_kernels() {
+    for [one, two] in [
+        [&[Run(1), Act, Run(2), Meet(1), Act][..], &[Run(2), Act, Run(1), Act, Meet(1)][..]],
+        [&[Run(3), Meet(1), Run(1), Meet(2)], &[Meet(1), Run(1), Away, Meet(2), Act]],
+        [&[Act, Run(1), Away, Act, Run(1), Act], &[Run(1), Act, Act, Run(1), Stop]],
+        [&[Meet(1), Meet(1), Act], &[Run(1), Meet(1), Run(1), Meet(1)]],
+        [&[Run(1), Meet(1), Act], &[Run(1), Act, Run(1)]],
+    ] {
+        one_outcome(&[one, two]);
+    }
+}
+
+#[test]
+fn all_schedules_of_three_kernels() {
+    for [one, two, three] in [
+        [&[Run(1), Act][..], &[Run(1), Act][..], &[Act, Run(2)][..]],
+        [&[Meet(1), Act], &[Run(1), Meet(1)], &[Run(2), Meet(1)]],
+        [&[Meet(1)], &[Run(1), Meet(1)], &[Run(1)]],
+        [&[Meet(1)], &[Run(1), Meet(2)], &[Act, Run(1), Meet(1)]],
+        [&[Run(1), Stop], &[Meet(1)], &[Run(2), Act]],
+        [&[Away, Act], &[Run(1), Act], &[Meet(1)]],
+    ] {
+        one_outcome(&[one, two, three]);
+    }
+}

@@ -1,0 +1,108 @@
+//! What all channels of a job share besides waits: common variables and spindles.
+
+use rustc_hash::FxHashMap;
+
+use crate::files::Written;
+use crate::hoard::{Hoard, weight};
+use crate::waits::Set;
+use counterpoint_event::event::Direction;
+use counterpoint_lang::value::Value;
+
+/// Shared state; touched only inside shared operations.
+#[derive(Debug, Clone, Default)]
+pub struct Shared {
+    /// Common variables that have a value.
+    pub variables: FxHashMap<u32, f64>,
+    /// Variables with names that the pre-processors of all channels reach, those that have a value.
+    pub named: FxHashMap<Box<str>, counterpoint_lang::value::Value>,
+    /// Global variables of macros, by index.
+    pub globals: Vec<counterpoint_lang::value::Value>,
+    /// Memory of both.
+    pub hoard: Hoard,
+    /// Files that macros have written.
+    pub files: Written,
+    /// Spindles by index of the machine's list.
+    pub spindles: Vec<Spindle>,
+}
+
+/// Commanded state of a spindle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Direction of rotation.
+    pub direction: Direction,
+    /// Constant surface speed is on.
+    pub css: bool,
+    /// rev/min.
+    pub rpm: f64,
+    /// Surface speed as programmed (m/min or ft/min).
+    pub surface: f64,
+    /// Largest rev/min programmed.
+    pub limit: f64,
+    /// Channel whose X drives constant surface speed.
+    pub driver: u16,
+    /// Radius at which the surface speed counts, 0 = at X.
+    pub radius: f64,
+    /// Angle of the oriented stop, degrees.
+    pub angle: f64,
+}
+
+impl Default for Command {
+    fn default() -> Self {
+        Self {
+            direction: Direction::Off,
+            css: false,
+            rpm: 0.0,
+            surface: 0.0,
+            limit: f64::INFINITY,
+            driver: 0,
+            radius: 0.0,
+            angle: 0.0,
+        }
+    }
+}
+
+/// A spindle with its last writer.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Spindle {
+    /// The last command.
+    pub command: Command,
+    /// Speed now, rev/min: under constant surface speed by the X of the channel that commands it.
+    pub now: f64,
+    /// Channel that wrote last and not yet met the others since; 0 = none.
+    pub writer: u16,
+    /// Channels that have met the writer since its write.
+    pub ordered: Set,
+}
+
+impl Shared {
+    /// A meeting orders all earlier commands of the participants before all later ones.
+    pub fn met(&mut self, channels: Set) {
+        for spindle in &mut self.spindles {
+            if channels.has(spindle.writer) {
+                spindle.ordered = Set(spindle.ordered.0 | channels.0);
+            }
+        }
+    }
+}
+
+impl Shared {
+    /// A global variable that all kernels share.
+    pub fn global(&mut self, index: usize, access: &mut dyn FnMut(&mut Value)) {
+        if self.globals.len() <= index {
+            self.globals.resize(index + 1, Value::Unset);
+        }
+        if let Some(value) = self.globals.get_mut(index) {
+            access(value);
+        }
+    }
+
+    /// Counts a change of what all kernels share; true if it has become too much.
+    pub fn grown(&mut self, bytes: usize, limit: u64) -> bool {
+        let Self { hoard, globals, named, files, .. } = self;
+        let bytes_of_files = files.bytes() as u64;
+        hoard.grown(bytes, limit.saturating_sub(bytes_of_files), || {
+            let names: usize = named.keys().map(|name| name.len() + 60).sum();
+            weight(globals.iter().chain(named.values())) + names as u64
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! Who receives what a job logs.
+
+use std::sync::Arc;
+
+use counterpoint_event::event::Event;
+use counterpoint_results::fold::Folds;
+
+/// Text files that macros have written, ascending by path with `/` between parts.
+pub type WrittenFiles = Vec<(String, Arc<str>)>;
+
+/// Receives what a job logs.
+pub trait Sink: Send {
+    /// Results to feed instead of an ordered log, when nobody needs the order between channels: every kernel then
+    /// feeds its own lane on its own thread, nothing is merged, and [`events`](Self::events) is never called.
+    fn folds(&mut self) -> Option<&mut Folds> {
+        None
+    }
+
+    /// The files that macros have written; once, when all kernels have ended.
+    fn files(&mut self, files: WrittenFiles) {
+        let _ = files;
+    }
+
+    /// A batch of events in log order; `first_seq` is the number of the first one (the log counts from 1).
+    /// Returning `false` stops the run (the log cannot be kept, for example the disk is full).
+    fn events(&mut self, first_seq: u64, batch: &[Event]) -> bool;
+}

@@ -1,0 +1,17 @@
+//! The order of everything that channels share: superdense time and rank.
+
+/// `(time, microstep, channel rank)`: shared operations are executed in this order, whatever the threads do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Tag {
+    /// Simulated time, ns.
+    pub t: i64,
+    /// Order among causally related operations of one instant.
+    pub micro: u32,
+    /// Channel number; 0 is the master.
+    pub rank: u16,
+}
+
+impl Tag {
+    /// After everything.
+    pub const END: Self = Self { t: i64::MAX, micro: u32::MAX, rank: u16::MAX };
+}

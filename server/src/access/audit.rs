@@ -1,0 +1,87 @@
+//! The audit log: who called what with which outcome, one JSON object a line.
+//!
+//! Calls that change something and all refused ones are in it; contents of files and tokens never are. Invariant: a
+//! line is written whole before the answer leaves.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+use tonic::Code;
+
+use super::{Caller, Role, calls};
+
+/// The log.
+#[derive(Debug)]
+pub(crate) struct Audit {
+    path: PathBuf,
+    file: Mutex<File>,
+    failed: AtomicBool,
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    time_ms: u128,
+    peer: &'a str,
+    identity: Option<&'a str>,
+    tenant: Option<&'a str>,
+    role: Option<Role>,
+    call: &'a str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    target: &'a str,
+    code: String,
+}
+
+fn open(path: &Path) -> std::io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.append(true).create(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)
+}
+
+impl Audit {
+    /// Appends to a file, which is made if it is not there.
+    pub(crate) fn open(path: &Path) -> std::io::Result<Self> {
+        Ok(Self { path: path.to_owned(), file: Mutex::new(open(path)?), failed: AtomicBool::new(false) })
+    }
+
+    /// Opens the file again, after it has been moved away.
+    pub(crate) fn reopen(&self) -> std::io::Result<()> {
+        *self.file.lock().unwrap_or_else(PoisonError::into_inner) = open(&self.path)?;
+        Ok(())
+    }
+
+    /// Notes a call.
+    pub(crate) fn note(&self, peer: &str, caller: Option<&Caller>, call: &str, code: Code) {
+        let changes = matches!(calls::needs(call), calls::Needs::Role(role) if role > Role::Read);
+        if code == Code::Ok && !changes {
+            return;
+        }
+        let identity = caller.map(|caller| &*caller.identity);
+        let line = Line {
+            time_ms: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis()),
+            peer,
+            identity: identity.map(|identity| identity.name.as_str()),
+            tenant: identity.map(|identity| identity.tenant.as_str()),
+            role: identity.map(|identity| identity.role),
+            call,
+            target: caller.map_or("", Caller::target),
+            code: format!("{code:?}"),
+        };
+        let Ok(mut text) = serde_json::to_vec(&line) else { return };
+        text.push(b'\n');
+        let written = self.file.lock().unwrap_or_else(PoisonError::into_inner).write_all(&text);
+        match written {
+            Ok(()) => self.failed.store(false, Ordering::Relaxed),
+            Err(error) if !self.failed.swap(true, Ordering::Relaxed) => {
+                tracing::error!(%error, file = %self.path.display(), "the audit log cannot be written");
+            }
+            Err(_) => {}
+        }
+    }
+}

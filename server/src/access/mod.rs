@@ -1,0 +1,207 @@
+//! Who may call what: identities with tenant and role, from tokens, signed tokens and client certificates.
+//!
+//! [`Access`] is asked before a call reaches its service. Invariants: a tenant comes from the identity only, never from
+//! a request; a call that the table of [`calls`] does not know is refused; without a file of identities every caller
+//! is the administrator of the tenant `default`, which is allowed on loopback only unless the owner insists.
+
+pub(crate) mod audit;
+pub(crate) mod calls;
+mod file;
+mod jwt;
+mod rate;
+pub mod token;
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
+use std::time::Instant;
+
+use http::HeaderMap;
+use serde::{Deserialize, Serialize};
+use tonic::{Request, Status};
+
+use crate::options::Guard;
+use crate::reason::Refusal;
+use crate::tenant;
+use calls::Needs;
+use file::Known;
+use rate::Rates;
+
+/// What an identity may do; each role may also do what those before it may.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// See jobs, results and machines of its tenant
+    Read,
+    /// Upload files, submit, cancel and delete jobs, put machines
+    Submit,
+    /// Answer the dialogs of jobs
+    Operate,
+    /// Put machines that may start commands of the operating system; look after the server
+    Admin,
+}
+
+impl std::fmt::Display for Role {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Read => "read",
+            Self::Submit => "submit",
+            Self::Operate => "operate",
+            Self::Admin => "admin",
+        })
+    }
+}
+
+/// Who calls.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Identity {
+    pub(crate) name: String,
+    pub(crate) tenant: String,
+    pub(crate) role: Role,
+}
+
+/// An identity within one call, and what the call was about for the audit log.
+#[derive(Debug, Clone)]
+pub(crate) struct Caller {
+    pub(crate) identity: Arc<Identity>,
+    target: Arc<OnceLock<String>>,
+}
+
+impl Caller {
+    fn new(identity: Arc<Identity>) -> Self {
+        Self { identity, target: Arc::default() }
+    }
+
+    /// The caller of a request that has passed [`Access::admit`].
+    pub(crate) fn of<T>(request: &Request<T>) -> Result<Self, Status> {
+        let nobody = || Refusal::Unauthenticated("the call has no identity".to_owned()).into();
+        request.extensions().get().cloned().ok_or_else(nobody)
+    }
+
+    pub(crate) fn tenant(&self) -> &str {
+        &self.identity.tenant
+    }
+
+    /// Notes what the call is about.
+    pub(crate) fn about(&self, target: &str) {
+        let _ = self.target.set(target.to_owned());
+    }
+
+    /// What the call was about; empty if that is not known.
+    pub(crate) fn target(&self) -> &str {
+        self.target.get().map_or("", String::as_str)
+    }
+}
+
+/// Names in the certificate that the client of a connection has shown.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CertificateNames(pub(crate) Arc<[String]>);
+
+/// Signed tokens that have been verified, so that each is verified once.
+type Verified = HashMap<[u8; 32], (Arc<Identity>, u64)>;
+/// Most of them.
+const MOST_VERIFIED: usize = 4096;
+
+/// Decides about calls.
+#[derive(Debug)]
+pub(crate) struct Access {
+    path: Option<PathBuf>,
+    /// `None` = everybody is the administrator.
+    known: RwLock<Option<Arc<Known>>>,
+    verified: Mutex<Verified>,
+    rates: Rates,
+    everybody: Arc<Identity>,
+}
+
+impl Access {
+    /// Reads the file of identities, if there is one.
+    pub(crate) fn open(options: &Guard) -> Result<Self, String> {
+        let path = Some(options.access.clone()).filter(|path| !path.as_os_str().is_empty());
+        let known = path.as_ref().map(|path| Known::read(path).map(Arc::new)).transpose()?;
+        let everybody = Identity { name: "anybody".to_owned(), tenant: tenant::default(), role: Role::Admin };
+        Ok(Self {
+            path,
+            known: RwLock::new(known),
+            verified: Mutex::default(),
+            rates: Rates::new(options.max_calls_per_s),
+            everybody: Arc::new(everybody),
+        })
+    }
+
+    /// Reads the file of identities again; the old ones stay when it has an error.
+    pub(crate) fn reload(&self) -> Result<(), String> {
+        let Some(path) = &self.path else { return Ok(()) };
+        let known = Arc::new(Known::read(path)?);
+        *self.known.write().unwrap_or_else(PoisonError::into_inner) = Some(known);
+        self.verified.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        Ok(())
+    }
+
+    /// Lets a call pass: `None` is a call that needs no identity.
+    pub(crate) fn admit(
+        &self,
+        path: &str,
+        headers: &HeaderMap,
+        names: &CertificateNames,
+    ) -> Result<Option<Caller>, (Option<Caller>, Refusal)> {
+        let needs = calls::needs(path);
+        if needs == Needs::Nothing {
+            return Ok(None);
+        }
+        let identity = self.identify(headers, names).map_err(|refusal| (None, refusal))?;
+        let caller = Caller::new(identity);
+        let role = match needs {
+            Needs::Role(role) => role,
+            // Answered by the service that does not know it.
+            _ => Role::Read,
+        };
+        if caller.identity.role < role {
+            let refusal = Refusal::PermissionDenied(format!("the call needs the role '{role}'"));
+            return Err((Some(caller), refusal));
+        }
+        match self.rates.take(&caller.identity, Instant::now()) {
+            Ok(()) => Ok(Some(caller)),
+            Err(wait) => Err((Some(caller), Refusal::RateLimited(wait))),
+        }
+    }
+
+    /// Who calls: a token says more than the certificate of the connection.
+    fn identify(&self, headers: &HeaderMap, names: &CertificateNames) -> Result<Arc<Identity>, Refusal> {
+        let Some(known) = self.known.read().unwrap_or_else(PoisonError::into_inner).clone() else {
+            return Ok(self.everybody.clone());
+        };
+        let refuse = |text: &str| Refusal::Unauthenticated(text.to_owned());
+        let Some(header) = headers.get(http::header::AUTHORIZATION) else {
+            return known.certificate(&names.0).ok_or_else(|| {
+                refuse("the call needs a token (metadata 'authorization: Bearer TOKEN') or a known client certificate")
+            });
+        };
+        let text = header.to_str().map_err(|_| refuse("the authorization is not a text"))?;
+        let token = match text.split_once(' ') {
+            Some((scheme, token)) if scheme.eq_ignore_ascii_case("bearer") => token.trim(),
+            _ => return Err(refuse("the authorization must be 'Bearer TOKEN'")),
+        };
+        match token.split('.').count() {
+            3 => self.signed(&known, token),
+            _ => known.token(token, jwt::now_s()).ok_or_else(|| refuse("the token is not known, or has expired")),
+        }
+    }
+
+    fn signed(&self, known: &Known, token: &str) -> Result<Arc<Identity>, Refusal> {
+        let digest = token::digest(token);
+        let verified = || self.verified.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((identity, until)) = verified().get(&digest)
+            && jwt::now_s() < *until
+        {
+            return Ok(identity.clone());
+        }
+        let (identity, until) = known.signed(token).map_err(Refusal::Unauthenticated)?;
+        let identity = Arc::new(identity);
+        let mut verified = verified();
+        if verified.len() >= MOST_VERIFIED {
+            verified.clear();
+        }
+        verified.insert(digest, (identity.clone(), until));
+        Ok(identity)
+    }
+}

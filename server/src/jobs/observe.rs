@@ -1,0 +1,45 @@
+//! What is measured when somebody asks for it, and whether the server is ready for jobs.
+//!
+//! Invariant: asking takes no lock for longer than one job's worth.
+
+use std::collections::BTreeMap;
+
+use super::Core;
+use crate::ledger::record::{State, now_ms};
+
+impl Core {
+    /// Sets the gauges.
+    pub(crate) fn observe(&self) {
+        let mut waiting: BTreeMap<String, (i64, i64)> = BTreeMap::new();
+        for live in &self.live {
+            if live.state() == State::Queued {
+                live.peek(|record| {
+                    let (jobs, oldest) = waiting.entry(record.tenant.clone()).or_insert((0, i64::MAX));
+                    *jobs += 1;
+                    *oldest = (*oldest).min(record.submitted_ms);
+                });
+            }
+        }
+        let now = now_ms();
+        let age = |oldest: i64| now.saturating_sub(oldest).max(0) / 1000;
+        self.metrics.queue(waiting.into_iter().map(|(tenant, (jobs, oldest))| (tenant, jobs, age(oldest))));
+        let count = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
+        self.metrics.jobs.running.set(count(*self.running.borrow()));
+        let (watchers, lag) = self.streams.count();
+        self.metrics.watchers.set(count(watchers));
+        self.metrics.lag.set(i64::try_from(lag).unwrap_or(i64::MAX));
+        self.metrics.storage.free_bytes.set(self.host.free().map_or(0, |free| i64::try_from(free).unwrap_or(i64::MAX)));
+        self.metrics.storage.writable.set(i64::from(*self.ledger.writable().borrow()));
+    }
+
+    /// Why no job would be accepted now; `None` if one would be.
+    pub(crate) fn unready(&self) -> Option<String> {
+        if self.drain.begun() {
+            return Some("the server is shutting down".to_owned());
+        }
+        if !*self.ledger.writable().borrow() {
+            return Some("the ledger cannot be written".to_owned());
+        }
+        self.room().err().map(|refusal| refusal.to_string())
+    }
+}

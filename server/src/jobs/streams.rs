@@ -1,0 +1,66 @@
+//! Watches under way: who follows which job, and how far they are.
+//!
+//! Invariant: a watch is listed exactly as long as its [`Listed`] lives.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use dashmap::DashMap;
+
+use super::live::Live;
+
+/// A watch.
+#[derive(Debug)]
+pub(crate) struct Stream {
+    live: Arc<Live>,
+    cursor: AtomicU64,
+}
+
+impl Stream {
+    /// Events of the log that have not been sent.
+    fn lag(&self) -> u64 {
+        self.live.tail.follow().borrow().last_seq.saturating_sub(self.cursor.load(Ordering::Relaxed))
+    }
+}
+
+/// All watches.
+#[derive(Debug, Default)]
+pub(crate) struct Streams {
+    next: AtomicU64,
+    open: DashMap<u64, Arc<Stream>>,
+}
+
+/// A place in the list, left when it is dropped.
+#[derive(Debug)]
+pub(crate) struct Listed {
+    streams: Arc<Streams>,
+    number: u64,
+    stream: Arc<Stream>,
+}
+
+impl Streams {
+    pub(crate) fn list(self: &Arc<Self>, live: Arc<Live>) -> Listed {
+        let number = self.next.fetch_add(1, Ordering::Relaxed);
+        let stream = Arc::new(Stream { live, cursor: AtomicU64::new(0) });
+        self.open.insert(number, stream.clone());
+        Listed { streams: self.clone(), number, stream }
+    }
+
+    /// How many there are, and how many events the slowest is behind.
+    pub(super) fn count(&self) -> (usize, u64) {
+        (self.open.len(), self.open.iter().map(|stream| stream.lag()).max().unwrap_or(0))
+    }
+}
+
+impl Listed {
+    /// Notes how far the watch is.
+    pub(crate) fn reached(&self, cursor: u64) {
+        self.stream.cursor.store(cursor, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        self.streams.open.remove(&self.number);
+    }
+}

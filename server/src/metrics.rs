@@ -1,0 +1,208 @@
+//! What the server counts and measures.
+//!
+//! Invariants: [`TABLE`] names everything that is ever shown (a test compares it with the docs); labels have few values,
+//! so nothing grows with jobs or callers but the list of tenants.
+
+use std::time::Duration;
+
+use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
+use prometheus_client::registry::{Metric, Registry};
+
+/// Name as it is shown, kind, and what it is.
+pub(crate) const TABLE: &[(&str, &str, &str)] = &[
+    ("counterpoint_calls_total", "counter", "Calls answered, by `call` and `code`"),
+    ("counterpoint_call_seconds", "histogram", "Time until a call was answered, of a stream until it began, by `call`"),
+    ("counterpoint_jobs_accepted_total", "counter", "Jobs accepted"),
+    ("counterpoint_jobs_ended_total", "counter", "Jobs ended, by `state`"),
+    ("counterpoint_runs_failed_by_host_total", "counter", "Runs that the host failed; their jobs run again"),
+    (
+        "counterpoint_limits_reached_total",
+        "counter",
+        "Jobs stopped by a limit, by `limit`: wall_ms, max_job_bytes, or job for those of the emulator",
+    ),
+    ("counterpoint_jobs_queued", "gauge", "Jobs that wait, by `tenant`"),
+    (
+        "counterpoint_queue_age_seconds",
+        "gauge",
+        "Time since the acceptance of the job that has waited longest, by `tenant`",
+    ),
+    ("counterpoint_jobs_running", "gauge", "Jobs that run or whose end is being stored"),
+    ("counterpoint_events_total", "counter", "Events of all runs"),
+    ("counterpoint_blocks_total", "counter", "Blocks of runs that are over"),
+    ("counterpoint_watchers", "gauge", "Watches under way"),
+    ("counterpoint_watcher_lag_events", "gauge", "Events that the slowest watch is behind its log"),
+    ("counterpoint_commit_seconds", "histogram", "Time of a commit of the ledger"),
+    ("counterpoint_syncs_total", "counter", "Files and folders made durable"),
+    ("counterpoint_free_bytes", "gauge", "Free bytes on the disk of the data folder"),
+    ("counterpoint_ledger_writable", "gauge", "1 while the ledger can be written, otherwise 0"),
+];
+
+type One = [(&'static str, &'static str); 1];
+type Two = [(&'static str, &'static str); 2];
+type ByTenant = [(&'static str, String); 1];
+
+/// Calls of the contract.
+#[derive(Debug)]
+struct Calls {
+    total: Family<Two, Counter>,
+    seconds: Family<One, Histogram, fn() -> Histogram>,
+}
+
+/// Jobs and their runs.
+#[derive(Debug, Default)]
+pub(crate) struct Jobs {
+    pub(crate) accepted: Counter,
+    ended: Family<One, Counter>,
+    pub(crate) failed_by_host: Counter,
+    limits: Family<One, Counter>,
+    queued: Family<ByTenant, Gauge>,
+    age: Family<ByTenant, Gauge>,
+    pub(crate) running: Gauge,
+    pub(crate) events: Counter,
+    pub(crate) blocks: Counter,
+}
+
+/// What is stored.
+#[derive(Debug)]
+pub(crate) struct Storage {
+    commit_seconds: Histogram,
+    pub(crate) syncs: Counter,
+    pub(crate) free_bytes: Gauge,
+    pub(crate) writable: Gauge,
+}
+
+/// All of it.
+#[derive(Debug)]
+pub(crate) struct Metrics {
+    registry: Registry,
+    calls: Calls,
+    pub(crate) jobs: Jobs,
+    pub(crate) watchers: Gauge,
+    pub(crate) lag: Gauge,
+    pub(crate) storage: Storage,
+}
+
+/// From half a millisecond to 16 s.
+fn times() -> Histogram {
+    Histogram::new(exponential_buckets(0.0005, 2.0, 16))
+}
+
+/// Registers a metric under its name in the table.
+fn register(registry: &mut Registry, name: &str, metric: impl Metric) {
+    let help = TABLE.iter().find(|row| row.0 == name).map_or("", |row| row.2);
+    registry.register(name.strip_suffix("_total").unwrap_or(name), help, metric);
+}
+
+impl Metrics {
+    pub(crate) fn new() -> Self {
+        let seconds = Family::new_with_constructor(times as fn() -> Histogram);
+        let calls = Calls { total: Family::default(), seconds };
+        let jobs = Jobs::default();
+        let storage = Storage {
+            commit_seconds: times(),
+            syncs: Counter::default(),
+            free_bytes: Gauge::default(),
+            writable: Gauge::default(),
+        };
+        let (watchers, lag) = (Gauge::default(), Gauge::default());
+        let mut registry = Registry::default();
+        let all = &mut registry;
+        register(all, "counterpoint_calls_total", calls.total.clone());
+        register(all, "counterpoint_call_seconds", calls.seconds.clone());
+        register(all, "counterpoint_jobs_accepted_total", jobs.accepted.clone());
+        register(all, "counterpoint_jobs_ended_total", jobs.ended.clone());
+        register(all, "counterpoint_runs_failed_by_host_total", jobs.failed_by_host.clone());
+        register(all, "counterpoint_limits_reached_total", jobs.limits.clone());
+        register(all, "counterpoint_jobs_queued", jobs.queued.clone());
+        register(all, "counterpoint_queue_age_seconds", jobs.age.clone());
+        register(all, "counterpoint_jobs_running", jobs.running.clone());
+        register(all, "counterpoint_events_total", jobs.events.clone());
+        register(all, "counterpoint_blocks_total", jobs.blocks.clone());
+        register(all, "counterpoint_watchers", watchers.clone());
+        register(all, "counterpoint_watcher_lag_events", lag.clone());
+        register(all, "counterpoint_commit_seconds", storage.commit_seconds.clone());
+        register(all, "counterpoint_syncs_total", storage.syncs.clone());
+        register(all, "counterpoint_free_bytes", storage.free_bytes.clone());
+        register(all, "counterpoint_ledger_writable", storage.writable.clone());
+        Self { registry, calls, jobs, watchers, lag, storage }
+    }
+
+    /// Counts an answered call; `call` is one of few names.
+    pub(crate) fn call(&self, call: &'static str, code: &'static str, time: Duration) {
+        self.calls.total.get_or_create(&[("call", call), ("code", code)]).inc();
+        self.calls.seconds.get_or_create(&[("call", call)]).observe(time.as_secs_f64());
+    }
+
+    /// Counts the end of a job.
+    pub(crate) fn ended(&self, state: &'static str) {
+        self.jobs.ended.get_or_create(&[("state", state)]).inc();
+    }
+
+    /// Counts a limit that has stopped a job.
+    pub(crate) fn limit(&self, limit: &'static str) {
+        self.jobs.limits.get_or_create(&[("limit", limit)]).inc();
+    }
+
+    /// Measures a commit of the ledger.
+    pub(crate) fn commit(&self, time: Duration) {
+        self.storage.commit_seconds.observe(time.as_secs_f64());
+    }
+
+    /// Sets what waits: tenant, jobs, age of the oldest in seconds. A tenant without jobs is shown no longer.
+    pub(crate) fn queue(&self, tenants: impl Iterator<Item = (String, i64, i64)>) {
+        self.jobs.queued.clear();
+        self.jobs.age.clear();
+        for (tenant, jobs, age_s) in tenants {
+            self.jobs.queued.get_or_create(&[("tenant", tenant.clone())]).set(jobs);
+            self.jobs.age.get_or_create(&[("tenant", tenant)]).set(age_s);
+        }
+    }
+
+    /// All of it as a text that Prometheus reads.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string does not fail.
+        let _ = encode(&mut text, &self.registry);
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn the_docs_list_all_metrics_and_nothing_else() {
+        let docs = include_str!("../../docs/operations.md");
+        let part = docs.split_once("| metric | kind | meaning |").unwrap().1;
+        let rows: Vec<&str> = part.lines().skip(2).take_while(|line| line.starts_with('|')).collect();
+        let row = |(name, kind, help): &(&str, &str, &str)| format!("| `{name}` | {kind} | {help} |");
+        let expected: Vec<String> = TABLE.iter().map(row).collect();
+        assert_eq!(rows, expected, "expected:\n{}", expected.join("\n"));
+    }
+
+    #[test]
+    fn what_is_shown_is_in_the_table() {
+        let metrics = Metrics::new();
+        metrics.call("GetJob", "Ok", Duration::from_millis(3));
+        metrics.ended("SUCCEEDED");
+        metrics.limit("wall_ms");
+        metrics.queue([("a".to_owned(), 3, 7)].into_iter());
+        let text = metrics.text();
+        let shown: BTreeSet<(&str, &str)> =
+            text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' ')).collect();
+        let row =
+            |(name, kind, _): &(&'static str, &'static str, &str)| (name.strip_suffix("_total").unwrap_or(name), *kind);
+        let table: BTreeSet<_> = TABLE.iter().map(row).collect();
+        assert_eq!(shown, table);
+        assert!(text.contains("counterpoint_jobs_queued{tenant=\"a\"} 3"), "{text}");
+        metrics.queue(std::iter::empty());
+        assert!(!metrics.text().contains("tenant=\"a\""), "tenants whose jobs have gone are not shown");
+    }
+}

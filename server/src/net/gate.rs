@@ -1,0 +1,136 @@
+//! What every connection and every call must pass: encryption, identity, audit.
+//!
+//! Invariant: a call reaches its service only after [`Access`] has let it pass.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use http::{Request, Response};
+use hyper::body::Incoming;
+use tonic::body::Body;
+use tonic::{Code, Status};
+
+use super::tls::Tls;
+use crate::access::audit::Audit;
+use crate::access::{Access, Caller, CertificateNames, calls};
+use crate::metrics::Metrics;
+use crate::options::Options;
+
+/// The gate of a server.
+#[derive(Debug)]
+pub(crate) struct Gate {
+    access: Access,
+    audit: Option<Audit>,
+    metrics: Arc<Metrics>,
+    pub(super) tls: Option<Tls>,
+}
+
+impl Gate {
+    /// Reads what the options name, and refuses an address that strangers can reach without protection.
+    pub(crate) fn open(options: &Options, metrics: Arc<Metrics>) -> Result<Self, String> {
+        let guard = &options.guard;
+        let tls = Tls::open(guard)?;
+        let identities = !guard.access.as_os_str().is_empty();
+        if !options.listen.ip().is_loopback() && !guard.insecure && (tls.is_none() || !identities) {
+            return Err(format!(
+                "{} can be reached from other machines: give tls_cert, tls_key and access (docs/security.md), or \
+                 --insecure to let everybody who can reach it do everything",
+                options.listen
+            ));
+        }
+        let audit = match guard.audit.as_os_str().is_empty() {
+            true => None,
+            false => Some(Audit::open(&guard.audit).map_err(|error| format!("'{}': {error}", guard.audit.display()))?),
+        };
+        Ok(Self { access: Access::open(guard)?, audit, metrics, tls })
+    }
+
+    /// Reads files of identities and certificates again, and opens the audit log again. What cannot be read stays as it
+    /// is.
+    pub(crate) fn reload(&self) {
+        let done = |what: &str, result: Result<(), String>| match result {
+            Ok(()) => tracing::info!("{what} read again"),
+            Err(error) => tracing::error!(error, "{what} cannot be read again, the old ones stay"),
+        };
+        done("identities", self.access.reload());
+        if let Some(tls) = &self.tls {
+            done("certificates", tls.reload());
+        }
+        if let Some(Err(error)) = self.audit.as_ref().map(Audit::reopen) {
+            tracing::error!(%error, "the audit log cannot be opened again");
+        }
+    }
+
+    /// Whether connections are encrypted.
+    pub(crate) fn encrypts(&self) -> bool {
+        self.tls.is_some()
+    }
+
+    /// Lets a call pass with its caller, or answers it.
+    pub(super) fn admit(
+        &self,
+        request: &mut Request<Incoming>,
+        peer: SocketAddr,
+        names: &CertificateNames,
+    ) -> Result<Option<Caller>, Response<Body>> {
+        let path = request.uri().path();
+        match self.access.admit(path, request.headers(), names) {
+            Ok(caller) => {
+                if let Some(caller) = &caller {
+                    request.extensions_mut().insert(caller.clone());
+                }
+                Ok(caller)
+            }
+            Err((caller, refusal)) => {
+                let status = Status::from(refusal);
+                self.note(peer, caller.as_ref(), path, status.code());
+                self.metrics.call(calls::name(path), name(status.code()), Duration::ZERO);
+                Err(status.into_http())
+            }
+        }
+    }
+
+    /// Notes the outcome of a call that has passed.
+    pub(super) fn answered(
+        &self,
+        peer: SocketAddr,
+        caller: Option<&Caller>,
+        path: &str,
+        answer: &Response<Body>,
+        time: Duration,
+    ) {
+        let code = answer.headers().get("grpc-status").map_or(Code::Ok, |code| Code::from_bytes(code.as_bytes()));
+        self.metrics.call(calls::name(path), name(code), time);
+        self.note(peer, caller, path, code);
+    }
+
+    fn note(&self, peer: SocketAddr, caller: Option<&Caller>, path: &str, code: Code) {
+        if let Some(audit) = &self.audit {
+            audit.note(&peer.to_string(), caller, path, code);
+        }
+    }
+}
+
+/// Name of a code.
+fn name(code: Code) -> &'static str {
+    match code {
+        Code::Ok => "Ok",
+        Code::Cancelled => "Cancelled",
+        Code::Unknown => "Unknown",
+        Code::InvalidArgument => "InvalidArgument",
+        Code::DeadlineExceeded => "DeadlineExceeded",
+        Code::NotFound => "NotFound",
+        Code::AlreadyExists => "AlreadyExists",
+        Code::PermissionDenied => "PermissionDenied",
+        Code::ResourceExhausted => "ResourceExhausted",
+        Code::FailedPrecondition => "FailedPrecondition",
+        Code::Aborted => "Aborted",
+        Code::OutOfRange => "OutOfRange",
+        Code::Unimplemented => "Unimplemented",
+        Code::Internal => "Internal",
+        Code::Unavailable => "Unavailable",
+        Code::DataLoss => "DataLoss",
+        Code::Unauthenticated => "Unauthenticated",
+    }
+}

@@ -1,0 +1,271 @@
+//! Who may call what: tokens, roles, rates, the audit log, and addresses that strangers can reach.
+
+use std::time::Duration;
+
+use counterpoint_proto::v1;
+use counterpoint_server::access::Role;
+use counterpoint_server::options::{Guard, Options, System};
+use counterpoint_server::service;
+use serde_json::Value;
+use tonic::{Code, Status};
+use tonic_health::pb::HealthCheckRequest;
+use tonic_health::pb::health_client::HealthClient;
+use tonic_types::StatusExt;
+
+use crate::guarded::*;
+use crate::support::*;
+
+#[tokio::test]
+async fn an_address_that_strangers_can_reach_needs_tls_and_identities() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = |guard: Guard| Options { listen: "0.0.0.0:0".parse().unwrap(), guard, ..guarded(folder.path()) };
+    let access = guarded(folder.path()).guard;
+    for guard in [Guard::default(), access.clone()] {
+        let error = service::build(open(guard)).await.unwrap_err().to_string();
+        assert!(error.contains("--insecure") && error.contains("tls_cert"), "{error}");
+    }
+    assert!(!folder.path().join("data").exists(), "nothing is touched before that");
+    let server = service::build(open(Guard { insecure: true, ..Guard::default() })).await.unwrap();
+    assert!(server.handle().url().starts_with("http://0.0.0.0:"));
+    let no_key = Guard { tls_key: "key.pem".into(), ..Guard::default() };
+    assert!(service::build(open(no_key)).await.unwrap_err().to_string().contains("need tls_cert"));
+}
+
+#[tokio::test]
+async fn without_a_file_of_identities_the_caller_on_loopback_is_the_administrator() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(options(folder.path())).await;
+    let anybody = As::new(&server, "whatever");
+    let job = anybody.submit("r", "fanuc-2path-lathe", "EVENTS 3").await.unwrap().job_id;
+    assert_eq!(As::nobody(&server).wait(&job).await.state(), v1::JobState::Succeeded);
+    server.stop().await;
+}
+
+fn refused<T>(answer: Result<T, Status>) -> (Code, String) {
+    answer.map(drop).map_err(|status| (status.code(), reason(&status))).unwrap_err()
+}
+
+#[tokio::test]
+async fn each_role_may_do_what_it_is_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let roles = [Role::Read, Role::Submit, Role::Operate, Role::Admin];
+    let tokens = roles.map(|role| grant(&options, &role.to_string(), "t", role));
+    let server = Server::start(options).await;
+    let [read, submit, operate, admin] = tokens.map(|token| As::new(&server, &token));
+    let denied = (Code::PermissionDenied, "PERMISSION_DENIED".to_owned());
+    let job = submit.submit("r", "fanuc-2path-lathe", "EVENTS 3").await.unwrap().job_id;
+    assert_eq!(read.wait(&job).await.state(), v1::JobState::Succeeded);
+    assert_eq!(read.list().await, std::slice::from_ref(&job));
+    assert_eq!(refused(read.submit("r2", "fanuc-2path-lathe", "EVENTS 3").await), denied);
+    let cancel = v1::CancelJobRequest { job_id: job.clone() };
+    assert_eq!(refused(read.jobs().cancel_job(cancel.clone()).await), denied);
+    assert_eq!(refused(read.jobs().delete_job(v1::DeleteJobRequest { job_id: job.clone() }).await), denied);
+    assert_eq!(refused(read.put_machine("own", "x").await), denied);
+    submit.put_machine("own", "x").await.unwrap();
+    let attend = || {
+        let first = v1::attend_request::Content::JobId(job.clone());
+        tokio_stream::iter([v1::AttendRequest { content: Some(first) }])
+    };
+    assert_eq!(refused(submit.operator().attend(attend()).await), denied);
+    assert_eq!(refused(operate.operator().attend(attend()).await).1, "NOT_ATTENDED");
+    assert_eq!(refused(admin.operator().attend(attend()).await).1, "NOT_ATTENDED");
+    admin.jobs().cancel_job(cancel).await.unwrap();
+
+    let unknown = (Code::Unauthenticated, "UNAUTHENTICATED".to_owned());
+    for stranger in [As::nobody(&server), As::new(&server, ""), As::new(&server, "cpt_00"), As::new(&server, "a.b.c")] {
+        assert_eq!(refused(stranger.jobs().get_job(v1::GetJobRequest { job_id: job.clone() }).await), unknown);
+        assert_eq!(refused(stranger.upload(b"x").await), unknown);
+    }
+    let health = HealthClient::new(server.connection.clone()).check(HealthCheckRequest::default()).await.unwrap();
+    assert_eq!(health.into_inner().status, 1, "health needs no identity");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_revoked_token_is_refused_after_a_reload_and_a_broken_file_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = guarded(folder.path());
+    let (old, access) = (grant(&options, "old", "t", Role::Read), options.guard.access.clone());
+    let server = Server::start(options.clone()).await;
+    let old = As::new(&server, &old);
+    old.list().await;
+    std::fs::write(&access, "[[token]]\nname = 1").unwrap();
+    server.handle.reload();
+    old.list().await;
+    std::fs::write(&access, "").unwrap();
+    let new = grant(&options, "new", "t", Role::Read);
+    server.handle.reload();
+    assert_eq!(refused(old.jobs().list_jobs(v1::ListJobsRequest::default()).await).1, "UNAUTHENTICATED");
+    As::new(&server, &new).list().await;
+    server.stop().await;
+    std::fs::write(&access, "[[token]]\nname = 1").unwrap();
+    let error = service::build(options).await.unwrap_err().to_string();
+    assert!(error.contains("access.toml"), "{error}");
+}
+
+#[tokio::test]
+async fn calls_beyond_the_rate_of_an_identity_are_refused_and_others_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    options.guard.max_calls_per_s = 5;
+    let (one, other) = (grant(&options, "one", "t", Role::Read), grant(&options, "other", "t", Role::Read));
+    let server = Server::start(options).await;
+    let one = As::new(&server, &one);
+    let mut refusals = Vec::new();
+    for _ in 0..100 {
+        refusals.extend(one.jobs().list_jobs(v1::ListJobsRequest::default()).await.err());
+    }
+    let first = refusals.first().expect("a hundred calls take less than nineteen seconds");
+    assert_eq!((first.code(), reason(first).as_str()), (Code::ResourceExhausted, "RATE_LIMITED"));
+    let wait = first.get_error_details().retry_info().unwrap().retry_delay.unwrap();
+    assert!(wait > Duration::ZERO && wait <= Duration::from_millis(200), "{wait:?}");
+    As::new(&server, &other).list().await;
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn the_audit_log_says_who_changed_what_and_who_was_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = guarded(folder.path());
+    let audit = folder.path().join("audit.jsonl");
+    options.guard.audit = audit.clone();
+    let (ci, viewer) = (grant(&options, "ci", "t", Role::Submit), grant(&options, "viewer", "t", Role::Read));
+    let server = Server::start(options).await;
+    let caller = As::new(&server, &ci);
+    let job = caller.submit("r", "fanuc-2path-lathe", "EVENTS 3").await.unwrap().job_id;
+    caller.wait(&job).await;
+    let delete = v1::DeleteJobRequest { job_id: job.clone() };
+    As::new(&server, &viewer).jobs().delete_job(delete.clone()).await.unwrap_err();
+    As::nobody(&server).jobs().delete_job(delete.clone()).await.unwrap_err();
+    std::fs::rename(&audit, folder.path().join("audit.1")).unwrap();
+    server.handle.reload();
+    caller.jobs().delete_job(delete.clone()).await.unwrap();
+    caller.jobs().delete_job(delete).await.unwrap_err();
+    server.stop().await;
+    let read = |name: &str| -> Vec<Value> {
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(!text.contains(&ci), "no token is in it");
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let row = |line: &Value| {
+        let call = line["call"].as_str().unwrap().rsplit('/').next().unwrap().to_owned();
+        format!("{} {} {} {}", line["identity"], call, line["target"], line["code"].as_str().unwrap())
+    };
+    let before: Vec<String> = read("audit.1").iter().map(row).collect();
+    let expected = [
+        format!("\"ci\" Upload \"{}\" Ok", digest(b"EVENTS 3")),
+        format!("\"ci\" SubmitJob \"{job}\" Ok"),
+        "\"viewer\" DeleteJob null PermissionDenied".to_owned(),
+        "null DeleteJob null Unauthenticated".to_owned(),
+    ];
+    assert_eq!(before, expected);
+    let after: Vec<String> = read("audit.jsonl").iter().map(row).collect();
+    assert_eq!(after, [format!("\"ci\" DeleteJob \"{job}\" Ok"), format!("\"ci\" DeleteJob \"{job}\" NotFound")]);
+    let line = &read("audit.jsonl")[0];
+    assert_eq!((&line["tenant"], &line["role"]), (&"t".into(), &"submit".into()));
+    assert!(line["time_ms"].is_u64() && line["peer"].as_str().unwrap().starts_with("127.0.0.1:"));
+}
+
+async fn said(caller: &As, job: &str) -> String {
+    let request = v1::WatchJobRequest { job_id: job.into(), after_seq: 0, level: v1::WatchLevel::Everything.into() };
+    let mut stream = caller.jobs().watch_job(request).await.unwrap().into_inner();
+    let mut text = String::new();
+    while let Some(message) = stream.message().await.unwrap() {
+        if let Some(v1::watch_job_response::Content::Batch(batch)) = message.content {
+            for event in batch.events {
+                if let Some(v1::event::Kind::Diagnostic(diagnostic)) = event.kind {
+                    text += &diagnostic.text;
+                }
+            }
+        }
+    }
+    text
+}
+
+#[tokio::test]
+async fn only_machines_that_an_administrator_has_put_there_may_start_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for allow_system in [false, true] {
+        let data = folder.path().join(allow_system.to_string());
+        std::fs::create_dir(&data).unwrap();
+        let options = Options { system: System { allow_system, ..System::default() }, ..guarded(&data) };
+        let (submit, admin) = (grant(&options, "s", "t", Role::Submit), grant(&options, "a", "t", Role::Admin));
+        let server = Server::start(options).await;
+        let (submit, admin) = (As::new(&server, &submit), As::new(&server, &admin));
+        let own = submit.put_machine("own", "by a submitter").await.unwrap();
+        admin.put_machine("trusted", "by an administrator").await.unwrap();
+        let shipped = "fanuc-2path-lathe";
+        for (machine, allowed) in [("own", false), ("trusted", allow_system), (shipped, allow_system)] {
+            let job = submit.submit(machine, machine, "SYSTEM").await.unwrap().job_id;
+            let expected = if allowed { "allowed" } else { "refused" };
+            assert_eq!(said(&submit, &job).await, expected, "{machine}");
+        }
+        assert_eq!(refused(submit.put_machine("trusted", "replaced").await).1, "PERMISSION_DENIED");
+        // The same files become trusted when an administrator puts them.
+        assert_eq!(admin.put_machine("own", "by a submitter").await.unwrap().revision, own.revision);
+        let job = submit.submit("again", "own", "SYSTEM").await.unwrap().job_id;
+        assert_eq!(said(&submit, &job).await, if allow_system { "allowed" } else { "refused" });
+        server.stop().await;
+    }
+}
+
+#[tokio::test]
+async fn reflection_can_be_switched_off_and_needs_an_identity() {
+    use tonic_reflection::pb::v1::ServerReflectionRequest;
+    use tonic_reflection::pb::v1::server_reflection_client::ServerReflectionClient;
+    use tonic_reflection::pb::v1::server_reflection_request::MessageRequest;
+    let folder = tempfile::tempdir().unwrap();
+    for (reflection, code) in [(true, Code::Ok), (false, Code::Unimplemented)] {
+        let mut options = guarded(folder.path());
+        options.guard.reflection = reflection;
+        let token = grant(&options, "r", "t", Role::Read);
+        let server = Server::start(options).await;
+        let ask = |bearer: Bearer| {
+            let mut client = ServerReflectionClient::with_interceptor(server.connection.clone(), bearer);
+            let message_request = Some(MessageRequest::ListServices(String::new()));
+            let request = ServerReflectionRequest { message_request, ..Default::default() };
+            async move {
+                match client.server_reflection_info(tokio_stream::iter([request])).await {
+                    Ok(mut answer) => {
+                        answer.get_mut().message().await.map_or_else(|status| status.code(), |_| Code::Ok)
+                    }
+                    Err(status) => status.code(),
+                }
+            }
+        };
+        assert_eq!(ask(Bearer(Some(token))).await, code);
+        assert_eq!(ask(Bearer(None)).await, Code::Unauthenticated);
+        server.stop().await;
+    }
+}
+
+/// Every row of the threat model names tests that are there.
+#[test]
+fn the_threat_model_names_its_tests() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = String::new();
+    let mut folders = vec![root.join("src"), root.join("tests")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => sources += &std::fs::read_to_string(path).unwrap(),
+            }
+        }
+    }
+    let text = std::fs::read_to_string(root.join("../docs/security.md")).unwrap();
+    let rows = text.split_once("| who | what |").unwrap().1.lines().skip(2).filter(|line| line.starts_with('|'));
+    let mut count = 0;
+    for row in rows {
+        let tests = row.trim_end_matches(['|', ' ']).rsplit('|').next().unwrap();
+        let names: Vec<&str> = tests.split('`').skip(1).step_by(2).collect();
+        assert!(!names.is_empty(), "no test: {row}");
+        for name in names {
+            assert!(sources.contains(&format!("fn {name}(")), "there is no test {name}");
+            count += 1;
+        }
+    }
+    assert!(count >= 20, "{count}");
+}
